@@ -1,0 +1,1 @@
+"""What people talk to: the HTTP API, the play sessions and the page's files."""

@@ -1,0 +1,1 @@
+"""Learning: the worker, the reward model, the policies and their evaluation."""

@@ -1,0 +1,1 @@
+"""Tril's domain: the game, recordings, rankings, what is stored; no web and no torch."""
