@@ -1,0 +1,237 @@
+"""The learning recipes, as data. A run stores the whole recipe it was made with."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from typing import Any, Literal
+
+from tril.errors import Invalid
+
+
+@dataclass(frozen=True)
+class RewardRecipe:
+    """How the reward model is learned from preference pairs (T-REX, Brown et al. 2019).
+
+    Attributes:
+        method: "paper" scores each snippet pair on its own, one pair per update (T-REX, section 4
+            and its published code); "fast" scores every demonstration frame once per update and
+            builds all snippet sums from prefix sums.
+        learning_rate: Adam's step size.
+        updates: Gradient updates.
+        pairs_per_update: Snippet pairs whose loss one update averages.
+        snippet_min_steps: Shortest snippet, in observations.
+        snippet_max_steps: Longest snippet, in observations, capped at the shorter game of a pair.
+        observation_stride: Every how many-th observation of a snippet is scored.
+        aligned: Whether both snippets of a pair start at the same step. Otherwise the better one
+            starts no earlier than the worse one (T-REX), which by itself makes the learned reward
+            rise with time.
+        ensemble: Number of reward models whose standardised outputs are averaged.
+        folds: Cross-validation folds of demonstrations left out to measure the held-out accuracy;
+            0 leaves the measurement out.
+        weight_decay: L2 penalty.
+    """
+
+    method: Literal["paper", "fast"] = "paper"
+    learning_rate: float = 5e-5
+    updates: int = 30_000
+    pairs_per_update: int = 1
+    snippet_min_steps: int = 50
+    snippet_max_steps: int = 100
+    observation_stride: int = 2
+    aligned: bool = False
+    ensemble: int = 1
+    folds: int = 3
+    weight_decay: float = 0.0
+
+
+@dataclass(frozen=True)
+class PolicyRecipe:
+    """How the imitator is trained by PPO (Schulman et al. 2017) on the learned reward.
+
+    Attributes:
+        network: "nature" is the Atari network of stable-baselines3, "small" two convolutions.
+        reward: "sigmoid" pays sigmoid(R(s')) per step (thesis, section 5.1); "level" pays R(s')
+            scaled so that the worst demonstrations' states pay 0 and the best ones' end 1;
+            "difference" pays the change of that level, so that progress pays and waiting doesn't.
+        death_penalty: Subtracted from the reward of the step in which the player is hit.
+        n_games: Games played side by side.
+        rollout_steps: Steps per game between updates.
+        minibatches: Minibatches per epoch.
+        epochs: Passes over each rollout.
+        learning_rate: Adam's step size.
+        learning_rate_decays: Whether the step size falls linearly to zero.
+        discount: gamma.
+        gae: lambda of generalised advantage estimation.
+        clip: PPO's clip range.
+        entropy: Weight of the entropy bonus.
+        value: Weight of the value loss.
+        gradient_norm: Bound of the gradient's norm.
+        demonstration_share: Share of episodes begun from states of the best demonstrations.
+        warm_start: Whether the policy starts from behaviour cloning of the best demonstrations.
+        start_policy_pull: Initial weight of the KL divergence from the start policy; falls
+            linearly to zero over the training.
+        critic_warm_up_steps: Steps in which only the critic learns.
+        snapshot_steps: Steps after which the policy is kept for choosing the best one; the first
+            of the published work's snapshots comes after 500,000, then every 1,000,000.
+        snapshot_episodes: Games from training starts by which a snapshot's mean predicted return
+            is judged.
+    """
+
+    network: Literal["nature", "small"] = "nature"
+    reward: Literal["sigmoid", "level", "difference"] = "sigmoid"
+    death_penalty: float = 0.0
+    n_games: int = 9
+    rollout_steps: int = 128
+    minibatches: int = 4
+    epochs: int = 4
+    learning_rate: float = 3e-4
+    learning_rate_decays: bool = False
+    discount: float = 0.99
+    gae: float = 0.95
+    clip: float = 0.2
+    entropy: float = 0.01
+    value: float = 0.5
+    gradient_norm: float = 0.5
+    demonstration_share: float = 0.0
+    warm_start: bool = False
+    start_policy_pull: float = 0.0
+    critic_warm_up_steps: int = 0
+    snapshot_steps: tuple[int, ...] = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
+    snapshot_episodes: int = 12
+
+
+@dataclass(frozen=True)
+class CloningRecipe:
+    """How the clone is learned from the perfect demonstrations (Ross and Bagnell 2010).
+
+    Attributes:
+        network: As in PolicyRecipe.
+        learning_rate: Adam's step size.
+        epochs: Most passes over the perfect demonstrations.
+        batch_size: Observations per update.
+        left_out_share: Share of the demonstrations left out for early stopping; 0 turns it off.
+        patience: Epochs without improvement on those after which learning stops.
+    """
+
+    network: Literal["nature", "small"] = "nature"
+    learning_rate: float = 3e-4
+    epochs: int = 60
+    batch_size: int = 64
+    left_out_share: float = 0.17
+    patience: int = 8
+
+
+@dataclass(frozen=True)
+class EvaluationRecipe:
+    """Which games the trained policies play.
+
+    Attributes:
+        start_numbers: Evaluation starts of the headline table.
+        further_start_numbers: Evaluation starts of the means.
+    """
+
+    start_numbers: tuple[int, ...] = (0, 1, 2)
+    further_start_numbers: tuple[int, ...] = tuple(range(3, 23))
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A complete way of learning.
+
+    Attributes:
+        name: ``paper`` or ``fast``.
+        summary: One sentence for people.
+        default_steps: PPO steps offered on the page.
+        ending: Which event ends a training or evaluation game, see tril.game.episode.Ending.
+    """
+
+    name: str
+    summary: str
+    default_steps: int
+    ending: str = "hit"
+    reward: RewardRecipe = field(default_factory=RewardRecipe)
+    policy: PolicyRecipe = field(default_factory=PolicyRecipe)
+    cloning: CloningRecipe = field(default_factory=CloningRecipe)
+    evaluation: EvaluationRecipe = field(default_factory=EvaluationRecipe)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The recipe as JSON-ready data; ``from_dict`` gives it back."""
+        return asdict(self)
+
+
+PAPER = Recipe(
+    name="paper",
+    summary="As published: 30,000 single snippet pairs, sigmoid reward, PPO from scratch.",
+    default_steps=10_000_000,
+)
+
+FAST = Recipe(
+    name="fast",
+    summary="Minutes on a laptop: aligned snippets, reward for progress, a head start by cloning.",
+    default_steps=300_000,
+    reward=RewardRecipe(
+        method="fast",
+        learning_rate=1e-3,
+        updates=200,
+        pairs_per_update=256,
+        snippet_min_steps=20,
+        snippet_max_steps=100,
+        observation_stride=1,
+        aligned=True,
+    ),
+    policy=PolicyRecipe(
+        network="small",
+        reward="level",
+        death_penalty=5.0,
+        n_games=24,
+        epochs=3,
+        demonstration_share=0.25,
+        warm_start=True,
+        start_policy_pull=0.1,
+        critic_warm_up_steps=12_000,
+        snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),
+    ),
+    cloning=CloningRecipe(network="small"),
+)
+
+RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER)}
+
+
+def recipe_named(name: str) -> Recipe:
+    """Look a recipe up; raises Invalid naming the ones there are."""
+    try:
+        return RECIPES[name]
+    except KeyError:
+        raise Invalid(f"There is no recipe {name!r}; choose one of {', '.join(RECIPES)}.") from None
+
+
+def recipe_from_dict(data: dict[str, Any]) -> Recipe:
+    """Rebuild a stored recipe; unknown or missing keys raise Invalid."""
+    try:
+        return Recipe(
+            **{
+                **{key: value for key, value in data.items() if not isinstance(value, dict)},
+                "reward": RewardRecipe(**data["reward"]),
+                "policy": PolicyRecipe(**_tuples(data["policy"])),
+                "cloning": CloningRecipe(**data["cloning"]),
+                "evaluation": EvaluationRecipe(**_tuples(data["evaluation"])),
+            }
+        )
+    except (KeyError, TypeError) as error:
+        raise Invalid(f"This is not a recipe of this version of Tril: {error}.") from error
+
+
+def with_values(recipe: Recipe, values: dict[str, Any]) -> Recipe:
+    """A copy with some values replaced, named by dotted path such as ``policy.learning_rate``."""
+    for path, value in values.items():
+        section, _, name = path.rpartition(".")
+        part = getattr(recipe, section, None) if section else recipe
+        if not is_dataclass(part) or name not in {f.name for f in fields(part)}:
+            raise Invalid(f"A recipe has no value {path!r}.")
+        changed = replace(part, **{name: value})  # type: ignore[type-var]
+        recipe = replace(recipe, **{section: changed}) if section else changed  # type: ignore
+    return recipe
+
+
+def _tuples(values: dict[str, Any]) -> dict[str, Any]:
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}

@@ -1,0 +1,336 @@
+"""The tables. Times are UTC; large arrays are files in the artifact store that rows name."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from enum import StrEnum
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    Boolean,
+    DateTime,
+    Float,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Text,
+    UniqueConstraint,
+)
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+from sqlalchemy.types import TypeDecorator
+
+
+class UTCDateTime(TypeDecorator[datetime]):
+    """A timezone-aware UTC time, also on databases that forget the zone."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Any) -> datetime | None:
+        if value is None:
+            return None
+        if value.tzinfo is None:
+            raise ValueError("Expected a timezone-aware time.")
+        return value.astimezone(UTC)
+
+    def process_result_value(self, value: datetime | None, dialect: Any) -> datetime | None:
+        if value is None:
+            return None
+        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+
+def now() -> datetime:
+    """The present moment, in UTC."""
+    return datetime.now(UTC)
+
+
+class Base(DeclarativeBase):
+    """Base of all tables, with constraint names that migrations can refer to."""
+
+    metadata = MetaData(
+        naming_convention={
+            "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+            "ck": "ck_%(table_name)s_%(constraint_name)s",
+            "fk": "fk_%(table_name)s_%(column_0_N_name)s_%(referred_table_name)s",
+            "pk": "pk_%(table_name)s",
+        }
+    )
+
+
+class Role(StrEnum):
+    """What a player may do; today there is one owner, invited participants come later."""
+
+    OWNER = "owner"
+    RESEARCHER = "researcher"
+    PARTICIPANT = "participant"
+
+
+class Source(StrEnum):
+    """Who played a recording."""
+
+    PERSON = "person"
+    SCRIPTED = "scripted"
+    POLICY = "policy"
+
+
+class RecordingState(StrEnum):
+    """Where a recording stands.
+
+    PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
+    decided; KEPT: in the library.
+    """
+
+    PLAYING = "playing"
+    UNFINISHED = "unfinished"
+    FINISHED = "finished"
+    KEPT = "kept"
+
+
+class Verification(StrEnum):
+    """Whether a replay of the recording gave what was recorded."""
+
+    PENDING = "pending"
+    VERIFIED = "verified"
+    FAILED = "failed"
+
+
+class RunStatus(StrEnum):
+    """Where a run stands. STOPPED: the check of the ranking failed and the run ended there."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    CANCELLING = "cancelling"
+    CANCELLED = "cancelled"
+    STOPPED = "stopped"
+    FAILED = "failed"
+    DONE = "done"
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more happens unless the run is resumed."""
+        return self in {RunStatus.CANCELLED, RunStatus.STOPPED, RunStatus.FAILED, RunStatus.DONE}
+
+
+class PlayerRow(Base):
+    """A person who plays or ranks."""
+
+    __tablename__ = "players"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    name: Mapped[str] = mapped_column(String(80))
+    role: Mapped[str] = mapped_column(String(16))
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class BehaviourRow(Base):
+    """A behaviour (see tril.behaviours.Behaviour). ``target`` is a list of [row, column]."""
+
+    __tablename__ = "behaviours"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    slug: Mapped[str] = mapped_column(String(80), unique=True)
+    name: Mapped[str] = mapped_column(String(120))
+    description: Mapped[str] = mapped_column(Text, default="")
+    target: Mapped[list[list[int]] | None] = mapped_column(JSON(none_as_null=True))
+    ordered: Mapped[bool] = mapped_column(Boolean, default=False)
+    ready_made: Mapped[bool] = mapped_column(Boolean, default=False)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+
+class RecordingRow(Base):
+    """One played episode: its start and the action executed at every frame.
+
+    ``hits`` is a list of [row, column, frame] in order of time; ``ram_hashes`` one digest after
+    every 60th frame; ``n_frames`` the number of actions. Rows are never removed while something
+    names them: deletion sets ``deleted_at``.
+    """
+
+    __tablename__ = "recordings"
+    __table_args__ = (Index("ix_recordings_behaviour_id_state", "behaviour_id", "state"),)
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"))
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    run_id: Mapped[str | None] = mapped_column(ForeignKey("runs.id"), index=True)
+    parent_id: Mapped[int | None] = mapped_column(ForeignKey("recordings.id"))
+    parent_frame: Mapped[int | None] = mapped_column(Integer)
+    source: Mapped[str] = mapped_column(String(16))
+    state: Mapped[str] = mapped_column(String(16))
+    rom_md5: Mapped[str] = mapped_column(String(32))
+    idle_frames: Mapped[int] = mapped_column(Integer)
+    mode: Mapped[int] = mapped_column(Integer, default=0)
+    difficulty: Mapped[int] = mapped_column(Integer, default=0)
+    actions: Mapped[bytes] = mapped_column(LargeBinary, default=b"")
+    n_frames: Mapped[int] = mapped_column(Integer, default=0)
+    ram_hashes: Mapped[list[str]] = mapped_column(JSON, default=list)
+    hits: Mapped[list[list[int]]] = mapped_column(JSON, default=list)
+    shots: Mapped[int] = mapped_column(Integer, default=0)
+    end: Mapped[str | None] = mapped_column(String(16))
+    verification: Mapped[str] = mapped_column(String(16), default=Verification.PENDING)
+    verification_note: Mapped[str] = mapped_column(Text, default="")
+    perfect: Mapped[bool] = mapped_column(Boolean, default=False)
+    notes: Mapped[str] = mapped_column(Text, default="")
+    conditions: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+    deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+
+class GameRow(Base):
+    """A game being played: which process and tab own it, by lease.
+
+    ``epoch`` grows with every change of owner; a commit that carries an older epoch is refused.
+    """
+
+    __tablename__ = "games"
+
+    id: Mapped[str] = mapped_column(String(36), primary_key=True)
+    recording_id: Mapped[int] = mapped_column(ForeignKey("recordings.id"), unique=True)
+    epoch: Mapped[int] = mapped_column(Integer, default=0)
+    owner: Mapped[str] = mapped_column(String(80), default="")
+    tab: Mapped[str] = mapped_column(String(36), default="")
+    lease_expires_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    ended_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+    recording: Mapped[RecordingRow] = relationship(lazy="raise")
+
+
+class RankingRow(Base):
+    """One revision of a behaviour's ranking, kept as it was done.
+
+    ``tiers`` is a list of lists of recording ids, best tier first. ``undo_to`` and ``redo_to``
+    name the revisions whose tiers an undo or redo from here brings back.
+    """
+
+    __tablename__ = "rankings"
+    __table_args__ = (UniqueConstraint("behaviour_id", "revision"),)
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"))
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    revision: Mapped[int] = mapped_column(Integer)
+    tiers: Mapped[list[list[int]]] = mapped_column(JSON)
+    change: Mapped[str] = mapped_column(String(16))
+    undo_to: Mapped[int | None] = mapped_column(Integer)
+    redo_to: Mapped[int | None] = mapped_column(Integer)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class RunRow(Base):
+    """One training of a behaviour. The id is also the job's id.
+
+    ``snapshot`` is {"ranking_revision", "tiers": [[recording ids]], "perfect": [recording ids]},
+    frozen when the run is made (or, with ``example``, once its demonstrations exist). ``recipe``
+    is the full recipe as data. ``outcome`` collects what the pages show when it is done.
+    """
+
+    __tablename__ = "runs"
+
+    id: Mapped[str] = mapped_column(String(36), primary_key=True)
+    behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), index=True)
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    example: Mapped[bool] = mapped_column(Boolean, default=False)
+    recipe_name: Mapped[str] = mapped_column(String(40))
+    recipe: Mapped[dict[str, Any]] = mapped_column(JSON)
+    training_seed: Mapped[int] = mapped_column(Integer)
+    steps: Mapped[int] = mapped_column(Integer)
+    go_on_anyway: Mapped[bool] = mapped_column(Boolean, default=False)
+    snapshot: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+    versions: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
+    status: Mapped[str] = mapped_column(String(16), index=True)
+    stage: Mapped[str] = mapped_column(String(24), default="")
+    stage_done: Mapped[float] = mapped_column(Float, default=0.0)
+    remaining_s: Mapped[float | None] = mapped_column(Float)
+    message: Mapped[str] = mapped_column(Text, default="")
+    worker: Mapped[str] = mapped_column(String(80), default="")
+    heartbeat_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+    outcome: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    started_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+    finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+    deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+
+class MetricRow(Base):
+    """One point of a run's curves: ``values`` by series name at ``step`` of ``stage``."""
+
+    __tablename__ = "metrics"
+    __table_args__ = (UniqueConstraint("run_id", "stage", "step"),)
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"))
+    stage: Mapped[str] = mapped_column(String(24))
+    step: Mapped[int] = mapped_column(Integer)
+    values: Mapped[dict[str, float]] = mapped_column(JSON)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class EvaluationRow(Base):
+    """One evaluation game of a run: which policy, from where, and the recording it left."""
+
+    __tablename__ = "evaluations"
+    __table_args__ = (UniqueConstraint("run_id", "policy", "start_number", "choice"),)
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"))
+    policy: Mapped[str] = mapped_column(String(24))
+    choice: Mapped[str] = mapped_column(String(16))
+    start_number: Mapped[int] = mapped_column(Integer)
+    held_out: Mapped[bool] = mapped_column(Boolean, default=True)
+    recording_id: Mapped[int] = mapped_column(ForeignKey("recordings.id"))
+    predicted_return: Mapped[float | None] = mapped_column(Float)
+    targets: Mapped[int | None] = mapped_column(Integer)
+    strays: Mapped[int | None] = mapped_column(Integer)
+    order_errors: Mapped[int | None] = mapped_column(Integer)
+
+    recording: Mapped[RecordingRow] = relationship(lazy="raise")
+
+
+class ArtifactRow(Base):
+    """A file of a run in the artifact store. ``details`` says what the file shows."""
+
+    __tablename__ = "artifacts"
+    __table_args__ = (UniqueConstraint("run_id", "name"),)
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"))
+    kind: Mapped[str] = mapped_column(String(32))
+    name: Mapped[str] = mapped_column(String(120))
+    path: Mapped[str] = mapped_column(String(400))
+    media_type: Mapped[str] = mapped_column(String(80))
+    size_bytes: Mapped[int] = mapped_column(Integer)
+    details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class ChangeRow(Base):
+    """Something changed; written in the transaction that changed it and read by event streams.
+
+    ``topic`` is the kind of thing ("run", "recording", "ranking", "behaviour", "system"), ``key``
+    its id.
+    """
+
+    __tablename__ = "changes"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    topic: Mapped[str] = mapped_column(String(24))
+    key: Mapped[str] = mapped_column(String(40))
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class ProcessRow(Base):
+    """A live process (server, worker, inference) and when it was last heard of."""
+
+    __tablename__ = "processes"
+
+    name: Mapped[str] = mapped_column(String(80), primary_key=True)
+    kind: Mapped[str] = mapped_column(String(16))
+    details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    heartbeat_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
