@@ -1,1 +1,1 @@
-"""The tril command."""
+"""The ``tril`` command: composes and supervises the other packages."""

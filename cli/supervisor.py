@@ -1,0 +1,192 @@
+"""Keeps a few child processes running: restarts with backoff, passes their output on, stops all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+FIRST_BACKOFF_S = 1.0
+LONGEST_BACKOFF_S = 30.0
+SETTLED_AFTER_S = 60.0
+POLL_S = 0.1
+PARENT_VARIABLE = "TRIL_SUPERVISOR_PID"
+
+
+@dataclass(frozen=True)
+class Child:
+    """What to run: a name for people and the command line."""
+
+    name: str
+    command: Sequence[str]
+
+
+@dataclass
+class _Running:
+    child: Child
+    process: subprocess.Popen[str] | None = None
+    started_at: float = 0.0
+    start_again_at: float = 0.0
+    backoff_s: float = FIRST_BACKOFF_S
+    readers: list[threading.Thread] = field(default_factory=list)
+
+
+class Supervisor:
+    """Starts children and keeps them running until ``stop`` is called.
+
+    A child that ends is started again after a delay that doubles from 1 s to 30 s and falls back
+    to 1 s once the child has run for a minute. Children get a process group of their own, so that
+    Ctrl-C reaches only the supervisor, which ends them in reverse order.
+
+    Args:
+        children: In the order in which they are started.
+        say: Receives one line at a time: the children's output and what the supervisor does.
+        environment: Added to this process's environment for the children.
+        stop_timeout_s: How long a child may take to end before it is killed.
+    """
+
+    def __init__(
+        self,
+        children: Sequence[Child],
+        say: Callable[[str, str], None],
+        environment: Mapping[str, str] | None = None,
+        stop_timeout_s: float = 10.0,
+    ) -> None:
+        self._running = [_Running(child) for child in children]
+        self._say = say
+        self._environment = {
+            **os.environ,
+            **(environment or {}),
+            PARENT_VARIABLE: str(os.getpid()),
+            "PYTHONUNBUFFERED": "1",
+        }
+        self._stop_timeout_s = stop_timeout_s
+        self._stopping = threading.Event()
+
+    def start(self) -> None:
+        """Start every child."""
+        for running in self._running:
+            self._start(running)
+
+    def watch(self) -> None:
+        """Restart what ends, until ``stop`` is called from a signal handler or another thread."""
+        while not self._stopping.wait(POLL_S):
+            for running in self._running:
+                self._look_after(running)
+
+    def is_running(self, name: str) -> bool:
+        """Whether the child of this name runs at the moment."""
+        return any(
+            r.child.name == name and r.process is not None and r.process.poll() is None
+            for r in self._running
+        )
+
+    def request_stop(self) -> None:
+        """Make ``watch`` return."""
+        self._stopping.set()
+
+    @property
+    def stop_requested(self) -> bool:
+        """Whether ``request_stop`` was called."""
+        return self._stopping.is_set()
+
+    def stop(self) -> None:
+        """End every child, last started first: SIGTERM, and SIGKILL after the timeout."""
+        self._stopping.set()
+        for running in reversed(self._running):
+            if running.process is not None and running.process.poll() is None:
+                running.process.terminate()
+        deadline = time.monotonic() + self._stop_timeout_s
+        for running in reversed(self._running):
+            if running.process is None:
+                continue
+            try:
+                running.process.wait(max(0.0, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                self._say("tril", f"{running.child.name} did not stop in time and is ended.")
+            self._end_group(running.process)
+            running.process.wait()
+            for reader in running.readers:
+                reader.join(timeout=1.0)
+
+    def _start(self, running: _Running) -> None:
+        running.started_at = time.monotonic()
+        running.process = subprocess.Popen(
+            list(running.child.command),
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+        reader = threading.Thread(
+            target=self._pass_on, args=(running.child.name, running.process), daemon=True
+        )
+        reader.start()
+        running.readers = [reader]
+
+    def _pass_on(self, name: str, process: subprocess.Popen[str]) -> None:
+        assert process.stdout is not None
+        with process.stdout:
+            for line in process.stdout:
+                self._say(name, line.rstrip())
+
+    def _look_after(self, running: _Running) -> None:
+        process = running.process
+        if process is not None:
+            code = process.poll()
+            if code is None:
+                return
+            if time.monotonic() - running.started_at > SETTLED_AFTER_S:
+                running.backoff_s = FIRST_BACKOFF_S
+            why = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+            self._say(
+                "tril",
+                f"{running.child.name} stopped ({why}); it starts again in "
+                f"{running.backoff_s:.0f} s.",
+            )
+            self._end_group(process)
+            running.process = None
+            running.start_again_at = time.monotonic() + running.backoff_s
+            running.backoff_s = min(LONGEST_BACKOFF_S, running.backoff_s * 2)
+        elif time.monotonic() >= running.start_again_at:
+            self._start(running)
+            self._say("tril", f"{running.child.name} started again.")
+
+    @staticmethod
+    def _end_group(process: subprocess.Popen[str]) -> None:
+        """Kill what is left of a child's process group: itself, or processes that it left."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def end_with_supervisor() -> None:
+    """In a child: end this process (SIGTERM) when its supervisor is gone without a word.
+
+    Does nothing when the process was not started by a supervisor.
+    """
+    expected = os.environ.get(PARENT_VARIABLE)
+    if expected is None or os.getppid() != int(expected):
+        return
+
+    def _watch() -> None:
+        while os.getppid() == int(expected):
+            time.sleep(1.0)
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(10.0)
+        os._exit(1)
+
+    threading.Thread(target=_watch, name="supervisor-watch", daemon=True).start()
+
+
+def tril_command(*arguments: str) -> list[str]:
+    """Command line of another ``tril`` process with this one's interpreter."""
+    return [sys.executable, "-m", "cli.main", *arguments]

@@ -1,0 +1,130 @@
+"""``tril up``: everything a person needs on one machine, supervised."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import threading
+import time
+import webbrowser
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from cli.output import console, plain_errors
+from cli.services import ask_server, bring_up_to_date, server_url
+from cli.supervisor import Child, Supervisor, tril_command
+from tril.errors import TrilError, Unavailable
+from tril.settings import Settings
+
+READY_TIMEOUT_S = 60.0
+
+
+def up(
+    workers: Annotated[int, typer.Option(min=0, help="Training workers to run.")] = 1,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="Port; 0 takes any free one.")
+    ] = None,
+    browser: Annotated[bool, typer.Option(help="Open the page when it is ready.")] = True,
+) -> None:
+    """Start server, worker and inference; print the address; Ctrl-C stops everything."""
+    settings = Settings() if port is None else Settings(port=port)
+    with plain_errors():
+        if settings.port == 0:
+            settings = settings.model_copy(update={"port": _free_port(settings.host)})
+        _check_port(settings)
+        _check_frontend()
+        console.print(f"Data is kept in {escape(str(settings.data))}")
+        bring_up_to_date(settings)
+        _supervise(settings, workers, browser)
+
+
+def _supervise(settings: Settings, workers: int, browser: bool) -> None:
+    names = ["worker"] if workers == 1 else [f"worker-{i}" for i in range(1, workers + 1)]
+    children = [
+        Child("server", tril_command("serve")),
+        Child("inference", tril_command("inference")),
+        *(Child(name, tril_command("worker")) for name in names),
+    ]
+    environment = {"TRIL_PORT": str(settings.port), "TRIL_DATA": str(settings.data)}
+    supervisor = Supervisor(children, _say, environment)
+
+    def _on_signal(_number: int, _frame: Any) -> None:
+        supervisor.request_stop()
+
+    signal.signal(signal.SIGINT, _on_signal)
+    signal.signal(signal.SIGTERM, _on_signal)
+    try:
+        supervisor.start()
+        threading.Thread(
+            target=_announce_when_ready, args=(settings, supervisor, browser), daemon=True
+        ).start()
+        supervisor.watch()
+        console.print("Stopping…")
+    finally:
+        supervisor.stop()
+    console.print("Stopped. Everything is saved.")
+
+
+def _announce_when_ready(settings: Settings, supervisor: Supervisor, browser: bool) -> None:
+    from server.security import address_with_token
+
+    deadline = time.monotonic() + READY_TIMEOUT_S
+    while not supervisor.stop_requested:
+        try:
+            ask_server(settings, timeout_s=1.0)
+            break
+        except TrilError as error:
+            if time.monotonic() > deadline:
+                _say("tril", f"{error} It goes on trying.")
+                deadline = float("inf")
+        time.sleep(0.1)
+    else:
+        return
+    url = address_with_token(settings, server_url(settings))
+    if browser and _has_browser():
+        webbrowser.open(url)
+    console.print("\nTril is ready. Open this address (keep it to yourself, it is the key):")
+    console.print(f"  [bold]{escape(url)}[/]\n", soft_wrap=True)
+
+
+def _has_browser() -> bool:
+    try:
+        controller = webbrowser.get()
+    except webbrowser.Error:
+        return False
+    return not isinstance(controller, webbrowser.GenericBrowser) or controller.name not in {
+        "www-browser", "links", "elinks", "lynx", "w3m",
+    }  # fmt: skip
+
+
+def _check_port(settings: Settings) -> None:
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((settings.host, settings.port))
+        except OSError as error:
+            raise Unavailable(
+                f"Port {settings.port} on {settings.host} can't be used ({error.strerror}). "
+                "If Tril already runs, open its page; else choose another port: "
+                f"TRIL_PORT={settings.port + 1} make run"
+            ) from error
+
+
+def _free_port(host: str) -> int:
+    with socket.socket() as probe:
+        probe.bind((host, 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def _check_frontend() -> None:
+    from server.app import check_frontend
+
+    check_frontend()
+
+
+def _say(name: str, line: str) -> None:
+    console.print(f"[dim]{name:>9} │[/] {escape(line)}", soft_wrap=True)

@@ -1,0 +1,89 @@
+"""The supervisor with real child processes."""
+
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from cli.supervisor import Child, Supervisor
+
+Lines = queue.Queue[tuple[str, str]]
+
+
+def _python(code: str) -> list[str]:
+    return [sys.executable, "-c", code]
+
+
+@contextmanager
+def _supervised(*children: Child, stop_timeout_s: float = 10.0) -> Iterator[tuple[Lines, str]]:
+    lines: Lines = queue.Queue()
+    supervisor = Supervisor(
+        children, lambda name, line: lines.put((name, line)), stop_timeout_s=stop_timeout_s
+    )
+    supervisor.start()
+    watcher = threading.Thread(target=supervisor.watch)
+    watcher.start()
+    try:
+        yield lines, "watching"
+    finally:
+        supervisor.request_stop()
+        watcher.join()
+        supervisor.stop()
+
+
+def _next(lines: Lines, name: str) -> str:
+    while True:
+        source, line = lines.get(timeout=20)
+        if source == name:
+            return line
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+WAITING = "import os, signal; print(os.getpid(), flush=True); signal.pause()"
+
+
+def test_a_killed_child_is_announced_and_started_again() -> None:
+    with _supervised(Child("one", _python(WAITING))) as (lines, _):
+        first = int(_next(lines, "one"))
+        os.kill(first, signal.SIGKILL)
+        assert _next(lines, "tril") == "one stopped (signal SIGKILL); it starts again in 1 s."
+        second = int(_next(lines, "one"))
+        assert second != first
+    assert not _is_alive(second)
+
+
+def test_the_delay_before_a_restart_doubles() -> None:
+    with _supervised(Child("one", _python("raise SystemExit(3)"))) as (lines, _):
+        assert _next(lines, "tril") == "one stopped (exit code 3); it starts again in 1 s."
+        assert _next(lines, "tril") == "one started again."
+        assert _next(lines, "tril") == "one stopped (exit code 3); it starts again in 2 s."
+
+
+def test_stop_ends_children_that_ignore_the_request_and_what_they_left() -> None:
+    stubborn = (
+        "import signal, subprocess, sys, time\n"
+        "signal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
+        "left = subprocess.Popen([sys.executable, '-c', 'import signal; signal.pause()'])\n"
+        "print(left.pid, flush=True)\n"
+        "while True: signal.pause()\n"
+    )
+    with _supervised(Child("one", _python(stubborn)), stop_timeout_s=0.5) as (lines, _):
+        left = int(_next(lines, "one"))
+    with pytest.raises(ProcessLookupError):
+        for _ in range(2000):
+            os.kill(left, 0)
+            threading.Event().wait(0.005)
