@@ -1,0 +1,25 @@
+"""The ``tril`` command."""
+
+from __future__ import annotations
+
+import typer
+
+from cli import services
+from cli.up import up
+
+app = typer.Typer(
+    name="tril",
+    help="Teach a game agent by playing and ranking, without writing a reward function.",
+    no_args_is_help=True,
+    pretty_exceptions_show_locals=False,
+)
+
+app.command()(up)
+app.command()(services.serve)
+app.command()(services.worker)
+app.command()(services.inference)
+app.command()(services.migrate)
+app.command()(services.health)
+
+if __name__ == "__main__":
+    app()
