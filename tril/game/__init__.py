@@ -1,0 +1,1 @@
+"""The emulator and all that is read off it."""

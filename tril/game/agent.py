@@ -1,0 +1,136 @@
+"""A game stepped by an agent: four frames of one action, then an observation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tril.game import space_invaders as game
+from tril.game.console import Console
+from tril.game.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
+from tril.game.observation import AgentView, AgentViewState, Observation
+
+
+class StickyActions:
+    """Chance in what is executed: at every frame the frame before's action may be repeated.
+
+    This is the emulator's own rule (Machado et al. 2018, "Revisiting the Arcade Learning
+    Environment", section 5.1), drawn outside it, so that the executed actions are known and can be
+    recorded.
+
+    Attributes:
+        probability: of repeating the action of the frame before, 0 to 1.
+        rng: where the draws come from.
+    """
+
+    def __init__(self, probability: float, rng: np.random.Generator) -> None:
+        """Check the probability."""
+        if not 0.0 <= probability <= 1.0:
+            raise ValueError(f"Expected a probability from 0 to 1, got {probability}.")
+        self.probability = probability
+        self.rng = rng
+
+    def executed(self, chosen: int, before: int) -> int:
+        """Return the action to execute, given the chosen one and that of the frame before."""
+        if self.probability > 0.0 and self.rng.random() < self.probability:
+            return before
+        return chosen
+
+
+@dataclass(frozen=True)
+class AgentGameState:
+    """A saved AgentGame between two steps; see Episode and AgentView."""
+
+    episode: EpisodeState
+    view: AgentViewState
+
+
+class AgentGame:
+    """An Episode stepped by whole steps, with its AgentView.
+
+    An episode that ends inside a step ends there; the observation after it is that of the whole
+    step, the rest of which runs without keys and is no part of the episode.
+    """
+
+    def __init__(
+        self,
+        console: Console,
+        ending: Ending = Ending.HIT,
+        max_frames: int = game.MAX_FRAMES,
+        sticky: StickyActions | None = None,
+    ) -> None:
+        """Make a game on this console; call reset or restore to begin one."""
+        self.console = console
+        self.ending = ending
+        self.max_frames = max_frames
+        self.sticky = sticky
+        self._episode: Episode | None = None
+        self._view = AgentView()
+
+    @property
+    def episode(self) -> Episode:
+        """The episode being played.
+
+        Raises:
+            RuntimeError: none has begun.
+        """
+        if self._episode is None:
+            raise RuntimeError("No game has begun: call reset(start) first.")
+        return self._episode
+
+    def reset(self, start: Start) -> None:
+        """Begin a game."""
+        self._episode = Episode(self.console, start, self.ending, self.max_frames)
+        self._view.begin(self.console)
+
+    def step(self, action: int) -> None:
+        """Execute the action at four frames, or fewer when the episode ends before.
+
+        Raises:
+            EpisodeEnded: the episode is over.
+            ValueError: there is no such action.
+        """
+        episode = self.episode
+        for _ in range(game.FRAMES_PER_STEP):
+            executed = action
+            if self.sticky is not None:
+                executed = self.sticky.executed(action, episode.last_action)
+            episode.advance(executed)
+            self._view.watch(self.console, episode.frame)
+            if episode.end is not None:
+                self._view.finish_step(self.console, episode.frame)
+                return
+
+    @property
+    def observation(self) -> Observation:
+        """The observation after the last step, uint8 (4, 84, 84), a fresh array."""
+        return self._view.observation
+
+    def observe(self, out: Observation) -> None:
+        """Write the observation into out, uint8 (4, 84, 84)."""
+        self._view.observe(out)
+
+    @property
+    def steps(self) -> int:
+        """Steps executed since the start; one cut short by the end counts."""
+        return -(-self.episode.frame // game.FRAMES_PER_STEP)
+
+    @property
+    def end(self) -> EndReason | None:
+        """Why the episode ended, None while it goes on."""
+        return self.episode.end
+
+    @property
+    def hits(self) -> tuple[Hit, ...]:
+        """The aliens shot so far, in order of time."""
+        return self.episode.hits
+
+    def save(self) -> AgentGameState:
+        """Return the state of the game between two steps."""
+        return AgentGameState(self.episode.save(), self._view.save())
+
+    def restore(self, state: AgentGameState) -> None:
+        """Take up a saved state; ending, length and sticky actions stay this game's own."""
+        if self._episode is None:
+            self._episode = Episode(self.console, state.episode.start, self.ending, self.max_frames)
+        self._episode.restore(state.episode)
+        self._view.restore(state.view)

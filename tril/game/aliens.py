@@ -1,0 +1,117 @@
+"""RAM to the absolute 6x6 grid of aliens, and the ends that the RAM shows.
+
+The RAM keeps one byte per row of aliens in which bit 0 is the leftmost column *that still has
+aliens*: when that column empties, all rows shift right and the aliens' x jumps by a column. So the
+absolute grid takes a counter of these shifts, kept from the start of the game on.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.game import space_invaders as game
+
+Ram = bytes | npt.NDArray[np.uint8]
+"""The RAM: 128 values from 0 to 255."""
+
+_ROWS = slice(game.RAM_ALIEN_ROWS, game.RAM_ALIEN_ROWS + game.ROWS)
+_FULL_ROWS = ((1 << game.COLUMNS) - 1,) * game.ROWS
+
+# The aliens move by at most 4 pixels in a frame; a shift adds 16 for each emptied column.
+_SHIFT_JUMP = game.COLUMN_WIDTH // 2
+
+
+@dataclass(frozen=True)
+class AlienGridState:
+    """A saved AlienGrid.
+
+    Attributes:
+        rows: one mask per row, bottom row first; bit 0 is the leftmost column of the game.
+        shifts: by how many columns the RAM's rows have been shifted.
+        alien_x: the aliens' x in the RAM at the last update.
+    """
+
+    rows: tuple[int, ...] = _FULL_ROWS
+    shifts: int = 0
+    alien_x: int = -1
+
+
+class AlienGrid:
+    """The aliens that are left in a game, by their place in the full grid."""
+
+    def __init__(self, ram: Ram) -> None:
+        """Begin at a start, where all 36 aliens stand."""
+        self._raw = bytes(ram[_ROWS])
+        self._state = AlienGridState(alien_x=int(ram[game.RAM_ALIEN_X]))
+        if self._raw != bytes(_FULL_ROWS):
+            raise ValueError(
+                "Expected all 36 aliens at the start of a game. Restore the state of a grid that"
+                " was followed from the start: the RAM alone does not tell the columns."
+            )
+
+    def update(self, ram: Ram) -> list[tuple[int, int]]:
+        """Follow one frame; call it after every frame of a game.
+
+        Returns:
+            The (row, column) of each alien that was hit in this frame.
+        """
+        raw = bytes(ram[_ROWS])
+        alien_x = int(ram[game.RAM_ALIEN_X])
+        state = self._state
+        if raw == self._raw and alien_x == state.alien_x:
+            return []
+        shifts = state.shifts
+        if alien_x - state.alien_x > _SHIFT_JUMP:
+            shifts += round((alien_x - state.alien_x) / game.COLUMN_WIDTH)
+        rows = tuple(row << shifts for row in raw)
+        hits = [
+            (row, column)
+            for row, (before, after) in enumerate(zip(state.rows, rows, strict=True))
+            if before != after
+            for column in range(game.COLUMNS)
+            if before & ~after & (1 << column)
+        ]
+        self._raw = raw
+        self._state = AlienGridState(rows, shifts, alien_x)
+        return hits
+
+    @property
+    def alive(self) -> npt.NDArray[np.bool_]:
+        """The aliens that are left, bool (6, 6): row from the bottom, column from the left."""
+        cells = [[row >> column & 1 for column in range(game.COLUMNS)] for row in self._state.rows]
+        return np.array(cells, np.bool_)
+
+    @property
+    def shifts(self) -> int:
+        """How many columns at the left have emptied: the column that the RAM's bit 0 stands for."""
+        return self._state.shifts
+
+    def save(self) -> AlienGridState:
+        """Return the state of the grid."""
+        return self._state
+
+    def restore(self, state: AlienGridState) -> None:
+        """Take up a saved state."""
+        self._state = state
+        self._raw = bytes(row >> state.shifts for row in state.rows)
+
+
+def player_hit(ram: Ram) -> bool:
+    """Tell whether the player has been hit: true from the frame of the hit on."""
+    return int(ram[game.RAM_PHASE]) == game.PHASE_HIT
+
+
+def landed(ram: Ram) -> bool:
+    """Tell whether the aliens have reached the ground, which ends the game at once."""
+    return bool(ram[game.RAM_LANDING] & game.RAM_LANDED_BIT)
+
+
+def cleared(ram: Ram) -> bool:
+    """Tell whether no alien is left."""
+    return int(ram[game.RAM_ALIENS_LEFT]) == 0
+
+
+def missile_in_air(ram: Ram) -> bool:
+    """Tell whether the player's one missile is in the air."""
+    return int(ram[game.RAM_MISSILE_Y]) != game.NO_MISSILE

@@ -1,0 +1,166 @@
+"""One machine: start, step, screen, RAM, save and restore."""
+
+import hashlib
+import struct
+import zlib
+from dataclasses import dataclass
+from typing import Self
+
+import ale_py
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from tril.game import space_invaders as game
+from tril.game.palette import palette_grayscale, palette_rgb
+from tril.game.starts import Start
+
+Screen = npt.NDArray[np.uint8]
+"""A screen, uint8 (210, 160): palette values or grayscale."""
+
+_STATE_HEADER = struct.Struct("<BI")
+_STATE_VERSION = 1
+
+
+@dataclass(frozen=True)
+class ConsoleState:
+    """A saved console. It can be restored into any console, in any process.
+
+    Attributes:
+        machine: the emulator's own state.
+        screen: the screen's palette values, 210 x 160 bytes; the emulator does not keep them.
+    """
+
+    machine: ale_py.ALEState
+    screen: bytes
+
+    def to_bytes(self) -> bytes:
+        """Return the state as bytes, about 9 kB; `from_bytes` reads them."""
+        machine = self.machine.serialize()
+        header = _STATE_HEADER.pack(_STATE_VERSION, len(machine))
+        return header + machine + zlib.compress(self.screen, 1)
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """Read a state that `to_bytes` wrote.
+
+        Raises:
+            ValueError: the bytes are of another format version.
+        """
+        version, size = _STATE_HEADER.unpack_from(data)
+        if version != _STATE_VERSION:
+            raise ValueError(f"Expected console state version {_STATE_VERSION}, got {version}.")
+        end = _STATE_HEADER.size + size
+        machine = ale_py.ALEState(data[_STATE_HEADER.size : end])
+        return cls(machine, zlib.decompress(data[end:]))
+
+
+KnownStarts = dict[Start, ConsoleState]
+"""Consoles saved at their starts; consoles of one process can share them."""
+
+
+class Console:
+    """One emulated console with Space Invaders in it.
+
+    The game is a deterministic function of the start and the actions since. A start that was
+    reached before is restored instead of played through again, which is the same and faster.
+    """
+
+    def __init__(self, known_starts: KnownStarts | None = None) -> None:
+        """Load the ROM; takes about 0.1 s.
+
+        Args:
+            known_starts: starts already reached, shared with other consoles of this process.
+        """
+        ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
+        self._ale = ale_py.ALEInterface()
+        self._ale.setFloat("repeat_action_probability", 0.0)
+        self._ale.setBool("sound", False)
+        self._ale.loadROM(game.rom_path())
+        self._known_starts: KnownStarts = {} if known_starts is None else known_starts
+        self._ram = np.empty(game.RAM_SIZE, np.uint8)
+        # The emulator's screen is the one before a restore until the next frame is drawn.
+        self._restored_screen: Screen | None = None
+
+    def start(self, start: Start) -> None:
+        """Begin a game: reset, then run the intro and the start's idle frames unseen."""
+        state = self._known_starts.get(start)
+        if state is None:
+            self._play_to(start)
+            state = self._known_starts[start] = self.save()
+        # Also after playing to it: a start is then the same thing however it was reached.
+        self.restore(state)
+
+    def _play_to(self, start: Start) -> None:
+        earlier = [
+            known
+            for known in self._known_starts
+            if (known.mode, known.difficulty) == (start.mode, start.difficulty)
+            and known.idle_frames < start.idle_frames
+        ]
+        if earlier:
+            nearest = max(earlier)
+            self.restore(self._known_starts[nearest])
+            frames = start.idle_frames - nearest.idle_frames
+        else:
+            self._ale.setMode(start.mode)
+            self._ale.setDifficulty(start.difficulty)
+            self._ale.reset_game()
+            frames = game.INTRO_FRAMES + start.idle_frames
+        for _ in range(frames):
+            self.act(game.Action.NOOP)
+
+    def act(self, action: int) -> None:
+        """Run one frame with this action, an index into the minimal actions."""
+        self._ale.act(_ALE_ACTIONS[action])
+        self._restored_screen = None
+
+    @property
+    def ram(self) -> npt.NDArray[np.uint8]:
+        """The RAM, uint8 (128,), a fresh array."""
+        return self._ale.getRAM()
+
+    def ram_bytes(self) -> bytes:
+        """Return the RAM as 128 bytes: faster to index than `ram`."""
+        self._ale.getRAM(self._ram)
+        return self._ram.tobytes()
+
+    def ram_hash(self) -> str:
+        """Return a short stable digest of the RAM: 16 hexadecimal digits of BLAKE2b."""
+        return hashlib.blake2b(self.ram_bytes(), digest_size=8).hexdigest()
+
+    @property
+    def lives(self) -> int:
+        """Lives by the emulator's count, which drops 129 to 131 frames after the hit."""
+        return int(self._ale.lives())
+
+    def screen_palette(self, out: Screen | None = None) -> Screen:
+        """Return the screen, uint8 (210, 160) of palette values, filled into out if given."""
+        if out is None:
+            out = np.empty(game.SCREEN_SHAPE, np.uint8)
+        if self._restored_screen is None:
+            self._ale.getScreen(out)
+        else:
+            out[:] = self._restored_screen
+        return out
+
+    def screen_grayscale(self, out: Screen | None = None) -> Screen:
+        """Return the screen, uint8 (210, 160) of grays from 0 to 255, filled into out if given."""
+        gray = cv2.LUT(self.screen_palette(), palette_grayscale(), dst=out)
+        return np.asarray(gray, np.uint8)
+
+    def screen_rgb(self) -> npt.NDArray[np.uint8]:
+        """Return the screen, uint8 (210, 160, 3) RGB."""
+        return palette_rgb()[self.screen_palette()]
+
+    def save(self) -> ConsoleState:
+        """Return the whole state of the console."""
+        return ConsoleState(self._ale.cloneState(), self.screen_palette().tobytes())
+
+    def restore(self, state: ConsoleState) -> None:
+        """Take up a saved state; the frames that follow are those that followed it then."""
+        self._ale.restoreState(state.machine)
+        self._restored_screen = np.frombuffer(state.screen, np.uint8).reshape(game.SCREEN_SHAPE)
+
+
+_ALE_ACTIONS = tuple(getattr(ale_py.Action, action.name) for action in game.Action)

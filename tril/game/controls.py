@@ -1,0 +1,50 @@
+"""Held keys to action: the only key table."""
+
+from collections.abc import Mapping
+from enum import IntFlag
+from types import MappingProxyType
+
+from tril.game.space_invaders import Action
+
+
+class Keys(IntFlag):
+    """The keys that are held; the value is the byte in the play protocol."""
+
+    LEFT = 1
+    RIGHT = 2
+    FIRE = 4
+
+
+_MOVES = {Keys(0): 0, Keys.LEFT: -1, Keys.RIGHT: 1, Keys.LEFT | Keys.RIGHT: 0}
+
+_ACTIONS = {
+    (0, False): Action.NOOP,
+    (0, True): Action.FIRE,
+    (1, False): Action.RIGHT,
+    (1, True): Action.RIGHTFIRE,
+    (-1, False): Action.LEFT,
+    (-1, True): Action.LEFTFIRE,
+}
+
+
+def action_for(keys: Keys) -> Action:
+    """Return the action that the held keys stand for.
+
+    Left and right held together cancel out, as on a joystick that cannot lean both ways. Fire may
+    be held: the game itself shoots again as soon as its one missile is gone.
+    """
+    return _ACTIONS[_MOVES[keys & (Keys.LEFT | Keys.RIGHT)], bool(keys & Keys.FIRE)]
+
+
+DEFAULT_KEY_CODES: Mapping[str, Keys] = MappingProxyType(
+    {
+        "ArrowLeft": Keys.LEFT,
+        "KeyA": Keys.LEFT,
+        "ArrowRight": Keys.RIGHT,
+        "KeyD": Keys.RIGHT,
+        "Space": Keys.FIRE,
+        "ArrowUp": Keys.FIRE,
+        "KeyW": Keys.FIRE,
+    }
+)
+"""A browser's `KeyboardEvent.code` (the key's place, whatever the layout) to the key it holds."""

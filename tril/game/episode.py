@@ -1,0 +1,236 @@
+"""One game on one console, from its start to its end, and how it ends."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.errors import Conflict
+from tril.game import space_invaders as game
+from tril.game.aliens import (
+    AlienGrid,
+    AlienGridState,
+    cleared,
+    landed,
+    missile_in_air,
+    player_hit,
+)
+from tril.game.console import Console, ConsoleState
+from tril.game.starts import (
+    EVALUATION_START_COUNT,
+    EVALUATION_STARTS,
+    TRAINING_IDLE_FRAMES,
+    Start,
+    UnknownStart,
+    draw_start,
+    evaluation_number,
+    evaluation_start,
+)
+
+__all__ = [
+    "EVALUATION_STARTS",
+    "EVALUATION_START_COUNT",
+    "TRAINING_IDLE_FRAMES",
+    "EndReason",
+    "Ending",
+    "Episode",
+    "EpisodeEnded",
+    "EpisodeState",
+    "Hit",
+    "Start",
+    "UnknownStart",
+    "draw_start",
+    "evaluation_number",
+    "evaluation_start",
+]
+
+
+class EpisodeEnded(Conflict):
+    """A frame was asked of an episode that is over."""
+
+
+class Ending(StrEnum):
+    """What of the player's death ends an episode.
+
+    HIT: the frame in which the player is hit. LIFE_COUNTER: the frame in which the emulator counts
+    one life less, 129 to 131 frames later, as in the published work.
+    """
+
+    HIT = "hit"
+    LIFE_COUNTER = "life_counter"
+
+
+class EndReason(StrEnum):
+    """Why an episode ended.
+
+    Of reasons that hold in the same frame the first in this order is given.
+    """
+
+    HIT = "hit"
+    LIVES = "lives"
+    LANDED = "landed"
+    CLEARED = "cleared"
+    STEPS = "steps"
+
+
+@dataclass(frozen=True)
+class Hit:
+    """An alien that was shot.
+
+    Attributes:
+        row: from 0 at the bottom.
+        column: from 0 at the left.
+        frame: how many frames of the episode had been executed then, at least 1.
+    """
+
+    row: int
+    column: int
+    frame: int
+
+
+@dataclass(frozen=True)
+class EpisodeState:
+    """A saved episode; the attributes are those of Episode."""
+
+    console: ConsoleState
+    start: Start
+    actions: bytes
+    hits: tuple[Hit, ...]
+    end: EndReason | None
+    shots: int
+    lives: int
+    missile_in_air: bool
+    aliens: AlienGridState
+
+
+class Episode:
+    """One game on one console: the same for play at 60 Hz, for agents and for replays.
+
+    Attributes:
+        console: the console that the game runs on.
+        start: how the game began.
+        ending: which rule for the player's death ends it.
+        max_frames: after how many frames it ends in any case.
+        end: why it ended, None while it goes on.
+        shots: missiles that left the cannon.
+    """
+
+    def __init__(
+        self,
+        console: Console,
+        start: Start,
+        ending: Ending = Ending.HIT,
+        max_frames: int = game.MAX_FRAMES,
+    ) -> None:
+        """Start the console and begin the episode.
+
+        Raises:
+            ValueError: max_frames is not positive.
+        """
+        if max_frames < 1:
+            raise ValueError(f"Expected at least 1 frame, got {max_frames}.")
+        self.console = console
+        self.start = start
+        self.ending = ending
+        self.max_frames = max_frames
+        self.end: EndReason | None = None
+        self.shots = 0
+        console.start(start)
+        ram = console.ram_bytes()
+        self._actions = bytearray()
+        self._hits: list[Hit] = []
+        self._lives = console.lives
+        self._missile_in_air = missile_in_air(ram)
+        self._grid = AlienGrid(ram)
+
+    @property
+    def frame(self) -> int:
+        """How many frames have been executed since the start."""
+        return len(self._actions)
+
+    @property
+    def actions(self) -> bytes:
+        """The action executed at every frame so far, one byte each."""
+        return bytes(self._actions)
+
+    @property
+    def last_action(self) -> int:
+        """The action executed last; the idle frames before the first have none held."""
+        return self._actions[-1] if self._actions else game.Action.NOOP
+
+    @property
+    def hits(self) -> tuple[Hit, ...]:
+        """The aliens shot so far, in order of time."""
+        return tuple(self._hits)
+
+    @property
+    def aliens(self) -> npt.NDArray[np.bool_]:
+        """The aliens left, bool (6, 6): row from the bottom, column from the left."""
+        return self._grid.alive
+
+    @property
+    def shifts(self) -> int:
+        """The absolute column that bit 0 of the RAM's alien rows stands for."""
+        return self._grid.shifts
+
+    def advance(self, action: int) -> None:
+        """Run one frame with this action.
+
+        Raises:
+            EpisodeEnded: the episode is over.
+            ValueError: there is no such action.
+        """
+        if self.end is not None:
+            raise EpisodeEnded(f"The episode ended at frame {self.frame}: {self.end}.")
+        if not 0 <= action < len(game.Action):
+            raise ValueError(f"Expected an action from 0 to {len(game.Action) - 1}, got {action}.")
+        self.console.act(action)
+        self._actions.append(action)
+        ram = self.console.ram_bytes()
+        for row, column in self._grid.update(ram):
+            self._hits.append(Hit(row, column, self.frame))
+        in_air = missile_in_air(ram)
+        self.shots += in_air and not self._missile_in_air
+        self._missile_in_air = in_air
+        self.end = self._end_reason(ram)
+
+    def _end_reason(self, ram: bytes) -> EndReason | None:
+        if self.ending is Ending.HIT and player_hit(ram):
+            return EndReason.HIT
+        if self.ending is Ending.LIFE_COUNTER and self.console.lives < self._lives:
+            # Landing takes all lives at once.
+            return EndReason.LANDED if landed(ram) else EndReason.LIVES
+        if landed(ram):
+            return EndReason.LANDED
+        if cleared(ram):
+            return EndReason.CLEARED
+        if self.frame >= self.max_frames:
+            return EndReason.STEPS
+        return None
+
+    def save(self) -> EpisodeState:
+        """Return the state of the episode and of its console."""
+        return EpisodeState(
+            console=self.console.save(),
+            start=self.start,
+            actions=self.actions,
+            hits=self.hits,
+            end=self.end,
+            shots=self.shots,
+            lives=self._lives,
+            missile_in_air=self._missile_in_air,
+            aliens=self._grid.save(),
+        )
+
+    def restore(self, state: EpisodeState) -> None:
+        """Take up a saved state, of this episode or of another; ending and length stay."""
+        self.console.restore(state.console)
+        self.start = state.start
+        self._actions = bytearray(state.actions)
+        self._hits = list(state.hits)
+        self.end = state.end
+        self.shots = state.shots
+        self._lives = state.lives
+        self._missile_in_air = state.missile_in_air
+        self._grid.restore(state.aliens)

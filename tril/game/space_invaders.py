@@ -1,0 +1,116 @@
+"""Every fact about Space Invaders that the project relies on; a second game is a second module.
+
+The addresses, positions and times were read off the emulator (ALE 0.12.1) and are held by the
+tests in tests/game. Columns count from 0 at the left and rows from 0 at the bottom, here and in
+all code; people are shown them counted from 1.
+"""
+
+import hashlib
+from enum import IntEnum
+from functools import cache
+
+from ale_py import roms
+
+GAME = "space_invaders"
+"""Name of the game in recordings, and of its ROM in ale_py."""
+
+SCREEN_SHAPE = (210, 160)
+"""Height and width of the screen in pixels."""
+
+FRAME_RATE_HZ = 60
+FRAMES_PER_STEP = 4
+MAX_STEPS = 300
+MAX_FRAMES = MAX_STEPS * FRAMES_PER_STEP
+
+INTRO_FRAMES = 128
+"""Frames after a reset in which nothing moves and keys do nothing."""
+
+MAX_IDLE_FRAMES = 127
+"""A start idles 0 to this many frames after the intro."""
+
+MODES = (0,)
+"""Modes in which the reading of the aliens is tested; the cartridge has 16."""
+
+DIFFICULTIES = (0, 1)
+"""1 makes the player's cannon twice as wide."""
+
+ROWS = 6
+COLUMNS = 6
+POINTS = (5, 10, 15, 20, 25, 30)
+"""Points for an alien, by row from the bottom."""
+
+BACKGROUND = 0
+"""Value of the black background, in palette values as in grayscale."""
+
+SCORE_ROWS = 10
+"""Rows of the 84x84 observation, from the top, that are zeroed: they hold the score and the bonus
+ship. The topmost aliens start at row 12."""
+
+
+class Action(IntEnum):
+    """The game's minimal actions; the value is the byte in a recording and the policy's output."""
+
+    NOOP = 0
+    FIRE = 1
+    RIGHT = 2
+    LEFT = 3
+    RIGHTFIRE = 4
+    LEFTFIRE = 5
+
+
+RAM_SIZE = 128
+RAM_ALIEN_Y = 16
+RAM_ALIENS_LEFT = 17
+RAM_ALIEN_ROWS = 18
+"""First of ROWS bytes, bottom row first; bit 0 is the leftmost column that still has aliens."""
+RAM_LANDING = 24
+RAM_LANDED_BIT = 0x80
+"""Set in RAM_LANDING in the frame in which the aliens reach the ground."""
+RAM_ALIEN_X = 26
+RAM_PLAYER_X = 28
+RAM_BONUS_SHIP_X = 30
+RAM_PHASE = 42
+RAM_LIVES = 73
+RAM_BOMBS = ((81, 82), (83, 84))
+"""Addresses of (y, x) of the two bombs."""
+RAM_MISSILE_Y = 85
+RAM_MISSILE_X = 87
+RAM_SCORE_HIGH = 102
+RAM_SCORE_LOW = 104
+"""The score as four decimal digits in BCD: two in each byte."""
+
+PHASE_PLAY = 0
+PHASE_INTRO = 1
+PHASE_HIT = 4
+"""The player has been hit, from the very frame of the hit on."""
+PHASE_CLEARED = 8
+
+NO_MISSILE = 246
+"""RAM_MISSILE_Y when no missile of the player is in the air."""
+
+# Geometry in pixels.
+COLUMN_WIDTH = 16
+ALIEN_CENTRE = 4
+"""Column c, counted from the leftmost that still has aliens, is centred at alien x + 16 c + 4."""
+MISSILE_OFFSET = 5
+"""A missile leaves at about player x + 5."""
+PLAYER_LEFT_WALL = 35
+"""Player x at the left wall, where the player also starts."""
+PLAYER_RIGHT_WALL = 117
+PLAYER_SPEED_PX = 0.5
+"""Pixels that the player moves in a frame."""
+SHIELDS = ((42, 50), (74, 82), (106, 114))
+"""First and last x of the three shields; they stop missiles until they are worn through."""
+
+
+@cache
+def rom_path() -> str:
+    """Return the path of the ROM that comes with ale_py."""
+    return str(roms.get_rom_path(GAME))
+
+
+@cache
+def rom_md5() -> str:
+    """Return the MD5 of the ROM in hexadecimal: a recording only replays on this very ROM."""
+    with open(rom_path(), "rb") as rom:
+        return hashlib.md5(rom.read(), usedforsecurity=False).hexdigest()

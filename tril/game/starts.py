@@ -1,0 +1,95 @@
+"""How a game begins, and which starts are kept for evaluation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tril.errors import Invalid
+from tril.game import space_invaders as game
+
+EVALUATION_START_COUNT = 32
+
+
+class UnknownStart(Invalid):
+    """A start or start number that the game does not have or the project does not support."""
+
+
+@dataclass(frozen=True, order=True)
+class Start:
+    """How a game begins. The 128 intro frames come first and are no part of it.
+
+    Attributes:
+        idle_frames: frames after the intro in which no key is held, 0 to 127.
+        mode: the cartridge's game mode.
+        difficulty: the position of the console's difficulty switch, 0 or 1.
+    """
+
+    idle_frames: int
+    mode: int = 0
+    difficulty: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the values.
+
+        Raises:
+            UnknownStart: a value is out of its range.
+        """
+        if not 0 <= self.idle_frames <= game.MAX_IDLE_FRAMES:
+            raise UnknownStart(
+                f"Expected 0 to {game.MAX_IDLE_FRAMES} idle frames, got {self.idle_frames}."
+            )
+        if self.mode not in game.MODES:
+            raise UnknownStart(
+                f"Expected game mode 0, got {self.mode}: reading the aliens is only tested in"
+                " mode 0, so games in other modes are not accepted."
+            )
+        if self.difficulty not in game.DIFFICULTIES:
+            raise UnknownStart(f"Expected difficulty 0 or 1, got {self.difficulty}.")
+
+
+def _permutation() -> tuple[int, ...]:
+    """Return the fixed order of the idle frames 0..127.
+
+    49 is coprime to 128, so the values run through all of them, far apart from one to the next
+    and spread evenly over the four phases of the frame skip.
+    """
+    count = game.MAX_IDLE_FRAMES + 1
+    return tuple((11 + 49 * n) % count for n in range(count))
+
+
+EVALUATION_IDLE_FRAMES: tuple[int, ...] = _permutation()[:EVALUATION_START_COUNT]
+"""Idle frames of the evaluation starts, by start number."""
+
+EVALUATION_STARTS: tuple[Start, ...] = tuple(Start(idle) for idle in EVALUATION_IDLE_FRAMES)
+
+TRAINING_IDLE_FRAMES: tuple[int, ...] = tuple(sorted(_permutation()[EVALUATION_START_COUNT:]))
+"""The idle frames that play, the demonstrator and training draw from: none is an evaluation
+start."""
+
+
+def evaluation_start(number: int) -> Start:
+    """Return the evaluation start with this start number.
+
+    Raises:
+        UnknownStart: there is no such number.
+    """
+    if not 0 <= number < EVALUATION_START_COUNT:
+        raise UnknownStart(
+            f"Expected a start number from 0 to {EVALUATION_START_COUNT - 1}, got {number}."
+        )
+    return EVALUATION_STARTS[number]
+
+
+def evaluation_number(start: Start) -> int | None:
+    """Return the start number of this start, or None when it is no evaluation start.
+
+    The difficulty does not matter: a start that was seen at the other difficulty counts as seen.
+    """
+    if start.idle_frames not in EVALUATION_IDLE_FRAMES:
+        return None
+    return EVALUATION_IDLE_FRAMES.index(start.idle_frames)
+
+
+def draw_start(rng: np.random.Generator) -> Start:
+    """Draw a start for play, the demonstrator or training: never an evaluation start."""
+    return Start(TRAINING_IDLE_FRAMES[rng.integers(len(TRAINING_IDLE_FRAMES))])
