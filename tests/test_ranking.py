@@ -1,0 +1,120 @@
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tril.errors import Invalid
+from tril.ranking import Ranking, agreement, contradictions, kendall_tau, normalise
+
+
+@st.composite
+def rankings(draw: st.DrawFn, min_items: int = 0) -> Ranking:
+    items = draw(st.lists(st.integers(1, 60), unique=True, min_size=min_items, max_size=14))
+    place = [draw(st.integers(0, 6)) for _ in items]
+    return normalise(
+        [item for item, at in zip(items, place, strict=True) if at == tier] for tier in range(7)
+    )
+
+
+@given(st.permutations(range(9)).flatmap(lambda p: st.integers(0, 9).map(lambda n: p[:n])))
+def test_n_tiers_without_ties_give_all_pairs_in_order(items: list[int]) -> None:
+    ranking = Ranking(tuple((item,) for item in items))
+    pairs = ranking.pairs()
+    n = len(items)
+    assert len(pairs) == ranking.n_pairs == n * (n - 1) // 2
+    assert all(items.index(better) < items.index(worse) for better, worse in pairs)
+
+
+@given(rankings())
+def test_each_two_recordings_of_different_tiers_give_one_pair_and_ties_none(
+    ranking: Ranking,
+) -> None:
+    place = ranking.tier_numbers()
+    pairs = ranking.pairs()
+    assert len(pairs) == len(set(pairs)) == ranking.n_pairs
+    assert {frozenset(pair) for pair in pairs} == {
+        frozenset(two) for two in combinations(ranking.items, 2) if place[two[0]] != place[two[1]]
+    }
+    assert all(place[better] < place[worse] for better, worse in pairs)
+
+
+def test_empty_tiers_are_dropped_by_normalise_and_refused_by_ranking() -> None:
+    assert normalise([[], [3, 1], [], [2]]) == Ranking(((3, 1), (2,)))
+    with pytest.raises(Invalid, match="Tier 2 is empty"):
+        Ranking(((1,), ()))
+
+
+def test_a_recording_has_only_one_place() -> None:
+    with pytest.raises(Invalid, match="twice: 4"):
+        normalise([[4, 5], [4]])
+    with pytest.raises(Invalid, match="twice: 4"):
+        normalise([[4, 4]])
+
+
+def test_recordings_are_taken_out_with_the_tiers_that_this_empties() -> None:
+    assert Ranking(((1,), (2, 3), (4,))).without({1, 3}) == Ranking(((2,), (4,)))
+
+
+@given(rankings(), rankings())
+def test_contradictions_are_the_pairs_ordered_the_other_way_round(
+    first: Ranking, second: Ranking
+) -> None:
+    found = contradictions(first, second)
+    assert {(worse, better) for better, worse in found} == set(contradictions(second, first))
+    compared = agreement(first, second)
+    assert compared.discordant == len(found)
+    n = compared.n_common
+    assert compared.concordant + compared.discordant + compared.tied == n * (n - 1) // 2
+
+
+@given(rankings())
+def test_a_ranking_agrees_with_itself(ranking: Ranking) -> None:
+    assert contradictions(ranking, ranking) == []
+    compared = agreement(ranking, ranking)
+    assert compared.tau == (1 if len(ranking.tiers) > 1 else None)
+    assert compared.concordant == ranking.n_pairs
+
+
+def _tau_by_counting(one: list[float], other: list[float]) -> float:
+    concordant = discordant = tied_one = tied_other = 0
+    for i, j in combinations(range(len(one)), 2):
+        a, b = one[i] - one[j], other[i] - other[j]
+        concordant += a * b > 0
+        discordant += a * b < 0
+        tied_one += a == 0
+        tied_other += b == 0
+    n_pairs = len(one) * (len(one) - 1) // 2
+    scale = math.sqrt((n_pairs - tied_one) * (n_pairs - tied_other))
+    return (concordant - discordant) / scale if scale else 0.0
+
+
+@given(rankings(min_items=2), st.data())
+def test_tau_is_the_textbooks_tau_b(ranking: Ranking, data: st.DataObject) -> None:
+    if len(ranking.tiers) < 2:
+        return
+    values = {item: data.draw(st.integers(-3, 3)) for item in ranking.items}
+    place = ranking.tier_numbers()
+    expected = _tau_by_counting(
+        [-float(place[item]) for item in ranking.items],
+        [float(values[item]) for item in ranking.items],
+    )
+    assert kendall_tau(ranking.tiers, values) == pytest.approx(expected)
+
+
+def test_tau_takes_indices_into_an_array() -> None:
+    assert kendall_tau([[2], [0, 1]], np.array([1.0, 0.5, 7.0])) > 0.8
+    assert kendall_tau([[2], [0], [1]], np.array([1.0, 7.0, 0.5])) == -1
+
+
+def test_tau_of_equal_values_is_nothing() -> None:
+    assert kendall_tau([[0], [1]], [3.0, 3.0]) == 0
+
+
+def test_tau_needs_two_tiers_and_numbers() -> None:
+    with pytest.raises(Invalid, match="at least two tiers"):
+        kendall_tau([[0, 1]], [1.0, 2.0])
+    with pytest.raises(Invalid, match="not a number"):
+        kendall_tau([[0], [1]], [1.0, math.nan])
