@@ -229,6 +229,8 @@ class RunRow(Base):
     ``snapshot`` is {"ranking_revision", "tiers": [[recording ids]], "perfect": [recording ids]},
     frozen when the run is made (or, with ``example``, once its demonstrations exist). ``recipe``
     is the full recipe as data. ``outcome`` collects what the pages show when it is done.
+    ``finished_stages`` maps each finished stage to the seconds of work it took. ``epoch`` grows
+    with every claim by a worker; what a worker with an older epoch writes is refused.
     """
 
     __tablename__ = "runs"
@@ -249,6 +251,8 @@ class RunRow(Base):
     stage_done: Mapped[float] = mapped_column(Float, default=0.0)
     remaining_s: Mapped[float | None] = mapped_column(Float)
     message: Mapped[str] = mapped_column(Text, default="")
+    finished_stages: Mapped[dict[str, float]] = mapped_column(JSON, default=dict)
+    epoch: Mapped[int] = mapped_column(Integer, default=0)
     worker: Mapped[str] = mapped_column(String(80), default="")
     heartbeat_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
     outcome: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
