@@ -1,0 +1,108 @@
+# Everything there is to do with a clone of Tril. Each target builds only what changed.
+# It needs git, make and Python 3.11 or newer; `make run PYTHON=python3.13` names another Python.
+
+PYTHON ?= python3
+VENV := .venv
+PY := $(VENV)/bin/python
+PIP := $(PY) -m pip --disable-pip-version-check
+NPM := $(abspath $(PY)) $(abspath scripts/node.py) npm
+
+# A stamp is as new as the last install that went well.
+RUN_STAMP := $(VENV)/.installed
+DEV_STAMP := $(VENV)/.installed-dev
+NPM_STAMP := frontend/node_modules/.installed
+PAGE := frontend/dist/index.html
+
+# What the page is built from; folders too, so that a deleted file is noticed.
+PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
+	$(shell test -d frontend/src && find frontend/src frontend/public -print 2>/dev/null)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help run environment frontend test test-unit test-e2e test-frontend check lint \
+	format types imports migrations-check bench clean
+
+help: ## say what there is to make
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+run: environment frontend ## build what changed, then start server, worker and inference
+	@exec $(VENV)/bin/tril up $(ARGS)
+
+environment: $(RUN_STAMP) ## the virtual environment with what running needs
+
+frontend: $(PAGE) ## the page, built
+
+test: $(DEV_STAMP) frontend test-frontend ## every test, in a real browser too
+	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
+		$(PY) -m pytest $(ARGS)
+
+test-unit: $(DEV_STAMP) ## every test of the Python part that needs no browser
+	$(PY) -m pytest -m "not e2e" $(ARGS)
+
+test-e2e: $(DEV_STAMP) frontend ## the tests in a real browser
+	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
+		$(PY) -m pytest -m e2e $(ARGS)
+
+test-frontend: $(NPM_STAMP) ## the tests of the page's own code
+	cd frontend && $(NPM) test
+
+check: lint types imports migrations-check ## every check that is no test
+
+lint: $(DEV_STAMP) $(NPM_STAMP) ## rules and formatting, Python and TypeScript
+	$(VENV)/bin/ruff check
+	$(VENV)/bin/ruff format --check
+	cd frontend && $(NPM) run lint
+
+format: $(DEV_STAMP) ## bring Python files into shape
+	$(VENV)/bin/ruff check --fix-only
+	$(VENV)/bin/ruff format
+
+types: $(DEV_STAMP) $(NPM_STAMP) ## strict types, Python and TypeScript
+	$(VENV)/bin/mypy
+	cd frontend && $(NPM) run typecheck
+
+imports: $(DEV_STAMP) ## which part may import which
+	$(VENV)/bin/lint-imports --no-logo
+
+migrations-check: $(DEV_STAMP) ## an empty database migrates to exactly what the models say
+	scripts/check_migrations.sh $(VENV)/bin/alembic
+
+bench: $(DEV_STAMP) ## every benchmark, one after the other
+	@for file in benchmarks/[a-z]*.py; do \
+		name=$${file%.py}; name=$${name##*/}; \
+		printf '\n%s\n' "benchmarks.$$name"; \
+		$(PY) -m "benchmarks.$$name" || exit 1; \
+	done
+
+clean: ## remove what make built; the data folder stays
+	rm -rf $(VENV) frontend/node_modules frontend/dist build dist *.egg-info
+	rm -rf .import_linter_cache .hypothesis .mypy_cache .pytest_cache .ruff_cache test-results
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The environment is made once; an update installs what changed into it.
+$(PY):
+	@scripts/create_venv.sh "$(PYTHON)" $(VENV)
+
+# setuptools comes first, so that the project is built with the pinned one.
+INSTALL = $(PIP) install --quiet --constraint constraints.txt setuptools && \
+	$(PIP) install --quiet --constraint constraints.txt --no-build-isolation --editable
+
+$(RUN_STAMP): pyproject.toml constraints.txt | $(PY)
+	@echo "Installing the Python packages (the first time takes minutes)"
+	@$(INSTALL) .
+	@touch $@
+
+$(DEV_STAMP): $(RUN_STAMP)
+	@echo "Installing the Python packages for tests and checks"
+	@$(INSTALL) '.[dev]'
+	@touch $@
+
+$(NPM_STAMP): frontend/package-lock.json frontend/package.json | $(PY)
+	@echo "Installing the page's packages"
+	@cd frontend && $(NPM) ci --no-fund --no-audit
+	@touch $@
+
+$(PAGE): $(NPM_STAMP) $(PAGE_SOURCES)
+	@echo "Building the page"
+	@cd frontend && $(NPM) run build
+	@touch $@

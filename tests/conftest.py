@@ -1,0 +1,32 @@
+"""What every part's tests share: a data folder of their own, the browser, and their order."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from scripts.browser import find_browser
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run the browser tests last: their driver keeps an event loop running in this thread."""
+    items.sort(key=lambda item: item.get_closest_marker("e2e") is not None)
+
+
+@pytest.fixture
+def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return an empty data folder that TRIL_DATA names, with every other setting at its default."""
+    folder = tmp_path / "data"
+    folder.mkdir(mode=0o700)
+    for name in [name for name in os.environ if name.upper().startswith("TRIL_")]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("TRIL_DATA", str(folder))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Path:
+    """Return the browser to test in; it is installed where there is none."""
+    return find_browser()
