@@ -33,5 +33,9 @@ def changes_after(session: Session, change_id: int, limit: int = 1000) -> list[C
 
 
 def prune(session: Session, keep: timedelta = timedelta(hours=1)) -> None:
-    """Forget changes that every stream has long passed on."""
-    session.execute(delete(ChangeRow).where(ChangeRow.created_at < now() - keep))
+    """Forget changes that every stream has long passed on.
+
+    The newest stays, because SQLite gives ids again once the highest is gone.
+    """
+    old = ChangeRow.created_at < now() - keep
+    session.execute(delete(ChangeRow).where(old, ChangeRow.id < last_change(session)))

@@ -263,10 +263,17 @@ class RunRow(Base):
 
 
 class MetricRow(Base):
-    """One point of a run's curves: ``values`` by series name at ``step`` of ``stage``."""
+    """One point of a run's curves: ``values`` by series name at ``step`` of ``stage``.
+
+    Ids are never used twice, so that a page that asks for what came after an id also gets the
+    points that replace those dropped when a run went on from its checkpoint.
+    """
 
     __tablename__ = "metrics"
-    __table_args__ = (UniqueConstraint("run_id", "stage", "step"),)
+    __table_args__ = (
+        UniqueConstraint("run_id", "stage", "step"),
+        {"sqlite_autoincrement": True},
+    )
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
     run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"))
