@@ -11,7 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 NAMES = ("chromium", "google-chrome", "google-chrome-stable", "chromium-browser")
@@ -97,23 +97,21 @@ def _from_debian(search_path: str) -> Path | str:
         return reason
     _say("installing Debian's chromium with apt-get")
     install = ["apt-get", "install", "--yes", "--no-install-recommends", "chromium"]
-    quiet = {"DEBIAN_FRONTEND": "noninteractive"}
+    quiet = {"DEBIAN_FRONTEND": "noninteractive", "PATH": search_path}
     if not (_works(["apt-get", "update"], quiet) and _works(install, quiet)):
         return "apt-get could not install it (its reason is above)"
     found = _on_path(search_path)
     return found if isinstance(found, Path) else "what apt-get installed does not start"
 
 
-def _from_playwright(
-    _search_path: str, downloaded: Callable[[], Path | None] | None = None
-) -> Path | str:
-    downloaded = downloaded or _playwright_path
-    if (path := downloaded()) is not None and starts(str(path)):
+def _from_playwright(_search_path: str) -> Path | str:
+    path = _playwright_path()
+    if path is not None and starts(str(path)):
         return path
     _say("downloading Playwright's Chromium")
     if not _works([sys.executable, "-m", "playwright", "install", "chromium"], {}):
         return "Playwright could not download its own (its reason is above)"
-    path = downloaded()
+    path = _playwright_path()
     if path is None or not starts(str(path)):
         return (
             "Playwright's own was downloaded but does not start, most likely for want of system "

