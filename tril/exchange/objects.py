@@ -1,0 +1,182 @@
+"""The form of one recording in the exchange format: the model, its schema, and its refusals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from tril.game.space_invaders import COLUMNS, MAX_IDLE_FRAMES, ROWS
+from tril.recording import RecordingRefused
+
+FORMAT = "tril-recording"
+VERSION = 1
+MAX_NOTES_LENGTH = 4000
+
+Source = Literal["person", "scripted", "policy"]
+"""Who played a recording."""
+
+_Cell = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]
+# Base64 of one or more bytes from 0 to 5 and nothing else: the first six bits of a byte are 0 or
+# 1, and so on. Held against the decoder by the tests.
+_BYTE = "(?:A[AQgw]|B[AQ])"
+_ACTIONS = f"^(?:{_BYTE}[AEIMQU][A-F])*(?:{_BYTE}[AEIMQU][A-F]|{_BYTE}[AEIMQU]=|{_BYTE}==)$"
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(strict=True, extra="allow")
+
+
+class StartObject(_Model):
+    """How the game began."""
+
+    model_config = ConfigDict(title="Start")
+
+    idle_frames: int = Field(
+        ge=0,
+        le=MAX_IDLE_FRAMES,
+        description="Frames without a key after the 128 frames of the intro.",
+    )
+    mode: Literal[0] = Field(default=0, description="The cartridge's game mode.")
+    difficulty: Literal[0, 1] = Field(default=0, description="The difficulty switch.")
+
+
+class RecordingObject(_Model):
+    """One recording of Tril, see exchange-format.md. Unknown members are ignored with a notice."""
+
+    model_config = ConfigDict(title="Tril recording")
+
+    format: Literal["tril-recording"]
+    version: Literal[1]
+    game: Literal["space_invaders"]
+    rom_md5: str = Field(
+        pattern="^[0-9a-f]{32}$", description="MD5 of the ROM that the game was played on."
+    )
+    start: StartObject
+    actions: str = Field(
+        pattern=_ACTIONS,
+        description="Base64 of one byte per frame: 0 NOOP, 1 FIRE, 2 RIGHT, 3 LEFT, 4 RIGHTFIRE,"
+        " 5 LEFTFIRE. The first is executed at frame 128 + idle_frames after reset.",
+    )
+    hits: list[_Cell] | None = Field(
+        default=None,
+        max_length=ROWS * COLUMNS,
+        description="Aliens shot, in order of time: [row from the bottom, column from the left],"
+        " from 0. Checked by a replay.",
+    )
+    tier: int | None = Field(
+        default=None,
+        ge=0,
+        le=2**31 - 1,
+        description="Place in a ranking, a lower number being better; equal numbers are a tie.",
+    )
+    perfect: bool | None = Field(default=None, description="Whether a clone should learn from it.")
+    source: Source | None = Field(default=None, description="Who played it.")
+    end: str | None = Field(
+        default=None,
+        max_length=40,
+        description="Why the episode ended: hit, landed, cleared or steps; none of them where the"
+        " recording ends before its episode.",
+    )
+    ram_hashes: list[Annotated[str, Field(pattern="^[0-9a-f]{16}$")]] | None = Field(
+        default=None,
+        max_length=10_000,
+        description="BLAKE2b (8 bytes, hexadecimal) of the 128 bytes of RAM after every 60th"
+        " frame. Checked by a replay.",
+    )
+    conditions: dict[str, Any] | None = Field(
+        default=None, description="Anything about how it was played; kept as it is."
+    )
+    parent: dict[str, Any] | str | None = Field(
+        default=None, description="The recording that this one goes on from; kept as it is."
+    )
+    notes: str | None = Field(
+        default=None, max_length=MAX_NOTES_LENGTH, description="A person's remarks."
+    )
+
+
+def parse(content: object) -> RecordingObject:
+    """Check the form of an object in the exchange format, as the schema does; nothing is played.
+
+    Raises:
+        RecordingRefused: It is not of this format; the message names each member that is wrong.
+    """
+    if not isinstance(content, dict):
+        raise RecordingRefused(
+            f"Expected one JSON object per recording, got {shortened(repr(content))}."
+        )
+    try:
+        return RecordingObject.model_validate(_plain(content))
+    except RecursionError:
+        raise RecordingRefused("It is nested too deeply to be a recording.") from None
+    except ValidationError as error:
+        raise RecordingRefused(" ".join(_reasons(error))) from None
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema (2020-12) of one recording."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **RecordingObject.model_json_schema(),
+    }
+
+
+def _plain(content: Any, keep_numbers: bool = False) -> Any:
+    """Turn 1.0 into 1, since JSON knows one kind of number, and refuse what can't be stored.
+
+    Args:
+        content: Parsed JSON.
+        keep_numbers: Whether numbers stay as they are.
+
+    Raises:
+        RecordingRefused: A number is infinite, or a text holds half a character or a zero.
+    """
+    match content:
+        case float() if not math.isfinite(content):
+            raise RecordingRefused("A number in it is too large.")
+        case float() if content.is_integer() and not keep_numbers:
+            return int(content)
+        case str() if "\0" in content or any("\ud800" <= char <= "\udfff" for char in content):
+            raise RecordingRefused(f"This text can't be stored: {shortened(ascii(content))}.")
+        case dict():
+            return {
+                _plain(key): _plain(value, keep_numbers or key == "conditions")
+                for key, value in content.items()
+            }
+        case list():
+            return [_plain(value, keep_numbers) for value in content]
+    return content
+
+
+def _reasons(error: ValidationError) -> Iterator[str]:
+    """Say what is wrong, a sentence for each of the first few members."""
+    problems = error.errors(include_url=False)
+    for problem in problems[:4]:
+        place = ".".join(str(part) for part in problem["loc"])
+        got = shortened(repr(problem["input"]))
+        match problem["type"], place:
+            case "missing", _:
+                yield f"{place} is missing."
+            case "string_pattern_mismatch", "actions":
+                yield (
+                    "actions: expected base64 of one byte from 0 to 5 per frame and at least one"
+                    f" frame, got {got}."
+                )
+            case "literal_error", "start.mode":
+                yield (
+                    f"start.mode: expected 0, got {got}. Reading the aliens is only tested in"
+                    " mode 0, so games in other modes are not accepted."
+                )
+            case _:
+                message = problem["msg"].replace("Input should be", "expected")
+                yield f"{place}: {message}, got {got}."
+    if len(problems) > 4:
+        yield f"And {len(problems) - 4} more."
+
+
+def shortened(content: object, length: int = 60) -> str:
+    """Show a value that somebody sent, in at most so many characters."""
+    text = content if isinstance(content, str) else repr(content)
+    return text if len(text) <= length else f"{text[: length - 1]}…"

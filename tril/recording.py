@@ -1,0 +1,331 @@
+"""Recordings: what is stored of a played episode, and what a replay makes of it again.
+
+A recording holds actions, not pixels. The game is a deterministic function of its start and the
+actions, so a replay gives the same frames, hits and observations; a hash of the RAM once a second
+tells when it does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.errors import Invalid
+from tril.game import space_invaders as game
+from tril.game.console import Console
+from tril.game.episode import Ending, EndReason, Episode, Hit, Start
+from tril.game.observation import OBSERVATION_SHAPE, AgentView
+
+HASH_EVERY_FRAMES = game.FRAME_RATE_HZ
+"""A recording holds a hash of the RAM after every so many frames: one a second."""
+
+
+class RecordingRefused(Invalid):
+    """A recording that cannot be accepted: it does not replay to what it says of itself."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What is stored of one played episode.
+
+    Attributes:
+        start: How the game began.
+        actions: The action executed at every frame, one byte each, see tril.game's Action.
+        ram_hashes: Console.ram_hash() after every 60th frame, or none at all where they were not
+            recorded.
+        rom_md5: MD5 of the ROM it was played on, in hexadecimal.
+    """
+
+    start: Start
+    actions: bytes
+    ram_hashes: tuple[str, ...] = ()
+    rom_md5: str = field(default_factory=game.rom_md5)
+
+    def __post_init__(self) -> None:
+        """Check the actions and the number of hashes.
+
+        Raises:
+            RecordingRefused: There is no such action, or hashes are missing or too many.
+        """
+        if self.actions and max(self.actions) >= len(game.Action):
+            frame = next(f for f, a in enumerate(self.actions) if a >= len(game.Action))
+            raise RecordingRefused(
+                f"Expected actions 0 to {len(game.Action) - 1}, got {self.actions[frame]} at"
+                f" frame {frame + 1}."
+            )
+        n_hashes = self.n_frames // HASH_EVERY_FRAMES
+        if self.ram_hashes and len(self.ram_hashes) != n_hashes:
+            raise RecordingRefused(
+                f"Expected {n_hashes} RAM hashes, one after every {HASH_EVERY_FRAMES} of"
+                f" {self.n_frames} frames, got {len(self.ram_hashes)}."
+            )
+
+    @property
+    def n_frames(self) -> int:
+        """The number of frames after the start."""
+        return len(self.actions)
+
+    @property
+    def n_steps(self) -> int:
+        """The number of an agent's steps; one cut short by the end counts."""
+        return -(-len(self.actions) // game.FRAMES_PER_STEP)
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What happened in a replay.
+
+    Attributes:
+        hits: The aliens shot, in order of time.
+        end: Why the episode ended, None where the actions ended before.
+        n_frames: Frames until then; actions that follow the end are not executed.
+        shots: Missiles that left the cannon.
+        ram_hashes: Hash of the RAM after every 60th frame.
+    """
+
+    hits: tuple[Hit, ...]
+    end: EndReason | None
+    n_frames: int
+    shots: int
+    ram_hashes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Verified:
+    """A recording that a replay has confirmed.
+
+    Attributes:
+        recording: The recording, with all its RAM hashes and without what followed its end.
+        replay: What happened in it.
+        n_cut: How many actions followed the end of the episode.
+    """
+
+    recording: Recording
+    replay: Replay
+    n_cut: int
+
+
+class Recorder:
+    """Records an episode while it is played.
+
+    Attributes:
+        episode: The episode; advance it by the recorder only.
+    """
+
+    def __init__(self, episode: Episode) -> None:
+        """Begin to record an episode at its start.
+
+        Raises:
+            ValueError: The episode is under way already; use resume.
+        """
+        if episode.frame:
+            raise ValueError(f"Expected an episode at its start, got one at frame {episode.frame}.")
+        self.episode = episode
+        self._hashes: list[str] = []
+
+    @classmethod
+    def resume(
+        cls,
+        recording: Recording,
+        console: Console,
+        ending: Ending = Ending.HIT,
+        max_frames: int = game.MAX_FRAMES,
+    ) -> Self:
+        """Go on with a recording: its game is rebuilt on this console by replaying it.
+
+        Raises:
+            RecordingRefused: The replay differs from what was recorded.
+        """
+        _check_rom(recording)
+        recorder = cls(Episode(console, recording.start, ending, max_frames))
+        for action in recording.actions:
+            if recorder.episode.end is not None:
+                raise RecordingRefused(
+                    f"The game to go on with ended at frame {recorder.episode.frame}, but"
+                    f" {recording.n_frames} frames were recorded."
+                )
+            recorder.advance(action)
+        _check_hashes(recording, recorder._hashes)
+        return recorder
+
+    def advance(self, action: int) -> None:
+        """Run one frame with this action and record it; raises what Episode.advance raises."""
+        self.episode.advance(action)
+        if self.episode.frame % HASH_EVERY_FRAMES == 0:
+            self._hashes.append(self.episode.console.ram_hash())
+
+    def recording(self) -> Recording:
+        """The recording as of now."""
+        return Recording(self.episode.start, self.episode.actions, tuple(self._hashes))
+
+    def replay(self) -> Replay:
+        """What has happened as of now: what a replay of the recording will give."""
+        episode = self.episode
+        return Replay(episode.hits, episode.end, episode.frame, episode.shots, tuple(self._hashes))
+
+
+def replay(
+    recording: Recording,
+    console: Console | None = None,
+    on_frame: Callable[[Episode], None] | None = None,
+) -> Replay:
+    """Play a recording again, until its end or the end of its actions.
+
+    Args:
+        recording: What to replay.
+        console: The console to replay on; None loads one, which takes 0.1 s.
+        on_frame: Called at the start and after every frame.
+    """
+    recorder = Recorder(Episode(console or Console(), recording.start))
+    episode = recorder.episode
+    if on_frame:
+        on_frame(episode)
+    for action in recording.actions:
+        if episode.end is not None:
+            break
+        recorder.advance(action)
+        if on_frame:
+            on_frame(episode)
+    return recorder.replay()
+
+
+def verify(
+    recording: Recording,
+    hits: Sequence[tuple[int, int]] | None = None,
+    console: Console | None = None,
+) -> Verified:
+    """Check a recording by replaying it.
+
+    Args:
+        recording: What to check; RAM hashes are compared where it has them.
+        hits: The (row, column) it is said to hit, in order of time, compared if given.
+        console: The console to replay on; None loads one.
+
+    Returns:
+        The recording, cut at the end of its episode, its hashes completed, and what happened.
+
+    Raises:
+        RecordingRefused: It was played on another ROM, or the replay differs.
+    """
+    _check_rom(recording)
+    played = replay(recording, console)
+    _check_hashes(recording, played.ram_hashes)
+    cells = [(hit.row, hit.column) for hit in played.hits]
+    if hits is not None and cells != [tuple(cell) for cell in hits]:
+        raise RecordingRefused(
+            f"The replay hits {_cells(cells)}, but the recording says {_cells(hits)}"
+            " (row from the bottom, column from the left, from 0)."
+        )
+    kept = replace(
+        recording, actions=recording.actions[: played.n_frames], ram_hashes=played.ram_hashes
+    )
+    return Verified(kept, played, recording.n_frames - played.n_frames)
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """What an agent would have seen and done in a recorded episode of T steps.
+
+    Attributes:
+        observations: uint8 (T + 1, 4, 84, 84), 0 to 255: at the start and after every step.
+        actions: int64 (T,), 0 to 5: the action executed most in each step's frames, of several
+            executed equally often the one executed last.
+        hits: The aliens shot, in order of time.
+        end: Why the episode ended, None where the recording ended before.
+    """
+
+    observations: npt.NDArray[np.uint8]
+    actions: npt.NDArray[np.int64]
+    hits: tuple[Hit, ...] = ()
+    end: EndReason | None = None
+
+    def __post_init__(self) -> None:
+        """Check the shapes."""
+        expected = (len(self.actions) + 1, *OBSERVATION_SHAPE)
+        if self.observations.shape != expected or self.observations.dtype != np.uint8:
+            raise ValueError(
+                f"Expected uint8 observations {expected}, got {self.observations.dtype}"
+                f" {self.observations.shape}."
+            )
+
+    @property
+    def n_steps(self) -> int:
+        """The number of steps T."""
+        return len(self.actions)
+
+
+def trajectory(recording: Recording, console: Console | None = None) -> Trajectory:
+    """Replay a recording through an agent's eyes.
+
+    A step that the episode's end cut short counts as a step; its observation is that of the whole
+    step, as agents see it (AgentView.finish_step).
+
+    Args:
+        recording: A verified recording.
+        console: The console to replay on; None loads one.
+    """
+    console = console or Console()
+    view = AgentView()
+    observations = np.empty((recording.n_steps + 1, *OBSERVATION_SHAPE), np.uint8)
+
+    def look(episode: Episode) -> None:
+        if episode.frame == 0:
+            view.begin(console)
+        else:
+            view.watch(console, episode.frame)
+        if episode.frame % game.FRAMES_PER_STEP == 0:
+            view.observe(observations[episode.frame // game.FRAMES_PER_STEP])
+
+    played = replay(recording, console, look)
+    kept = replace(recording, actions=recording.actions[: played.n_frames], ram_hashes=())
+    if played.n_frames % game.FRAMES_PER_STEP:
+        view.finish_step(console, played.n_frames)
+        view.observe(observations[kept.n_steps])
+    return Trajectory(
+        observations[: kept.n_steps + 1], step_actions(kept.actions), played.hits, played.end
+    )
+
+
+def step_actions(actions: bytes) -> npt.NDArray[np.int64]:
+    """The action that stands for each step of four frames, int64 (T,).
+
+    It is the one executed most in the step; of several executed equally often, the one executed
+    last, since a person's keys answer what was seen before.
+    """
+    length = game.FRAMES_PER_STEP
+    steps = [actions[at : at + length] for at in range(0, len(actions), length)]
+    return np.array(
+        [max(step, key=lambda a: (step.count(a), step.rindex(a))) for step in steps],
+        np.int64,
+    )
+
+
+def _check_rom(recording: Recording) -> None:
+    if recording.rom_md5 != game.rom_md5():
+        raise RecordingRefused(
+            f"It was played on another ROM (MD5 {recording.rom_md5}); this project replays on"
+            f" {game.rom_md5()}, the Space Invaders that comes with ale-py."
+        )
+
+
+def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:
+    """Compare the recorded RAM hashes with those of a replay, as far as that went."""
+    if not recording.ram_hashes:
+        return
+    for second, (recorded, seen) in enumerate(
+        zip(recording.ram_hashes, replayed, strict=False), start=1
+    ):
+        if recorded != seen:
+            raise RecordingRefused(
+                f"The replay differs from what was recorded: the RAM after frame"
+                f" {second * HASH_EVERY_FRAMES} has the hash {seen}, the recording says"
+                f" {recorded}. Its start or its actions were changed or are incomplete."
+            )
+
+
+def _cells(cells: Sequence[tuple[int, int]]) -> str:
+    return ", ".join(f"[{row}, {column}]" for row, column in cells) or "no alien"
