@@ -1,0 +1,135 @@
+"""The files of runs: a folder by default, any store that fsspec reaches by URL."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+
+import fsspec
+from fsspec.implementations.local import LocalFileSystem
+
+from tril.errors import Invalid, NotFound, Unavailable
+
+
+class ArtifactStore:
+    """Files by relative path such as ``runs/<id>/reward-model.safetensors``.
+
+    In a folder, a file appears whole or not at all: it is written under a temporary name, synced
+    and renamed. Object stores have that property by themselves.
+
+    Args:
+        root: Folder or fsspec URL under which everything is kept.
+    """
+
+    def __init__(self, root: str) -> None:
+        self._files, self._root = fsspec.core.url_to_fs(root)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether the files lie on this machine's disk."""
+        return isinstance(self._files, LocalFileSystem)
+
+    def put(self, path: str, content: bytes) -> int:
+        """Store bytes under a path, replacing what was there; returns their number.
+
+        Raises:
+            Unavailable: The disk is full.
+        """
+        place = self._place(path)
+        if self.is_local:
+            with _explaining_full_disk():
+                write_whole(Path(place), content)
+        else:
+            self._files.pipe_file(place, content)
+        return len(content)
+
+    def put_file(self, path: str, source: Path) -> int:
+        """Store a local file's content under a path; returns its size in bytes."""
+        return self.put(path, source.read_bytes())
+
+    def get(self, path: str) -> bytes:
+        """Return a file's content; raises NotFound if there is none."""
+        try:
+            content: bytes = self._files.cat_file(self._place(path))
+        except FileNotFoundError:
+            raise NotFound(f"The file {path} is not in the artifact store.") from None
+        return content
+
+    @contextmanager
+    def local(self, path: str) -> Iterator[Path]:
+        """Give a path on this machine's disk from which the file can be read in the block."""
+        if self.is_local:
+            place = Path(self._place(path))
+            if not place.is_file():
+                raise NotFound(f"The file {path} is not in the artifact store.")
+            yield place
+            return
+        with tempfile.TemporaryDirectory(prefix="tril-") as folder:
+            copy = Path(folder) / PurePosixPath(path).name
+            copy.write_bytes(self.get(path))
+            yield copy
+
+    def exists(self, path: str) -> bool:
+        """Whether there is a file of this path."""
+        found: bool = self._files.isfile(self._place(path))
+        return found
+
+    def remove_folder(self, path: str) -> None:
+        """Remove everything below a path; nothing happens if there is nothing."""
+        place = self._place(path)
+        if self._files.exists(place):
+            self._files.rm(place, recursive=True)
+
+    def _place(self, path: str) -> str:
+        parts = PurePosixPath(path).parts
+        if not parts or path.startswith("/") or "\\" in path or ".." in parts or "\0" in path:
+            raise Invalid(f"Expected a relative path inside the artifact store, got {path!r}.")
+        return "/".join([str(self._root).rstrip("/"), *parts])
+
+
+def write_whole(place: Path, content: bytes, mode: int = 0o644) -> None:
+    """Write a file so that it is there whole or not at all, also after a power cut."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name[:40]}-")
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fchmod(file.fileno(), mode)
+            os.fsync(file.fileno())
+        os.replace(name, place)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    _sync_folder(place.parent)
+
+
+def _sync_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def _explaining_full_disk() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        if error.errno in {errno.ENOSPC, errno.EDQUOT}:
+            raise Unavailable(DISK_FULL) from error
+        raise
+
+
+DISK_FULL = "The disk is full. Free some space, then resume; what was saved so far is kept."
+
+
+def free_bytes(folder: Path) -> int:
+    """Return how many bytes are free on the disk that holds a folder."""
+    return shutil.disk_usage(folder).free

@@ -1,0 +1,201 @@
+"""Brings runs to workers and heals whatever a crash left half done."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from dbos import WorkflowStatus, error
+from sqlalchemy.exc import SQLAlchemyError
+
+from tril.errors import Unavailable
+from tril.jobs.queue import QUEUE, VERSION, WORKFLOW, open_client
+from tril.settings import Settings
+from tril.store import claims, runs
+from tril.store.database import Database
+from tril.store.models import RunRow, RunStatus
+
+log = logging.getLogger(__name__)
+
+LOST_AFTER_S = 30.0
+"""A worker is given up once its run did not move for this long, by the watcher's own clock."""
+
+ACTIVE = frozenset({"ENQUEUED", "DELAYED", "PENDING"})
+GIVEN_UP = "MAX_RECOVERY_ATTEMPTS_EXCEEDED"
+GIVEN_UP_MESSAGE = (
+    "The worker ended without a word each time it tried to go on, so it no longer tries. It may "
+    "have run out of memory. Resume to try again."
+)
+
+
+@dataclass
+class _Sighting:
+    seen: Any
+    since: float
+
+
+class Jobs:
+    """Enqueues, cancels, resumes and follows runs.
+
+    Every method changes the run's row first and then the queue. A crash in between leaves a row
+    whose job is missing or over, or a job whose row is over; ``reconcile`` gives the former a job
+    again, and a worker that gets the latter finds nothing to do.
+
+    Args:
+        database: The application's database.
+        settings: Says where the queue is.
+        lost_after_s: Seconds without a sign of life after which a worker is given up. The time is
+            measured by watching heartbeats change, so clocks need not agree and a machine that
+            slept is not taken for dead.
+    """
+
+    def __init__(
+        self, database: Database, settings: Settings, lost_after_s: float = LOST_AFTER_S
+    ) -> None:
+        self._database = database
+        self._client = open_client(settings)
+        self._lost_after_s = lost_after_s
+        self._sightings: dict[str, _Sighting] = {}
+
+    def enqueue(self, run_id: str) -> None:
+        """Bring a queued run to the workers; if the queue can't be reached, ``reconcile`` will."""
+        try:
+            self._deliver(run_id)
+        except (SQLAlchemyError, error.DBOSException, Unavailable) as problem:
+            log.warning("Run %s waits for its job, which could not be made: %s", run_id, problem)
+
+    def cancel(self, run_id: str) -> None:
+        """Cancel a run; a worker that has it stops within seconds.
+
+        Raises:
+            NotFound: No such run.
+            Conflict: The run is over already.
+        """
+        with self._database.writing() as session:
+            row = runs.request_cancel(session, run_id)
+        if row.status == RunStatus.CANCELLED:
+            try:
+                self._client.cancel_workflow(run_id)
+            except (SQLAlchemyError, error.DBOSException) as problem:
+                log.warning("The job of cancelled run %s stays in the queue: %s", run_id, problem)
+
+    def resume(self, run_id: str) -> None:
+        """Let a cancelled, stopped or failed run go on from where it was.
+
+        Raises:
+            NotFound: No such run.
+            Conflict: The run is done or not over.
+        """
+        with self._database.writing() as session:
+            runs.queue_again(session, run_id)
+        self.enqueue(run_id)
+
+    def follow(self, run_id: str, poll_s: float = 0.5) -> Iterator[RunRow]:
+        """Yield a run's row whenever it has changed, until the run is over.
+
+        Raises:
+            NotFound: No such run (any more).
+        """
+        last: tuple[Any, ...] | None = None
+        while True:
+            with self._database.reading() as session:
+                row = runs.get(session, run_id)
+            state = (row.status, row.stage, row.stage_done, row.remaining_s, row.message)
+            if state != last:
+                last = state
+                yield row
+            if RunStatus(row.status).is_over:
+                return
+            time.sleep(poll_s)
+
+    def reconcile(self) -> None:
+        """Make the queue agree with the rows: nothing waits without a job, no job without a worker.
+
+        Call it at start and then every few seconds; the same ``Jobs`` notices workers that are
+        gone by watching their runs between calls.
+        """
+        with self._database.reading() as session:
+            candidates = [row.id for row in runs.not_over(session)]
+        # The queue is read before the rows: a worker ends its row first, so a job that was over
+        # before a row was read as unfinished really is a job that ended without ending its row.
+        jobs = self._jobs(candidates)
+        with self._database.reading() as session:
+            rows = [row for row in runs.not_over(session) if row.id in set(candidates)]
+        self._sightings = {row.id: self._look(row, jobs.get(row.id)) for row in rows}
+        for row in rows:
+            self._heal(row, jobs.get(row.id))
+
+    def close(self) -> None:
+        """Close the connection to the queue."""
+        self._client.destroy()
+
+    def _look(self, row: RunRow, job: WorkflowStatus | None) -> _Sighting:
+        seen = (row.status, row.epoch, row.heartbeat_at) + (
+            (job.status, job.executor_id, job.updated_at) if job else ()
+        )
+        earlier = self._sightings.get(row.id)
+        if earlier is not None and earlier.seen == seen:
+            return earlier
+        return _Sighting(seen, time.monotonic())
+
+    def _is_stuck(self, run_id: str) -> bool:
+        return time.monotonic() - self._sightings[run_id].since >= self._lost_after_s
+
+    def _heal(self, row: RunRow, job: WorkflowStatus | None) -> None:
+        if row.status == RunStatus.QUEUED:
+            if job is None or job.status not in ACTIVE:
+                log.info("Run %s waits without a job; it gets one.", row.id)
+                self._deliver(row.id)
+            elif job.status == "PENDING" and self._is_stuck(row.id):
+                self._take_job_back(row.id, job)
+        elif job is not None and job.status == GIVEN_UP:
+            with self._database.writing() as session:
+                claims.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
+        elif self._is_stuck(row.id):
+            with self._database.writing() as session:
+                waits = claims.take_away(session, row.id, row.epoch)
+            if waits:
+                self._take_job_back(row.id, job)
+
+    def _take_job_back(self, run_id: str, job: WorkflowStatus | None) -> None:
+        log.warning(
+            "Nothing was heard of run %s (%s) for %.0f s; another worker may go on with it.",
+            run_id,
+            job.executor_id if job else "no worker",
+            self._lost_after_s,
+        )
+        if job is not None and job.status == "PENDING":
+            self._client.resume_workflow(run_id, queue_name=QUEUE)
+        else:
+            self._deliver(run_id)
+
+    def _deliver(self, run_id: str) -> None:
+        job = self._jobs([run_id]).get(run_id)
+        if job is None:
+            self._client.enqueue(
+                {
+                    "workflow_name": WORKFLOW,
+                    "queue_name": QUEUE,
+                    "workflow_id": run_id,
+                    "app_version": VERSION,
+                },
+                run_id,
+            )
+        elif job.status not in ACTIVE:
+            try:
+                self._client.rewind_workflow(run_id, queue_name=QUEUE)
+            except error.DBOSException:
+                again = self._jobs([run_id]).get(run_id)
+                if again is None or again.status not in ACTIVE:
+                    raise
+
+    def _jobs(self, run_ids: list[str]) -> dict[str, WorkflowStatus]:
+        if not run_ids:
+            return {}
+        found = self._client.list_workflows(
+            workflow_ids=run_ids, load_input=False, load_output=False
+        )
+        return {job.workflow_id: job for job in found}

@@ -1,0 +1,83 @@
+"""The evaluation games of runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session, joinedload
+
+from tril.store.changes import note_change
+from tril.store.models import EvaluationRow
+
+
+@dataclass(frozen=True)
+class EvaluationKey:
+    """Names one evaluation game of a run.
+
+    Attributes:
+        policy: "imitator" or "clone".
+        choice: "greedy" or "sampled".
+        start_number: The evaluation start.
+    """
+
+    policy: str
+    choice: str
+    start_number: int
+
+
+def add(
+    session: Session,
+    run_id: str,
+    key: EvaluationKey,
+    recording_id: int,
+    held_out: bool,
+    predicted_return: float,
+    score: tuple[int, int, int] | None,
+) -> EvaluationRow:
+    """Add one evaluation game.
+
+    Args:
+        session: The transaction.
+        run_id: The run whose policy played.
+        key: Which game.
+        recording_id: The recording that it left.
+        held_out: Whether no demonstration of the run began from this start.
+        predicted_return: Sum of R over the game's observations.
+        score: (targets, strays, order errors); None for behaviours without a target.
+    """
+    targets, strays, order_errors = score if score is not None else (None, None, None)
+    row = EvaluationRow(
+        run_id=run_id,
+        policy=key.policy,
+        choice=key.choice,
+        start_number=key.start_number,
+        held_out=held_out,
+        recording_id=recording_id,
+        predicted_return=predicted_return,
+        targets=targets,
+        strays=strays,
+        order_errors=order_errors,
+    )
+    session.add(row)
+    session.flush()
+    note_change(session, "run", run_id)
+    return row
+
+
+def played(session: Session, run_id: str) -> set[EvaluationKey]:
+    """Return which games of a run have been played."""
+    query = select(EvaluationRow.policy, EvaluationRow.choice, EvaluationRow.start_number)
+    rows = session.execute(query.where(EvaluationRow.run_id == run_id))
+    return {EvaluationKey(policy, choice, number) for policy, choice, number in rows}
+
+
+def listing(session: Session, run_id: str) -> list[EvaluationRow]:
+    """Return a run's evaluation games with their recordings, by start number."""
+    query = (
+        select(EvaluationRow)
+        .where(EvaluationRow.run_id == run_id)
+        .options(joinedload(EvaluationRow.recording))
+        .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.choice)
+    )
+    return list(session.scalars(query))

@@ -1,0 +1,56 @@
+"""The points of a run's curves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from tril.store.models import MetricRow
+
+Series = dict[str, dict[str, list[tuple[int, float]]]]
+"""By stage and name of the series: (step, value) in order of steps."""
+
+
+def add(session: Session, run_id: str, stage: str, step: int, values: Mapping[str, float]) -> None:
+    """Add a point to several series of a stage; a second one at the same step completes it."""
+    here = (MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step == step)
+    earlier = session.scalar(select(MetricRow).where(*here))
+    merged = {**(earlier.values if earlier else {}), **values}
+    if earlier is not None:
+        session.execute(delete(MetricRow).where(*here))
+    session.add(MetricRow(run_id=run_id, stage=stage, step=step, values=merged))
+    session.flush()
+
+
+def drop_after(session: Session, run_id: str, stage: str, step: int) -> None:
+    """Drop a stage's points beyond a step: the run goes on from there and will make them anew."""
+    session.execute(
+        delete(MetricRow).where(
+            MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step > step
+        )
+    )
+
+
+def series(session: Session, run_id: str, after: int = 0) -> tuple[int, Series]:
+    """Return the points that were written after a point's id.
+
+    A point replaces an earlier one of the same stage, name and step: those beyond a checkpoint
+    are written again when a run goes on from it.
+
+    Returns:
+        The id to pass as ``after`` next time, and the points.
+    """
+    rows = session.scalars(
+        select(MetricRow)
+        .where(MetricRow.run_id == run_id, MetricRow.id > after)
+        .order_by(MetricRow.stage, MetricRow.step)
+    )
+    last, found = after, Series()
+    for row in rows:
+        last = max(last, row.id)
+        by_name = found.setdefault(row.stage, {})
+        for name, value in row.values.items():
+            by_name.setdefault(name, []).append((row.step, value))
+    return last, found

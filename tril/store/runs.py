@@ -1,0 +1,248 @@
+"""Runs as people see them: made, listed, cancelled, resumed, deleted. Workers: see claims.py."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from tril.errors import Conflict, Invalid, NotFound
+from tril.recipes import Recipe
+from tril.store.changes import note_change
+from tril.store.models import (
+    BehaviourRow,
+    RankingRow,
+    RecordingRow,
+    RecordingState,
+    RunRow,
+    RunStatus,
+    Source,
+    Verification,
+    now,
+)
+from tril.store.processes import is_fresh
+
+CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
+
+
+def create(
+    session: Session,
+    behaviour_id: int,
+    recipe: Recipe,
+    steps: int,
+    training_seed: int,
+    go_on_anyway: bool = False,
+    example: bool = False,
+    player_id: int | None = None,
+) -> RunRow:
+    """Make a queued run with a frozen snapshot of the behaviour's ranking.
+
+    The run waits until ``tril.jobs`` has enqueued it; that it gets lost in between is healed there.
+
+    Args:
+        session: The transaction.
+        behaviour_id: What is taught.
+        recipe: How it is learned; stored whole.
+        steps: PPO steps.
+        training_seed: Feeds every random choice of learning.
+        go_on_anyway: Whether PPO starts even when the check of the ranking fails.
+        example: Whether the scripted demonstrations are made and ranked first where they are
+            missing; the snapshot is then frozen once they exist.
+        player_id: Who started it.
+
+    Raises:
+        NotFound: No such behaviour.
+        Invalid: The ranking or the perfect demonstrations don't suffice; says what to do.
+    """
+    behaviour = session.get(BehaviourRow, behaviour_id)
+    if behaviour is None or behaviour.deleted_at is not None:
+        raise NotFound("There is no such behaviour (any more).")
+    if steps < 1:
+        raise Invalid(f"Expected at least one PPO step, got {steps}.")
+    row = RunRow(
+        id=str(uuid.uuid4()),
+        behaviour_id=behaviour_id,
+        player_id=player_id,
+        example=example,
+        recipe_name=recipe.name,
+        recipe=recipe.to_dict(),
+        training_seed=training_seed,
+        steps=steps,
+        go_on_anyway=go_on_anyway,
+        snapshot=None if example else snapshot(session, behaviour_id),
+        status=RunStatus.QUEUED,
+    )
+    session.add(row)
+    session.flush()
+    note_change(session, "run", row.id)
+    return row
+
+
+def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
+    """Freeze a behaviour's ranking and perfect demonstrations for a run.
+
+    Returns:
+        ``{"ranking_revision", "tiers", "perfect"}``: tiers are lists of recording ids, best first.
+
+    Raises:
+        Invalid: They don't suffice for learning; says what to do.
+    """
+    ranking = session.scalar(
+        select(RankingRow)
+        .where(RankingRow.behaviour_id == behaviour_id)
+        .order_by(RankingRow.revision.desc())
+        .limit(1)
+    )
+    tiers = [list(tier) for tier in ranking.tiers if tier] if ranking is not None else []
+    if ranking is None or len(tiers) < 2:
+        raise Invalid(
+            "Learning needs recordings in at least two tiers. Play some good and some bad games "
+            "and put them into an order first."
+        )
+    _check_usable(session, behaviour_id, [number for tier in tiers for number in tier])
+    perfect = _perfect(session, behaviour_id)
+    if not perfect:
+        raise Invalid(
+            "The clone learns from perfect demonstrations and there are none. Mark at least one "
+            "recording as perfect first."
+        )
+    return {"ranking_revision": ranking.revision, "tiers": tiers, "perfect": perfect}
+
+
+def _check_usable(session: Session, behaviour_id: int, numbers: list[int]) -> None:
+    rows = session.scalars(select(RecordingRow).where(RecordingRow.id.in_(numbers)))
+    found = {row.id: row for row in rows if row.behaviour_id == behaviour_id}
+    deleted = [n for n in numbers if n not in found or found[n].deleted_at is not None]
+    if deleted:
+        raise Invalid(
+            f"The ranking names deleted recordings ({_numbers(deleted)}). Restore them or take "
+            "them out of the ranking."
+        )
+    unverified = [n for n in numbers if found[n].verification != Verification.VERIFIED]
+    if unverified:
+        raise Invalid(
+            f"Recordings {_numbers(unverified)} in the ranking are not verified: a replay has not "
+            "(yet) given what was recorded. Take them out of the ranking or play them again."
+        )
+    unfit = [n for n in numbers if found[n].state != RecordingState.KEPT or not found[n].n_frames]
+    if unfit:
+        raise Invalid(
+            f"Recordings {_numbers(unfit)} in the ranking are empty or were not kept. Take them "
+            "out of the ranking."
+        )
+
+
+def _perfect(session: Session, behaviour_id: int) -> list[int]:
+    query = select(RecordingRow.id).where(
+        RecordingRow.behaviour_id == behaviour_id,
+        RecordingRow.perfect,
+        RecordingRow.deleted_at.is_(None),
+        RecordingRow.state == RecordingState.KEPT,
+        RecordingRow.verification == Verification.VERIFIED,
+        RecordingRow.source != Source.POLICY,
+        RecordingRow.n_frames > 0,
+    )
+    return list(session.scalars(query.order_by(RecordingRow.id)))
+
+
+def _numbers(numbers: Iterable[int]) -> str:
+    return ", ".join(str(number) for number in sorted(set(numbers)))
+
+
+def get(session: Session, run_id: str) -> RunRow:
+    """Return a run; raises NotFound if there is none or it was deleted."""
+    row = session.get(RunRow, run_id)
+    if row is None or row.deleted_at is not None:
+        raise NotFound("There is no such training (any more).")
+    return row
+
+
+def _for_change(session: Session, run_id: str) -> RunRow:
+    row = session.get(RunRow, run_id, with_for_update=True, populate_existing=True)
+    if row is None or row.deleted_at is not None:
+        raise NotFound("There is no such training (any more).")
+    return row
+
+
+def listing(session: Session, behaviour_id: int | None = None) -> list[RunRow]:
+    """Return the runs, of one behaviour or of all, newest first."""
+    query = select(RunRow).where(RunRow.deleted_at.is_(None))
+    if behaviour_id is not None:
+        query = query.where(RunRow.behaviour_id == behaviour_id)
+    return list(session.scalars(query.order_by(RunRow.created_at.desc(), RunRow.id)))
+
+
+def not_over(session: Session) -> list[RunRow]:
+    """Return the runs that a worker should have or get, oldest first."""
+    waiting = (RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING)
+    query = select(RunRow).where(RunRow.deleted_at.is_(None), RunRow.status.in_(waiting))
+    return list(session.scalars(query.order_by(RunRow.created_at, RunRow.id)))
+
+
+def latest_done(session: Session, recipe_name: str) -> RunRow | None:
+    """Return the newest finished run of a recipe, whose times tell how fast this place is."""
+    return session.scalar(
+        select(RunRow)
+        .where(RunRow.recipe_name == recipe_name, RunRow.status == RunStatus.DONE)
+        .order_by(RunRow.finished_at.desc())
+        .limit(1)
+    )
+
+
+def request_cancel(session: Session, run_id: str) -> RunRow:
+    """Cancel a run: at once if no living worker has it, else the worker is asked to stop.
+
+    Raises:
+        Conflict: The run is over already.
+    """
+    row = _for_change(session, run_id)
+    status = RunStatus(row.status)
+    if status in {RunStatus.CANCELLED, RunStatus.CANCELLING}:
+        return row
+    if status.is_over:
+        raise Conflict(f"This training is already over ({status}); nothing is left to cancel.")
+    if status is RunStatus.RUNNING and is_fresh(row.heartbeat_at):
+        row.status = RunStatus.CANCELLING
+    else:
+        row.status, row.finished_at, row.message = RunStatus.CANCELLED, now(), CANCELLED_MESSAGE
+        row.remaining_s = None
+        row.epoch += 1
+    note_change(session, "run", run_id)
+    return row
+
+
+def queue_again(session: Session, run_id: str) -> RunRow:
+    """Put a cancelled, stopped or failed run back into the queue; it goes on where it was.
+
+    Resuming a run that the check of its ranking stopped means to go on anyway.
+
+    Raises:
+        Conflict: The run is done, or not over yet.
+    """
+    row = _for_change(session, run_id)
+    status = RunStatus(row.status)
+    if status is RunStatus.DONE:
+        raise Conflict("This training is done. Start a new one to train again.")
+    if not status.is_over:
+        raise Conflict(f"This training is not over yet ({status}); there is nothing to resume.")
+    row.go_on_anyway = row.go_on_anyway or status is RunStatus.STOPPED
+    row.status, row.message = RunStatus.QUEUED, ""
+    row.finished_at, row.remaining_s = None, None
+    note_change(session, "run", run_id)
+    return row
+
+
+def delete(session: Session, run_id: str) -> None:
+    """Take a run out of every list; its games and files stay readable by those who name them.
+
+    Raises:
+        Conflict: A worker has it; cancel it first.
+    """
+    row = _for_change(session, run_id)
+    if not RunStatus(row.status).is_over:
+        raise Conflict("This training is not over yet. Cancel it first, then delete it.")
+    row.deleted_at = now()
+    note_change(session, "run", run_id)
