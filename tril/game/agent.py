@@ -94,11 +94,21 @@ class AgentGame:
             executed = action
             if self.sticky is not None:
                 executed = self.sticky.executed(action, episode.last_action)
-            episode.advance(executed)
-            self._view.watch(self.console, episode.frame)
+            self.advance(executed)
             if episode.end is not None:
-                self._view.finish_step(self.console, episode.frame)
                 return
+
+    def advance(self, action: int) -> None:
+        """Execute one frame: for replays, in which a person may change the action at any frame.
+
+        Raises:
+            EpisodeEnded: the episode is over.
+            ValueError: there is no such action.
+        """
+        self.episode.advance(action)
+        self._view.watch(self.console, self.episode.frame)
+        if self.episode.end is not None:
+            self._view.finish_step(self.console, self.episode.frame)
 
     @property
     def observation(self) -> Observation:

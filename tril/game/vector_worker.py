@@ -1,0 +1,330 @@
+"""The process that plays some of a vector's games; started by tril.game.vector.
+
+It imports neither the parent's main module nor torch, ignores Ctrl-C (the parent closes it) and
+ends when the parent's end of the socket closes, however the parent ended.
+"""
+
+import json
+import mmap
+import os
+import pickle
+import select
+import signal
+import struct
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+import cv2
+import numpy as np
+
+from tril.game import space_invaders as game
+from tril.game.agent import AgentGame, StickyActions
+from tril.game.console import Console, KnownStarts
+from tril.game.episode import Ending, EndReason, Hit, Start
+from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.saved_game import pack_game, unpack_game
+from tril.game.start_sources import DemonstrationLog, DemonstrationStep, StartSource
+
+# First byte of a message. A command is followed by its argument, a reply by its value.
+COMMAND_RESET, COMMAND_STEP, COMMAND_SNAPSHOT, COMMAND_RESTORE = b"R", b"S", b"G", b"P"
+REPLY_DONE, REPLY_VALUE, REPLY_ERROR = b"D", b"V", b"E"
+
+PARENT_CHECK_MS = 2000
+_SNAPSHOT_HEADER = struct.Struct("<BI")
+_SNAPSHOT_VERSION = 1
+
+
+@dataclass(frozen=True)
+class FinishedGame:
+    """An episode that a vector has played to its end.
+
+    Attributes:
+        game: index of the game in the vector.
+        start: how it began.
+        actions: the action executed at every frame from the start on, one byte each; those of a
+            demonstration included, if it began in one.
+        first_step: the step from which on the vector's actions were played; 0 unless the game
+            began in a demonstration.
+        hits: the aliens shot, in order of time, since the start.
+        end: why it ended.
+        shots: missiles that left the cannon since the start.
+    """
+
+    game: int
+    start: Start
+    actions: bytes
+    first_step: int
+    hits: tuple[Hit, ...]
+    end: EndReason
+    shots: int
+
+    @property
+    def own_hits(self) -> tuple[Hit, ...]:
+        """The aliens shot by the vector's own actions."""
+        first_frame = self.first_step * game.FRAMES_PER_STEP
+        return tuple(hit for hit in self.hits if hit.frame > first_frame)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """What a worker process is told to play.
+
+    Attributes:
+        n_games: games in the whole vector.
+        games: indices of those that this process plays.
+        starts: where they begin.
+        ending: which rule for the player's death ends an episode.
+        max_frames: after how many frames an episode ends in any case.
+        sticky_action_probability: see StickyActions.
+        training_seed: each game draws from generators of its own, made of this and its index.
+        parent: the parent's process id.
+    """
+
+    n_games: int
+    games: tuple[int, ...]
+    starts: StartSource
+    ending: Ending
+    max_frames: int
+    sticky_action_probability: float
+    training_seed: int
+    parent: int
+
+
+class SharedArrays:
+    """The arrays that a vector shares with its processes, in one block of memory.
+
+    Attributes:
+        observations: uint8 (2, n, 4, 84, 84); the two halves take turns.
+        terminal_observations: uint8 (n, 4, 84, 84), valid where ended.
+        actions: uint8 (n,).
+        ended: bool (n,): whether the last step ended an episode.
+        resting: bool (n,): whether the game has been played and is not stepped any more.
+        steps: int32 (n,): steps of the episode that was stepped, since its start.
+    """
+
+    def __init__(self, memory: mmap.mmap, n_games: int) -> None:
+        """Lay the arrays out in the memory."""
+        self._memory = memory
+        self._offset = 0
+        observations = (n_games, *OBSERVATION_SHAPE)
+        self.observations = self._array((2, *observations), np.uint8)
+        self.terminal_observations = self._array(observations, np.uint8)
+        self.steps = self._array((n_games,), np.int32)
+        self.actions = self._array((n_games,), np.uint8)
+        self.ended = self._array((n_games,), np.bool_)
+        self.resting = self._array((n_games,), np.bool_)
+
+    def _array(self, shape: tuple[int, ...], dtype: type[np.generic]) -> Any:
+        count = int(np.prod(shape))
+        array = np.frombuffer(self._memory, dtype, count, self._offset).reshape(shape)
+        # Rounded up, so that every array is aligned.
+        self._offset += -(-array.nbytes // 64) * 64
+        return array
+
+    @staticmethod
+    def size(n_games: int) -> int:
+        """Return how many bytes the arrays take, rounded up."""
+        return n_games * (3 * int(np.prod(OBSERVATION_SHAPE)) + 8) + 6 * 64
+
+
+class DemonstrationStates:
+    """The states before every step of the demonstrations, replayed when first asked for."""
+
+    def __init__(self, logs: tuple[DemonstrationLog, ...], known_starts: KnownStarts) -> None:
+        self._logs = logs
+        self._known_starts = known_starts
+        self._states: dict[int, list[bytes]] = {}
+
+    def state(self, at: DemonstrationStep) -> bytes:
+        """Return the packed game before this step."""
+        if at.demonstration not in self._states:
+            self._states[at.demonstration] = self._replay(self._logs[at.demonstration])
+        return self._states[at.demonstration][at.step]
+
+    def _replay(self, log: DemonstrationLog) -> list[bytes]:
+        replay = AgentGame(Console(self._known_starts), max_frames=len(log.actions))
+        replay.reset(log.start)
+        states = []
+        for frame, action in enumerate(log.actions):
+            if frame % game.FRAMES_PER_STEP == 0:
+                states.append(pack_game(replay.save()))
+            replay.advance(action)
+        return states
+
+
+class GameSlot:
+    """One game of a vector: episode after episode, with generators of its own."""
+
+    def __init__(
+        self,
+        index: int,
+        assignment: Assignment,
+        shared: SharedArrays,
+        known_starts: KnownStarts,
+        demonstrations: DemonstrationStates,
+    ) -> None:
+        self._index = index
+        self._starts = assignment.starts
+        self._shared = shared
+        self._demonstrations = demonstrations
+        seed = assignment.training_seed
+        self._start_rng = np.random.default_rng((seed, index, 0))
+        self._sticky_rng = np.random.default_rng((seed, index, 1))
+        self._game = AgentGame(
+            Console(known_starts),
+            assignment.ending,
+            assignment.max_frames,
+            StickyActions(assignment.sticky_action_probability, self._sticky_rng),
+        )
+        self._games_before = 0
+        self._first_step = 0
+
+    def begin(self, half: int) -> None:
+        """Begin the next episode, or rest when there is none."""
+        beginning = self._starts.beginning(self._start_rng, self._index, self._games_before)
+        self._first_step = 0
+        if beginning is None:
+            self._shared.resting[self._index] = True
+        elif isinstance(beginning, DemonstrationStep):
+            self._first_step = beginning.step
+            self._game.restore(unpack_game(self._demonstrations.state(beginning)))
+        else:
+            self._game.reset(beginning)
+        self._game.observe(self._shared.observations[half, self._index])
+
+    def step(self, half: int) -> FinishedGame | None:
+        """Play the step whose action is in the shared memory; begin anew after an end."""
+        shared, index = self._shared, self._index
+        observation = shared.observations[half, index]
+        if shared.resting[index]:
+            shared.ended[index] = False
+            self._game.observe(observation)
+            return None
+        self._game.step(int(shared.actions[index]))
+        end = self._game.end
+        shared.ended[index] = end is not None
+        shared.steps[index] = self._game.steps
+        if end is None:
+            self._game.observe(observation)
+            return None
+        self._game.observe(shared.terminal_observations[index])
+        episode = self._game.episode
+        finished = FinishedGame(
+            game=index,
+            start=episode.start,
+            actions=episode.actions,
+            first_step=self._first_step,
+            hits=episode.hits,
+            end=end,
+            shots=episode.shots,
+        )
+        self._games_before += 1
+        self.begin(half)
+        return finished
+
+    def snapshot(self) -> bytes:
+        """Return all that the game's future depends on, actions apart."""
+        small = {
+            "start_rng": self._start_rng.bit_generator.state,
+            "sticky_rng": self._sticky_rng.bit_generator.state,
+            "games_before": self._games_before,
+            "first_step": self._first_step,
+            "resting": bool(self._shared.resting[self._index]),
+        }
+        text = json.dumps(small).encode()
+        header = _SNAPSHOT_HEADER.pack(_SNAPSHOT_VERSION, len(text))
+        return header + text + pack_game(self._game.save())
+
+    def restore(self, snapshot: bytes, half: int) -> None:
+        """Go on from a snapshot."""
+        version, size = _SNAPSHOT_HEADER.unpack_from(snapshot)
+        if version != _SNAPSHOT_VERSION:
+            raise ValueError(f"Expected snapshot version {_SNAPSHOT_VERSION}, got {version}.")
+        end = _SNAPSHOT_HEADER.size + size
+        small = json.loads(snapshot[_SNAPSHOT_HEADER.size : end])
+        self._start_rng.bit_generator.state = small["start_rng"]
+        self._sticky_rng.bit_generator.state = small["sticky_rng"]
+        self._games_before = small["games_before"]
+        self._first_step = small["first_step"]
+        self._shared.resting[self._index] = small["resting"]
+        self._game.restore(unpack_game(snapshot[end:]))
+        self._game.observe(self._shared.observations[half, self._index])
+
+
+class GameProcess:
+    """A worker's games and the answers to its parent's commands."""
+
+    def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
+        known_starts: KnownStarts = {}
+        demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
+        self._slots = [
+            GameSlot(index, assignment, shared, known_starts, demonstrations)
+            for index in assignment.games
+        ]
+
+    def answer(self, message: bytes) -> bytes:
+        """Carry out a command and return the reply."""
+        command, argument = message[:1], message[1:]
+        if command == COMMAND_STEP:
+            finished = [slot.step(argument[0]) for slot in self._slots]
+            news = [one for one in finished if one is not None]
+            return REPLY_VALUE + pickle.dumps(news) if news else REPLY_DONE
+        if command == COMMAND_RESET:
+            for slot in self._slots:
+                slot.begin(argument[0])
+            return REPLY_DONE
+        if command == COMMAND_SNAPSHOT:
+            return REPLY_VALUE + pickle.dumps([slot.snapshot() for slot in self._slots])
+        if command == COMMAND_RESTORE:
+            snapshots = pickle.loads(argument[1:])
+            for slot, snapshot in zip(self._slots, snapshots, strict=True):
+                slot.restore(snapshot, argument[0])
+            return REPLY_DONE
+        raise ValueError(f"Unknown command {command!r}.")
+
+
+def _next_message(connection: Connection, poll: select.poll, parent: int) -> bytes | None:
+    """Wait for the parent's next command; None when the parent has closed or is gone."""
+    while not poll.poll(PARENT_CHECK_MS):
+        # A process that the parent forked may hold its end of the socket open.
+        if os.getppid() != parent:
+            return None
+    try:
+        return connection.recv_bytes()
+    except (EOFError, ConnectionResetError):
+        return None
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Play until the parent closes the socket.
+
+    Args:
+        arguments: the program's name, the socket's and the shared memory's file descriptor.
+
+    Returns:
+        The exit code.
+    """
+    socket_fd, memory_fd = map(int, arguments[1:])
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    cv2.setNumThreads(1)
+    connection: Connection = Connection(socket_fd)
+    poll = select.poll()
+    poll.register(socket_fd, select.POLLIN)
+    memory = mmap.mmap(memory_fd, 0)
+    os.close(memory_fd)
+    try:
+        # Both ends of the socket are this program's own.
+        assignment: Assignment = pickle.loads(connection.recv_bytes())
+        games = GameProcess(assignment, SharedArrays(memory, assignment.n_games))
+        connection.send_bytes(REPLY_DONE)
+        while (message := _next_message(connection, poll, assignment.parent)) is not None:
+            connection.send_bytes(games.answer(message))
+    except (BrokenPipeError, ConnectionResetError, EOFError):
+        return 0
+    except Exception:  # noqa: BLE001 - the parent raises it
+        connection.send_bytes(REPLY_ERROR + traceback.format_exc().encode())
+        return 1
+    return 0
