@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
+from tril.game.episode import EndReason
+from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
+from tril.summary import GameFigures
 
 
 @dataclass(frozen=True)
@@ -81,3 +84,15 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
         .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.choice)
     )
     return list(session.scalars(query))
+
+
+def figures_of(row: EvaluationRow) -> GameFigures:
+    """Return an evaluation game, loaded with its recording, in numbers."""
+    return GameFigures(
+        targets=row.targets,
+        strays=row.strays,
+        order_errors=row.order_errors,
+        steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
+        is_hit=row.recording.end == EndReason.HIT,
+        predicted_return=row.predicted_return,
+    )

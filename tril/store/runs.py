@@ -11,18 +11,9 @@ from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import Recipe
+from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change
-from tril.store.models import (
-    BehaviourRow,
-    RankingRow,
-    RecordingRow,
-    RecordingState,
-    RunRow,
-    RunStatus,
-    Source,
-    Verification,
-    now,
-)
+from tril.store.models import RecordingState, RunRow, RunStatus, Verification, now
 from tril.store.processes import is_fresh
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
@@ -57,9 +48,7 @@ def create(
         NotFound: No such behaviour.
         Invalid: The ranking or the perfect demonstrations don't suffice; says what to do.
     """
-    behaviour = session.get(BehaviourRow, behaviour_id)
-    if behaviour is None or behaviour.deleted_at is not None:
-        raise NotFound("There is no such behaviour (any more).")
+    behaviours.get(session, behaviour_id)
     if steps < 1:
         raise Invalid(f"Expected at least one PPO step, got {steps}.")
     row = RunRow(
@@ -90,20 +79,15 @@ def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
     Raises:
         Invalid: They don't suffice for learning; says what to do.
     """
-    ranking = session.scalar(
-        select(RankingRow)
-        .where(RankingRow.behaviour_id == behaviour_id)
-        .order_by(RankingRow.revision.desc())
-        .limit(1)
-    )
-    tiers = [list(tier) for tier in ranking.tiers if tier] if ranking is not None else []
-    if ranking is None or len(tiers) < 2:
+    ranking = rankings.current(session, behaviour_id)
+    tiers = [list(tier) for tier in rankings.as_ranking(ranking).tiers]
+    if len(tiers) < 2:
         raise Invalid(
             "Learning needs recordings in at least two tiers. Play some good and some bad games "
             "and put them into an order first."
         )
     _check_usable(session, behaviour_id, [number for tier in tiers for number in tier])
-    perfect = _perfect(session, behaviour_id)
+    perfect = recordings.perfect_ids(session, behaviour_id)
     if not perfect:
         raise Invalid(
             "The clone learns from perfect demonstrations and there are none. Mark at least one "
@@ -113,39 +97,29 @@ def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
 
 
 def _check_usable(session: Session, behaviour_id: int, numbers: list[int]) -> None:
-    rows = session.scalars(select(RecordingRow).where(RecordingRow.id.in_(numbers)))
-    found = {row.id: row for row in rows if row.behaviour_id == behaviour_id}
+    found = {
+        number: row
+        for number, row in recordings.by_ids(session, numbers).items()
+        if row.behaviour_id == behaviour_id
+    }
     deleted = [n for n in numbers if n not in found or found[n].deleted_at is not None]
     if deleted:
         raise Invalid(
             f"The ranking names deleted recordings ({_numbers(deleted)}). Restore them or take "
             "them out of the ranking."
         )
-    unverified = [n for n in numbers if found[n].verification != Verification.VERIFIED]
-    if unverified:
-        raise Invalid(
-            f"Recordings {_numbers(unverified)} in the ranking are not verified: a replay has not "
-            "(yet) given what was recorded. Take them out of the ranking or play them again."
-        )
-    unfit = [n for n in numbers if found[n].state != RecordingState.KEPT or not found[n].n_frames]
+    unfit = [
+        n
+        for n in numbers
+        if found[n].verification != Verification.VERIFIED
+        or found[n].state != RecordingState.KEPT
+        or not found[n].n_frames
+    ]
     if unfit:
         raise Invalid(
-            f"Recordings {_numbers(unfit)} in the ranking are empty or were not kept. Take them "
-            "out of the ranking."
+            f"Recordings {_numbers(unfit)} in the ranking are not verified, were not kept or are "
+            "empty, so learning can't replay them. Take them out of the ranking."
         )
-
-
-def _perfect(session: Session, behaviour_id: int) -> list[int]:
-    query = select(RecordingRow.id).where(
-        RecordingRow.behaviour_id == behaviour_id,
-        RecordingRow.perfect,
-        RecordingRow.deleted_at.is_(None),
-        RecordingRow.state == RecordingState.KEPT,
-        RecordingRow.verification == Verification.VERIFIED,
-        RecordingRow.source != Source.POLICY,
-        RecordingRow.n_frames > 0,
-    )
-    return list(session.scalars(query.order_by(RecordingRow.id)))
 
 
 def _numbers(numbers: Iterable[int]) -> str:
