@@ -13,6 +13,8 @@ import jsonschema
 import pytest
 import yaml
 
+from tril.settings import Settings
+
 ROOT = Path(__file__).resolve().parents[2]
 SERVICES = ("server", "worker", "inference")
 # The Compose specification's schema as in Debian's docker-compose 1.29.2 (licence beside it).
@@ -121,6 +123,13 @@ def test_what_learns_waits_until_the_server_has_migrated(compose: dict[str, Any]
     for name in ("worker", "inference"):
         assert services[name]["depends_on"] == {"server": {"condition": "service_healthy"}}
         assert services[name]["command"] == ["tril", name]
+
+
+def test_every_setting_named_for_containers_is_one() -> None:
+    text = (ROOT / "docker-compose.yml").read_text() + (ROOT / "Dockerfile").read_text()
+    assert set(re.findall(r"TRIL_([A-Z_]+)", text)) <= {
+        name.upper() for name in Settings.model_fields
+    }
 
 
 def test_every_command_of_the_containers_exists(dockerfile: list[str]) -> None:
