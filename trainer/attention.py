@@ -1,0 +1,199 @@
+"""Attention maps: where in a state the reward model looks (thesis, section 6.1).
+
+A 3x3 patch of the game's background is moved over each of the four screens of an observation, one
+screen at a time. The absolute change of R is added to the nine pixels that the patch covers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+
+from trainer.progress import Progress, Unobserved
+from trainer.reward.model import RewardModel, RewardNetwork
+from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.space_invaders import BACKGROUND
+
+PATCH = 3
+"""Side of the patch, in pixels."""
+
+POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
+"""Patches per side, all that lie wholly inside. (T-REX's code leaves the last two out.)"""
+
+BATCH = 512
+"""Masked observations per forward pass."""
+
+_KERNEL, _STRIDE = 7, 3
+_REACH = 3
+"""Outputs of the first layer, per side, that one patch reaches at most."""
+
+STATES = (
+    ("minimum", 0.0),
+    ("90th percentile", 0.9),
+    ("95th percentile", 0.95),
+    ("maximum", 1.0),
+)
+"""The states that the thesis looks at, by their place among all states sorted by R."""
+
+
+@dataclass(frozen=True)
+class NamedState:
+    """A state of a demonstration, picked by its reward.
+
+    Attributes:
+        name: One of the names in STATES.
+        trajectory: Index of the trajectory.
+        step: Index of the observation in it; 0 is the start.
+        reward: R of the observation.
+    """
+
+    name: str
+    trajectory: int
+    step: int
+    reward: float
+
+
+def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState, ...]:
+    """Pick the states of minimum, 90th and 95th percentile, and maximum R (thesis, section 6.1).
+
+    Args:
+        rewards: For each ranked demonstration R of its observations, float32 (T + 1,).
+
+    Returns:
+        The states in the order of STATES; of equal rewards the earliest comes first.
+    """
+    if not rewards or not sum(len(part) for part in rewards):
+        raise ValueError("Expected at least one state to pick from.")
+    values = np.concatenate(rewards)
+    origins = [(i, step) for i, part in enumerate(rewards) for step in range(len(part))]
+    order = np.argsort(values, kind="stable")
+    picked = []
+    for name, share in STATES:
+        at = int(order[round(share * (len(values) - 1))])
+        trajectory, step = origins[at]
+        picked.append(NamedState(name, trajectory, step, float(values[at])))
+    return tuple(picked)
+
+
+def attention_map(
+    model: RewardModel, observation: npt.NDArray[np.uint8], progress: Progress | None = None
+) -> npt.NDArray[np.float32]:
+    """Return the attention of the reward model in one state.
+
+    Only patches that change something are tried, and only what they change of the first layer is
+    computed anew: a patch of 3x3 pixels reaches at most 3x3 of its 26x26 outputs. The result
+    equals trying every position by brute force, up to rounding.
+
+    Args:
+        model: The reward model; its raw R is used.
+        observation: uint8 (4, 84, 84).
+        progress: Told about every batch.
+
+    Returns:
+        float32 (4, 84, 84), non-negative, one map for each of the four screens; the published
+        map is their sum.
+
+    Raises:
+        ValueError: The observation has another shape or dtype.
+    """
+    if observation.shape != OBSERVATION_SHAPE or observation.dtype != np.uint8:
+        raise ValueError(
+            f"Expected an observation uint8 {OBSERVATION_SHAPE}, got {observation.dtype}"
+            f" {observation.shape}."
+        )
+    progress = progress or Unobserved()
+    positions = changing_positions(observation)
+    changes = np.empty(len(positions), np.float32)
+    with torch.inference_mode():
+        inputs = torch.from_numpy(observation[None].astype(np.float32))
+        firsts = [member.first(inputs)[0] for member in model.members]
+        plain = _combined(model, [first[None] for first in firsts])
+        for begin in range(0, len(positions), BATCH):
+            part = positions[begin : begin + BATCH]
+            masked = [
+                _masked_first(member, first, inputs[0], part)
+                for member, first in zip(model.members, firsts, strict=True)
+            ]
+            difference = (_combined(model, masked) - plain).abs()
+            changes[begin : begin + BATCH] = difference.numpy()
+            progress.advance(min(begin + BATCH, len(positions)), len(positions))
+    return spread(positions, changes)
+
+
+def changing_positions(observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.int64]:
+    """Return the patches that change the observation: int64 (N, 3) of screen, row, column."""
+    differs = observation != BACKGROUND
+    windows = np.lib.stride_tricks.sliding_window_view(differs, (PATCH, PATCH), axis=(1, 2))
+    return np.argwhere(windows.any(axis=(-2, -1)))
+
+
+def spread(
+    positions: npt.NDArray[np.int64], changes: npt.NDArray[np.float32]
+) -> npt.NDArray[np.float32]:
+    """Add each patch's change to the nine pixels that it covers; float32 (4, 84, 84)."""
+    at_corner = np.zeros((OBSERVATION_SHAPE[0], POSITIONS, POSITIONS), np.float64)
+    at_corner[tuple(positions.T)] = changes
+    result = np.zeros(OBSERVATION_SHAPE, np.float64)
+    for row in range(PATCH):
+        for column in range(PATCH):
+            result[:, row : row + POSITIONS, column : column + POSITIONS] += at_corner
+    return result.astype(np.float32)
+
+
+def _combined(model: RewardModel, firsts: list[Tensor]) -> Tensor:
+    outputs = [
+        member.after_first(first.contiguous(memory_format=torch.channels_last))
+        for member, first in zip(model.members, firsts, strict=True)
+    ]
+    return model.combine(outputs)
+
+
+def _masked_first(
+    network: RewardNetwork, first: Tensor, observation: Tensor, positions: npt.NDArray[np.int64]
+) -> Tensor:
+    """Return the first layer's output for each masked observation, float32 (N, 16, 26, 26).
+
+    The layer is linear: masking subtracts what the patch's pixels (their difference from the
+    background) contribute. Around each patch, the observation's difference is cut out as wide as
+    the outputs that it reaches can see, and run through the same convolution.
+    """
+    n_outputs = first.shape[-1]
+    screens, rows, columns = (torch.from_numpy(part) for part in positions.T)
+    out_rows = _first_reached(rows, n_outputs)
+    out_columns = _first_reached(columns, n_outputs)
+    side = _STRIDE * (_REACH - 1) + _KERNEL
+    index = torch.arange(side)
+    in_rows = out_rows[:, None] * _STRIDE + index
+    in_columns = out_columns[:, None] * _STRIDE + index
+    covered = ((in_rows >= rows[:, None]) & (in_rows < rows[:, None] + PATCH))[:, :, None] & (
+        (in_columns >= columns[:, None]) & (in_columns < columns[:, None] + PATCH)
+    )[:, None, :]
+    pixels = observation[screens[:, None, None], in_rows[:, :, None], in_columns[:, None, :]]
+    removed = torch.where(covered, BACKGROUND - pixels, torch.zeros(()))
+    weight = network.layers[0].weight / 255.0
+    per_screen = torch.nn.functional.conv2d(
+        removed[:, None],
+        weight.transpose(0, 1).reshape(-1, 1, _KERNEL, _KERNEL),
+        stride=_STRIDE,
+    ).reshape(len(positions), weight.shape[1], weight.shape[0], _REACH, _REACH)
+    change = per_screen[torch.arange(len(positions)), screens]
+    result = first.expand(len(positions), -1, -1, -1).clone()
+    reach = torch.arange(_REACH)
+    result[
+        torch.arange(len(positions))[:, None, None, None],
+        torch.arange(first.shape[0])[None, :, None, None],
+        (out_rows[:, None] + reach)[:, None, :, None],
+        (out_columns[:, None] + reach)[:, None, None, :],
+    ] += change
+    return result
+
+
+def _first_reached(corner: Tensor, n_outputs: int) -> Tensor:
+    """Return the first of the _REACH outputs that hold all which a patch at ``corner`` reaches."""
+    lowest = torch.div(corner - _KERNEL + _STRIDE, _STRIDE, rounding_mode="floor")
+    return lowest.clamp(0, n_outputs - _REACH)
