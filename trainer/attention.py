@@ -106,8 +106,17 @@ def attention_map(
             f"Expected an observation uint8 {OBSERVATION_SHAPE}, got {observation.dtype}"
             f" {observation.shape}."
         )
-    progress = progress or Unobserved()
     positions = changing_positions(observation)
+    return spread(positions, changes_at(model, observation, positions, progress or Unobserved()))
+
+
+def changes_at(
+    model: RewardModel,
+    observation: npt.NDArray[np.uint8],
+    positions: npt.NDArray[np.int64],
+    progress: Progress,
+) -> npt.NDArray[np.float32]:
+    """Return |R(masked) - R|, float32 (N,), for patches int64 (N, 3): screen, row, column."""
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
         inputs = torch.from_numpy(observation[None].astype(np.float32))
@@ -122,7 +131,7 @@ def attention_map(
             difference = (_combined(model, masked) - plain).abs()
             changes[begin : begin + BATCH] = difference.numpy()
             progress.advance(min(begin + BATCH, len(positions)), len(positions))
-    return spread(positions, changes)
+    return changes
 
 
 def changing_positions(observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.int64]:

@@ -11,9 +11,11 @@ from trainer.attention import (
     PATCH,
     POSITIONS,
     attention_map,
+    changes_at,
     changing_positions,
     pick_states,
 )
+from trainer.progress import Unobserved
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.game.console import Console
 from tril.game.observation import AgentView
@@ -38,40 +40,38 @@ def game_observation() -> npt.NDArray[np.uint8]:
     return np.array(view.observation)
 
 
-def _brute_force(
-    model: RewardModel, observation: npt.NDArray[np.uint8], screen: int
-) -> npt.NDArray[np.float64]:
-    """One screen's map by the definition, every position tried and every pixel added to."""
-    masked = np.repeat(observation[None], POSITIONS * POSITIONS, axis=0)
-    for row in range(POSITIONS):
-        for column in range(POSITIONS):
-            target = masked[row * POSITIONS + column, screen]
-            target[row : row + PATCH, column : column + PATCH] = 0
-    changes = np.abs(model.score(masked) - model.score(observation[None]))
-    result = np.zeros((84, 84))
-    for row in range(POSITIONS):
-        for column in range(POSITIONS):
-            result[row : row + PATCH, column : column + PATCH] += changes[row * POSITIONS + column]
-    return result
+def _masked_changes(
+    model: RewardModel, observation: npt.NDArray[np.uint8], positions: npt.NDArray[np.int64]
+) -> npt.NDArray[np.float32]:
+    """|R(masked) - R| by the definition: each masked observation made and scored whole."""
+    masked = np.repeat(observation[None], len(positions), axis=0)
+    for target, (screen, row, column) in zip(masked, positions, strict=True):
+        target[screen, row : row + PATCH, column : column + PATCH] = 0
+    return np.abs(model.score(masked) - model.score(observation[None]))
 
 
-@pytest.mark.parametrize(("n_members", "screen"), [(1, 0), (1, 3), (2, 1)])
-def test_the_map_equals_brute_force(
-    game_observation: npt.NDArray[np.uint8], n_members: int, screen: int
-) -> None:
-    model = _model(n_members)
-    expected = _brute_force(model, game_observation, screen)
-    found = attention_map(model, game_observation)[screen]
+def test_the_map_equals_brute_force(game_observation: npt.NDArray[np.uint8]) -> None:
+    model, screen = _model(1), 2
+    every = np.array([(screen, r, c) for r in range(POSITIONS) for c in range(POSITIONS)])
+    expected = np.zeros((84, 84))
+    changes = _masked_changes(model, game_observation, every)
+    for (_, row, column), change in zip(every, changes, strict=True):
+        expected[row : row + PATCH, column : column + PATCH] += change
     assert expected.max() > 0
+    found = attention_map(model, game_observation)[screen]
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=2e-4 * expected.max())
 
 
-def test_patches_at_every_edge_equal_brute_force() -> None:
-    model = _model(1)
-    noise = np.random.default_rng(3).integers(0, 256, (4, 84, 84), dtype=np.uint8)
-    found = attention_map(model, noise)[2]
-    expected = _brute_force(model, noise, 2)
-    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=2e-4 * expected.max())
+@pytest.mark.parametrize("n_members", [1, 2])
+def test_patches_anywhere_change_what_masking_changes(n_members: int) -> None:
+    model = _model(n_members)
+    rng = np.random.default_rng(3)
+    noise = rng.integers(0, 256, (4, 84, 84), dtype=np.uint8)
+    edges = [(s, r, c) for s in range(4) for r in (0, 1, 5, 81) for c in (0, 2, 6, 80, 81)]
+    positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
+    expected = _masked_changes(model, noise, positions)
+    found = changes_at(model, noise, positions, Unobserved())
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
 
 
 def test_an_empty_screen_has_no_attention() -> None:
