@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from cli import services
+from cli import behaviours, recordings, runs, services
 from cli.up import up
 
 app = typer.Typer(
@@ -15,11 +15,16 @@ app = typer.Typer(
 )
 
 app.command()(up)
+app.command()(runs.train)
 app.command()(services.serve)
 app.command()(services.worker)
 app.command()(services.inference)
 app.command()(services.migrate)
 app.command()(services.health)
+
+app.add_typer(behaviours.app, name="behaviours")
+app.add_typer(recordings.app, name="recordings")
+app.add_typer(runs.app, name="runs")
 
 if __name__ == "__main__":
     app()
