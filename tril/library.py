@@ -9,7 +9,14 @@ from typing import Any, BinaryIO
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid
-from tril.exchange import Exchanged, from_exchange, ranked, read_lines, to_exchange
+from tril.exchange import (
+    MAX_OBJECTS,
+    Exchanged,
+    from_exchange,
+    ranked,
+    read_lines,
+    to_exchange,
+)
 from tril.game.console import Console
 from tril.game.episode import EndReason
 from tril.store import rankings, recordings
@@ -48,6 +55,7 @@ def import_recordings(
     rank: bool = False,
     perfect: bool = False,
     player_id: int | None = None,
+    max_recordings: int = MAX_OBJECTS,
 ) -> Imported:
     """Add the recordings of a file, each verified by a replay, in one transaction.
 
@@ -59,6 +67,7 @@ def import_recordings(
             last tier as one revision. Equal tiers of the file become ties.
         perfect: Whether all of them are marked as perfect; else those that say so.
         player_id: Who brings them.
+        max_recordings: What follows so many recordings is refused.
 
     Raises:
         Invalid: ``rank`` and ``perfect`` at once.
@@ -66,7 +75,7 @@ def import_recordings(
     if rank and perfect:
         raise Invalid("Choose one: a file in order from best to worst, or perfect games only.")
     outcome = Imported()
-    accepted = _read(file, outcome)
+    accepted = _read(file, outcome, max_recordings)
     if not accepted:
         return outcome
     with database.writing() as session:
@@ -103,10 +112,12 @@ def export_behaviour(session: Session, behaviour_id: int) -> Iterator[dict[str, 
         yield _exchange(row, tiers.get(row.id))
 
 
-def _read(file: BinaryIO | bytes | str, outcome: Imported) -> list[tuple[int, Exchanged]]:
+def _read(
+    file: BinaryIO | bytes | str, outcome: Imported, max_recordings: int
+) -> list[tuple[int, Exchanged]]:
     console = Console()
     accepted = []
-    for line in read_lines(file):
+    for line in read_lines(file, max_objects=max_recordings):
         if line.refusal is not None:
             outcome.refusals.append(Remark(line.number, line.refusal))
             continue

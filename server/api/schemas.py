@@ -13,8 +13,9 @@ Cell = tuple[Row, Column]
 """(row from the bottom, column from the left), from 0."""
 
 Id = Annotated[int, Field(ge=1, le=2**31 - 1)]
-Tiers = Annotated[list[Annotated[list[Id], Field(min_length=1, max_length=500)]],
-                  Field(max_length=500)]
+Tiers = Annotated[
+    list[Annotated[list[Id], Field(min_length=1, max_length=500)]], Field(max_length=500)
+]
 
 
 class Schema(BaseModel):
@@ -30,13 +31,23 @@ class Problem(Schema):
     errors: list[dict[str, Any]] | None = None
 
 
+class Health(Schema):
+    """The server answers."""
+
+    status: Literal["ok"]
+
+
 class Player(Schema):
+    """Who plays."""
+
     id: int
     name: str
     role: Literal["owner", "researcher", "participant"]
 
 
 class PlayerUpdate(Schema):
+    """A player's new name."""
+
     name: str = Field(min_length=1, max_length=80)
 
 
@@ -50,6 +61,8 @@ class ProcessStatus(Schema):
 
 
 class System(Schema):
+    """Whether Tril is well."""
+
     version: str
     processes: list[ProcessStatus]
     disk_free_bytes: int
@@ -57,6 +70,8 @@ class System(Schema):
 
 
 class Behaviour(Schema):
+    """What is being taught. ``target`` is None where hits do not describe it."""
+
     id: int
     slug: str
     name: str
@@ -72,6 +87,8 @@ class Behaviour(Schema):
 
 
 class BehaviourNew(Schema):
+    """A behaviour of one's own."""
+
     name: str = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)
     target: list[Cell] | None = Field(default=None, max_length=36)
@@ -88,6 +105,8 @@ class BehaviourUpdate(Schema):
 
 
 class Hit(Schema):
+    """An alien that was shot, after how many frames."""
+
     row: Row
     column: Column
     frame: int
@@ -129,6 +148,8 @@ class Recording(Schema):
 
 
 class RecordingUpdate(Schema):
+    """Fields left out stay."""
+
     perfect: bool | None = None
     notes: str | None = Field(default=None, max_length=4000)
 
@@ -141,6 +162,8 @@ class Refusal(Schema):
 
 
 class ImportResult(Schema):
+    """What became of an uploaded file; ``imported`` are the new recordings."""
+
     imported: list[int]
     notices: list[Refusal]
     refusals: list[Refusal]
@@ -180,6 +203,8 @@ class RankingConflict(Schema):
 
 
 class RankingRevision(Schema):
+    """What was done to a ranking."""
+
     revision: int
     tiers: list[list[int]]
     change: Literal["edit", "undo", "redo", "import", "deletion", "example"]
@@ -206,7 +231,10 @@ class Game(Schema):
 
 
 class Recipe(Schema):
-    """``values`` is the whole recipe; ``steps_per_s`` what this machine did or is expected to do."""
+    """A way of learning; ``values`` is all of it.
+
+    ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+    """
 
     name: str
     summary: str
@@ -230,9 +258,7 @@ class RunNew(Schema):
     example: bool = False
 
 
-RunStatus = Literal[
-    "queued", "running", "cancelling", "cancelled", "stopped", "failed", "done"
-]
+RunStatus = Literal["queued", "running", "cancelling", "cancelled", "stopped", "failed", "done"]
 
 
 class Run(Schema):
@@ -260,7 +286,7 @@ class Run(Schema):
     message: str
     worker_alive: bool
     versions: dict[str, str]
-    headline: "Headline | None"
+    headline: Headline | None
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
@@ -269,14 +295,16 @@ class Run(Schema):
 class Headline(Schema):
     """Greedy games from held-out evaluation starts: means with 95% bootstrap intervals."""
 
-    imitator: "PolicySummary | None"
-    clone: "PolicySummary | None"
+    imitator: PolicySummary | None
+    clone: PolicySummary | None
     tau: float | None
     pair_accuracy: float | None
     held_out_accuracy: float | None
 
 
 class Interval(Schema):
+    """A mean over n games with its 95% interval."""
+
     mean: float
     low: float
     high: float
@@ -302,11 +330,15 @@ class Metrics(Schema):
 
 
 class ConfusedTiers(Schema):
-    """Tiers counted from 1, best first, whose demonstrations the reward model mixes up."""
+    """Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+
+    ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
+    learning; ``better`` and ``worse`` are the recordings of the two tiers.
+    """
 
     better_tier: int
     worse_tier: int
-    accuracy: float
+    held_out: bool
     better: list[int]
     worse: list[int]
 
@@ -320,6 +352,8 @@ class RankedReturn(Schema):
 
 
 class RankingCheck(Schema):
+    """How well the reward model agrees with the ranking."""
+
     tau: float
     pair_accuracy: float
     held_out_accuracy: float | None
@@ -341,6 +375,8 @@ class AttentionMap(Schema):
 
 
 class EvaluationGame(Schema):
+    """One game that a trained policy played."""
+
     policy: Literal["imitator", "clone"]
     choice: Literal["greedy", "sampled"]
     start_number: int
@@ -360,6 +396,8 @@ class ComparisonRow(Schema):
 
 
 class PolicyChoiceSummary(Schema):
+    """Means over a policy's games from held-out starts."""
+
     policy: Literal["imitator", "clone"]
     choice: Literal["greedy", "sampled"]
     summary: PolicySummary
@@ -375,10 +413,12 @@ class RunResults(Schema):
     summaries: list[PolicyChoiceSummary]
     best_demonstration: Recording | None
     attention: list[AttentionMap]
-    artifacts: list["Artifact"]
+    artifacts: list[Artifact]
 
 
 class Artifact(Schema):
+    """A file of a training."""
+
     id: int
     kind: str
     name: str
@@ -388,8 +428,7 @@ class Artifact(Schema):
 
 
 class RewardTrace(Schema):
-    """R (raw output) of every observation of a recording, by step; computed by the inference
-    process."""
+    """R (raw output) of every observation of a recording, by step, from the start's."""
 
     run_id: str
     recording_id: int

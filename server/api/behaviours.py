@@ -1,0 +1,86 @@
+"""What is being taught."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from fastapi import APIRouter
+from sqlalchemy.orm import Session
+
+from server.api.schemas import Behaviour, BehaviourNew, BehaviourUpdate, Cell
+from server.dependencies import BehaviourId, Reading, Writing
+from server.problems import CONFLICT, NOT_FOUND
+from tril.store import behaviours
+from tril.store.models import BehaviourRow
+
+router = APIRouter(prefix="/behaviours", tags=["behaviours"])
+
+
+@router.get("")
+def list_behaviours(session: Reading) -> list[Behaviour]:
+    """Return all behaviours, those that come ready first."""
+    counts = behaviours.counts(session)
+    return [
+        _shown(row, counts.get(row.id, behaviours.Counts())) for row in behaviours.listing(session)
+    ]
+
+
+@router.post("", status_code=201, responses=CONFLICT)
+def create_behaviour(session: Writing, new: BehaviourNew) -> Behaviour:
+    """Add a behaviour of one's own."""
+    row = behaviours.create(session, new.name, new.description, _cells(new.target), new.ordered)
+    return _one(session, row)
+
+
+@router.get("/{behaviour_id}", responses=NOT_FOUND)
+def get_behaviour(session: Reading, behaviour_id: BehaviourId) -> Behaviour:
+    """Return one behaviour."""
+    return _one(session, behaviours.get(session, behaviour_id))
+
+
+@router.patch("/{behaviour_id}", responses=NOT_FOUND | CONFLICT)
+def update_behaviour(
+    session: Writing, behaviour_id: BehaviourId, update: BehaviourUpdate
+) -> Behaviour:
+    """Change a behaviour; fields that are left out stay."""
+    row = behaviours.get(session, behaviour_id)
+    given = update.model_fields_set
+    before = behaviours.as_behaviour(row)
+    behaviours.update(
+        session,
+        row,
+        name=row.name if update.name is None else update.name,
+        description=row.description if update.description is None else update.description,
+        target=_cells(update.target) if "target" in given else before.target,
+        ordered=row.ordered if update.ordered is None else update.ordered,
+    )
+    return _one(session, row)
+
+
+@router.delete("/{behaviour_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
+def delete_behaviour(session: Writing, behaviour_id: BehaviourId) -> None:
+    """Take a behaviour out of the lists."""
+    behaviours.delete(session, behaviours.get(session, behaviour_id))
+
+
+def _one(session: Session, row: BehaviourRow) -> Behaviour:
+    counts = behaviours.counts(session, row.id)
+    return _shown(row, counts.get(row.id, behaviours.Counts()))
+
+
+def _shown(row: BehaviourRow, counts: behaviours.Counts) -> Behaviour:
+    target = behaviours.as_behaviour(row).target
+    return Behaviour(
+        id=row.id,
+        slug=row.slug,
+        name=row.name,
+        description=row.description,
+        target=None if target is None else list(target),
+        ordered=row.ordered,
+        ready_made=row.ready_made,
+        **asdict(counts),
+    )
+
+
+def _cells(target: list[Cell] | None) -> tuple[Cell, ...] | None:
+    return None if target is None else tuple(target)

@@ -1,0 +1,43 @@
+"""Games: begin one here, play it over its WebSocket (docs/protocol.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+from fastapi import APIRouter
+
+from server.api.schemas import Game, GameNew
+from server.dependencies import GameId, Reading, Writing
+from server.problems import NOT_FOUND
+from tril.game.episode import Start, draw_start
+from tril.game.space_invaders import MAX_FRAMES
+from tril.store import behaviours, games, players
+from tril.store.models import GameRow
+
+router = APIRouter(prefix="/games", tags=["games"])
+
+
+@router.post("", status_code=201, responses=NOT_FOUND)
+def create_game(session: Writing, new: GameNew) -> Game:
+    """Begin a game; it waits for a player at its stream."""
+    behaviours.get(session, new.behaviour_id)
+    # A person's games need no reproducible starts, only different ones.
+    drawn = draw_start(np.random.default_rng())
+    start = drawn if new.idle_frames is None else Start(new.idle_frames)
+    return _shown(games.create(session, new.behaviour_id, start, players.owner(session).id))
+
+
+@router.get("/{game_id}", responses=NOT_FOUND)
+def get_game(session: Reading, game_id: GameId) -> Game:
+    """Return a game as it was saved last."""
+    return _shown(games.get(session, str(game_id)))
+
+
+def _shown(row: GameRow) -> Game:
+    return Game(
+        id=row.id,
+        recording_id=row.recording_id,
+        behaviour_id=row.recording.behaviour_id,
+        frame=row.recording.n_frames,
+        max_frames=MAX_FRAMES,
+        stream_path=f"/api/games/{row.id}/stream",
+    )

@@ -1,0 +1,206 @@
+"""The library of recordings: list, keep, delete, mark, watch, import, export."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from server.api.schemas import ImportResult, Recording, RecordingUpdate, Refusal
+from server.api.views import RecordingViews
+from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
+from server.derived import version_of
+from server.problems import CONFLICT, NOT_FOUND
+from tril.library import export_behaviour, import_recordings
+from tril.library import export_recording as exchanged
+from tril.store import behaviours, players, recordings
+
+router = APIRouter(tags=["recordings"])
+
+MAX_IMPORTED = 200
+"""Most recordings in one upload: each is replayed, which takes about 0.1 s."""
+
+JSON_LINES = "application/x-ndjson"
+_UPLOADED = {"schema": {"type": "string"}}
+_FOR_EVER = "private, max-age=31536000, immutable"
+
+
+@router.get("/behaviours/{behaviour_id}/recordings", responses=NOT_FOUND)
+def list_recordings(
+    session: Reading,
+    behaviour_id: BehaviourId,
+    include: Annotated[list[Literal["deleted", "policy"]] | None, Query(max_length=2)] = None,
+) -> list[Recording]:
+    """Return a behaviour's recordings, newest first."""
+    behaviours.get(session, behaviour_id)
+    wanted = include or []
+    rows = recordings.listing(
+        session,
+        behaviour_id,
+        with_deleted="deleted" in wanted,
+        with_policies="policy" in wanted,
+    )
+    return RecordingViews(session).all(rows)
+
+
+@router.post(
+    "/behaviours/{behaviour_id}/recordings/import",
+    responses=NOT_FOUND | CONFLICT,
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "description": "Recordings in the exchange format: one object, or JSON Lines.",
+            "content": {JSON_LINES: _UPLOADED, "application/json": _UPLOADED},
+        }
+    },
+)
+async def import_recordings_file(
+    request: Request,
+    behaviour_id: BehaviourId,
+    rank: Annotated[bool, Query(description="The order is from best to worst.")] = False,
+    perfect: Annotated[bool, Query(description="All are perfect.")] = False,
+) -> ImportResult:
+    """Verify uploaded recordings and add those that replay; say why others are refused."""
+    content = await request.body()
+    services = services_of(request)
+    async with services.importing:
+        imported = await run_in_threadpool(
+            import_recordings,
+            services.database,
+            behaviour_id,
+            content,
+            rank=rank,
+            perfect=perfect,
+            max_recordings=MAX_IMPORTED,
+        )
+    return ImportResult(
+        imported=list(imported.recording_ids),
+        notices=[Refusal.model_validate(remark) for remark in imported.notices],
+        refusals=[Refusal.model_validate(remark) for remark in imported.refusals],
+    )
+
+
+@router.get(
+    "/behaviours/{behaviour_id}/recordings/export",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {JSON_LINES: _UPLOADED}}},
+)
+def export_recordings(session: Reading, behaviour_id: BehaviourId) -> Response:
+    """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
+    row = behaviours.get(session, behaviour_id)
+    lines = (json.dumps(item) for item in export_behaviour(session, behaviour_id))
+    return Response(
+        "".join(f"{line}\n" for line in lines),
+        media_type=JSON_LINES,
+        headers=_download(f"{row.slug}.jsonl"),
+    )
+
+
+@router.get("/recordings/{recording_id}", responses=NOT_FOUND)
+def get_recording(session: Reading, recording_id: RecordingId) -> Recording:
+    """Return one recording, a deleted one too."""
+    return RecordingViews(session).one(recordings.get(session, recording_id))
+
+
+@router.patch("/recordings/{recording_id}", responses=NOT_FOUND)
+def update_recording(
+    session: Writing, recording_id: RecordingId, update: RecordingUpdate
+) -> Recording:
+    """Mark a recording as perfect or not, or change its notes."""
+    row = recordings.get(session, recording_id)
+    recordings.update(session, row, update.perfect, update.notes)
+    return RecordingViews(session).one(row)
+
+
+@router.delete("/recordings/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
+def delete_recording(session: Writing, recording_id: RecordingId) -> None:
+    """Delete a recording; it can be restored."""
+    row = recordings.get(session, recording_id)
+    recordings.delete(session, row, players.owner(session).id)
+
+
+@router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
+def keep_recording(session: Writing, recording_id: RecordingId) -> Recording:
+    """Put a finished game into the library."""
+    row = recordings.get(session, recording_id)
+    recordings.keep(session, row)
+    return RecordingViews(session).one(row)
+
+
+@router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)
+def discard_recording(session: Writing, recording_id: RecordingId) -> Recording:
+    """Delete a recording as DELETE does, and return it; it can be restored."""
+    row = recordings.get(session, recording_id)
+    recordings.delete(session, row, players.owner(session).id)
+    return RecordingViews(session).one(row)
+
+
+@router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
+def restore_recording(session: Writing, recording_id: RecordingId) -> Recording:
+    """Bring a deleted recording back, unranked."""
+    row = recordings.get(session, recording_id)
+    recordings.restore(session, row)
+    return RecordingViews(session).one(row)
+
+
+Version = Annotated[str | None, Query(max_length=40, description="Makes the answer cacheable.")]
+
+
+@router.get(
+    "/recordings/{recording_id}/frames",
+    response_class=Response,
+    responses=NOT_FOUND
+    | {200: {"content": {"application/octet-stream": {}}, "description": "docs/protocol.md"}},
+)
+def get_recording_frames(
+    request: Request, recording_id: RecordingId, v: Version = None
+) -> Response:
+    """Return every frame of a recording, as docs/protocol.md describes."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    content = services.derived.frames(recording)
+    return _derived(content, "application/octet-stream", v == version_of(recording))
+
+
+@router.get(
+    "/recordings/{recording_id}/thumbnail.png",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
+)
+def get_recording_thumbnail(
+    request: Request, recording_id: RecordingId, v: Version = None
+) -> Response:
+    """Return a picture of the moment after a recording's last hit, else of its last frame."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    content = services.derived.thumbnail(recording)
+    return _derived(content, "image/png", v == version_of(recording))
+
+
+@router.get(
+    "/recordings/{recording_id}/export",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"application/json": {"schema": {"type": "object"}}}}},
+)
+def export_recording(session: Reading, recording_id: RecordingId) -> Response:
+    """Return one recording in the exchange format."""
+    row = recordings.get(session, recording_id)
+    return Response(
+        json.dumps(exchanged(session, row), indent=2),
+        media_type="application/json",
+        headers=_download(f"recording-{row.id}.json"),
+    )
+
+
+def _derived(content: bytes, media_type: str, is_version: bool) -> Response:
+    cached = _FOR_EVER if is_version else "private, no-cache"
+    return Response(content, media_type=media_type, headers={"Cache-Control": cached})
+
+
+def _download(name: str) -> dict[str, str]:
+    return {"Content-Disposition": f'attachment; filename="{name}"'}

@@ -1,0 +1,34 @@
+"""Whether Tril is well."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import asdict
+from importlib.metadata import version
+
+from fastapi import APIRouter, Request
+
+from server.api.schemas import Health, ProcessStatus, System
+from server.dependencies import Reading, services_of
+from tril.store import processes
+
+router = APIRouter(tags=["system"])
+
+
+@router.get("/health")
+def get_health(session: Reading) -> Health:
+    """Say that the server answers and reaches its database. Needs no cookie."""
+    processes.statuses(session)
+    return Health(status="ok")
+
+
+@router.get("/system")
+def get_system(request: Request, session: Reading) -> System:
+    """Return which processes live and how much room there is."""
+    settings = services_of(request).settings
+    return System(
+        version=version("tril"),
+        processes=[ProcessStatus(**asdict(found)) for found in processes.statuses(session)],
+        disk_free_bytes=shutil.disk_usage(settings.data).free,
+        data_bytes=services_of(request).data_bytes(),
+    )

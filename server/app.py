@@ -1,0 +1,85 @@
+"""The web application: what the page talks to."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
+from pathlib import Path
+
+from fastapi import APIRouter, FastAPI
+from fastapi.routing import APIRoute
+from starlette.middleware import Middleware
+
+from server import guard, problems
+from server.api import (
+    artifacts,
+    behaviours,
+    events,
+    games,
+    players,
+    rankings,
+    recordings,
+    runs,
+    system,
+)
+from server.pages import FRONTEND, Frontend, check_frontend, pages
+from server.services import running_services
+from tril.settings import Settings
+from tril.store.rankings import RankingConflict
+
+__all__ = ["check_frontend", "create_app"]
+
+
+def create_app(settings: Settings, frontend: Path = FRONTEND) -> FastAPI:
+    """Build the application. Nothing is opened before its lifespan begins.
+
+    Args:
+        settings: Where the data is and which hosts may be named.
+        frontend: Folder of the built frontend.
+    """
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with running_services(settings) as services:
+            app.state.services = services
+            yield
+
+    app = FastAPI(
+        title="Tril",
+        version=version("tril"),
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        openapi_url="/api/openapi.json",
+        generate_unique_id_function=_operation_id,
+        middleware=[
+            Middleware(layer, **arguments) for layer, arguments in guard.layers(settings.host_names)
+        ],
+    )
+    problems.install(app)
+    app.add_exception_handler(RankingConflict, rankings.on_conflict)
+    app.include_router(_api())
+    app.include_router(pages(Frontend(frontend)))
+    return app
+
+
+def _api() -> APIRouter:
+    api = APIRouter(prefix="/api", responses=problems.PROBLEMS)
+    for resource in (
+        system,
+        players,
+        behaviours,
+        recordings,
+        rankings,
+        games,
+        runs,
+        artifacts,
+        events,
+    ):
+        api.include_router(resource.router)
+    return api
+
+
+def _operation_id(route: APIRoute) -> str:
+    return route.name

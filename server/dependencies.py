@@ -1,0 +1,47 @@
+"""What routes are given: the services of this process, and one transaction per request."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
+from uuid import UUID
+
+from fastapi import Depends, Path
+from sqlalchemy.orm import Session
+from starlette.requests import HTTPConnection
+
+if TYPE_CHECKING:
+    from server.services import Services
+
+MAX_ID = 2**31 - 1
+
+
+def services_of(connection: HTTPConnection) -> Services:
+    """Return the services of the application that a request came to."""
+    services: Services = connection.app.state.services
+    return services
+
+
+def _reading(connection: HTTPConnection) -> Iterator[Session]:
+    with services_of(connection).database.reading() as session:
+        yield session
+
+
+def _writing(connection: HTTPConnection) -> Iterator[Session]:
+    with services_of(connection).database.writing() as session:
+        yield session
+
+
+# With scope="function" a transaction is committed before the answer goes out, so that nobody is
+# told of something that could still fail.
+Reading = Annotated[Session, Depends(_reading, scope="function")]
+"""A session that sees one consistent state."""
+
+Writing = Annotated[Session, Depends(_writing, scope="function")]
+"""A session whose transaction is committed when the route returns."""
+
+BehaviourId = Annotated[int, Path(ge=1, le=MAX_ID)]
+RecordingId = Annotated[int, Path(ge=1, le=MAX_ID)]
+ArtifactId = Annotated[int, Path(ge=1, le=MAX_ID)]
+RunId = Annotated[UUID, Path()]
+GameId = Annotated[UUID, Path()]

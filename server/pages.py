@@ -1,0 +1,152 @@
+"""The page: the built frontend's files, and the way in by token."""
+
+from __future__ import annotations
+
+import mimetypes
+from html import escape
+from pathlib import Path
+
+from fastapi import APIRouter, Request
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
+
+from server.dependencies import services_of
+from server.guard import has_cookie
+from server.security import COOKIE_LIFETIME_S
+from tril.errors import Unavailable
+
+FRONTEND = Path(__file__).resolve().parent.parent / "frontend" / "dist"
+_FOR_EVER = "public, max-age=31536000, immutable"
+
+_PAGE = """<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">{head}
+<title>{title} · Tril</title>
+<body style="font: 1.1rem/1.5 system-ui; max-width: 36rem; margin: 15vh auto; padding: 0 1rem;
+  color-scheme: light dark">
+<h1>{title}</h1>
+<p>{text}</p>
+"""
+
+
+class Frontend:
+    """The built frontend. Only files that were found by listing it can be asked for.
+
+    Args:
+        folder: Where the build is.
+    """
+
+    def __init__(self, folder: Path = FRONTEND) -> None:
+        self._folder = folder
+        self._built_at: int | None = None
+        self._files: dict[str, Path] = {}
+
+    @property
+    def index(self) -> Path:
+        """The one page.
+
+        Raises:
+            Unavailable: The frontend was not built.
+        """
+        path = self._folder / "index.html"
+        if not path.is_file():
+            raise Unavailable(
+                f"The page has not been built: {path} is missing. Run `make build`, then reload."
+            )
+        return path
+
+    def find(self, path: str) -> Path | None:
+        """Return the file of the build under a URL path, None if there is none."""
+        built_at = self.index.stat().st_mtime_ns
+        if built_at != self._built_at:
+            self._files = {
+                f"/{file.relative_to(self._folder).as_posix()}": file
+                for file in self._folder.rglob("*")
+                if file.is_file() and not file.is_symlink()
+            }
+            self._built_at = built_at
+        return self._files.get(path)
+
+
+def check_frontend(folder: Path = FRONTEND) -> None:
+    """Raise Unavailable, saying what to do, unless the frontend was built."""
+    _ = Frontend(folder).index
+
+
+def pages(frontend: Frontend) -> APIRouter:
+    """Return the routes of everything that is not the API."""
+    router = APIRouter(include_in_schema=False)
+
+    @router.api_route("/api/{path:path}", methods=["GET", "POST", "PUT", "PATCH", "DELETE"])
+    def unknown_api(path: str) -> Response:
+        return _problem_not_found(f"/api/{path}")
+
+    @router.api_route("/{path:path}", methods=["GET", "HEAD"])
+    def page(request: Request, path: str) -> Response:
+        if path == "" and "token" in request.query_params:
+            return _let_in(request)
+        file = frontend.find(f"/{path}")
+        if file is not None and file != frontend.index:
+            is_hashed = path.startswith("assets/")
+            media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
+            cached = _FOR_EVER if is_hashed else "no-cache"
+            return FileResponse(file, media_type=media_type, headers={"Cache-Control": cached})
+        if "." in path.rpartition("/")[2]:
+            return PlainTextResponse("There is no such file.", 404)
+        if not has_cookie(request):
+            return _keep_out(request)
+        return FileResponse(
+            frontend.index, media_type="text/html", headers={"Cache-Control": "no-store"}
+        )
+
+    return router
+
+
+def _problem_not_found(path: str) -> Response:
+    from server.problems import problem
+
+    return problem(404, f"There is nothing at {path}.")
+
+
+def _let_in(request: Request) -> Response:
+    access = services_of(request).access
+    if not access.is_token(request.query_params["token"]):
+        return _small_page(
+            401,
+            "This address does not fit",
+            "Its token is not the one of this server. Open the address that Tril printed when it "
+            "started.",
+        )
+    answer = Response(status_code=303, headers={"Location": "/", "Cache-Control": "no-store"})
+    answer.set_cookie(
+        access.cookie_name,
+        access.new_cookie(),
+        max_age=COOKIE_LIFETIME_S,
+        path="/",
+        httponly=True,
+        samesite="strict",
+        secure=request.url.scheme == "https",
+    )
+    return answer
+
+
+def _keep_out(request: Request) -> Response:
+    # Browsers keep a SameSite=Strict cookie back when a link on another site leads here; once this
+    # page is shown, loading it again comes from here and brings the cookie.
+    again = request.headers.get("sec-fetch-site") in {"cross-site", "same-site"}
+    head = f'\n<meta http-equiv="refresh" content="0; url={escape(request.url.path)}">' * again
+    return _small_page(
+        401,
+        "You are not signed in",
+        "Open the address that Tril printed when it started; it contains the key. If it is gone "
+        "from the terminal, stop Tril and start it again.",
+        head,
+    )
+
+
+def _small_page(status: int, title: str, text: str, head: str = "") -> Response:
+    return HTMLResponse(
+        _PAGE.format(title=title, text=text, head=head),
+        status,
+        headers={"Cache-Control": "no-store"},
+    )

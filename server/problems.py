@@ -1,0 +1,112 @@
+"""Errors to answers: every one is a Problem that says what is wrong and what to do."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from sqlalchemy.exc import OperationalError
+from starlette.exceptions import HTTPException
+from starlette.responses import JSONResponse, Response
+
+from server.api.schemas import Problem
+from tril.errors import Conflict, Invalid, NotFound, TrilError, Unavailable
+
+_LOG = logging.getLogger(__name__)
+
+_STATUS: Mapping[type[TrilError], int] = {
+    NotFound: 404,
+    Conflict: 409,
+    Invalid: 422,
+    Unavailable: 503,
+}
+
+DISK_FULL = (
+    "The disk is full, so nothing more can be saved. What was saved is safe. Free some space and "
+    "try again."
+)
+DATABASE_BUSY = "The database is busy with another change. Try again in a moment."
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    400: {"model": Problem, "description": "The request can't be read."},
+    401: {"model": Problem, "description": "Open the address that Tril printed first."},
+    403: {"model": Problem, "description": "The request comes from another site."},
+    413: {"model": Problem, "description": "The body is too large."},
+    422: {"model": Problem, "description": "What was given can't be accepted."},
+    503: {"model": Problem, "description": "A part of Tril is not running or out of room."},
+}
+"""Answers that any route may give."""
+
+NOT_FOUND: dict[int | str, dict[str, Any]] = {
+    404: {"model": Problem, "description": "There is no such thing (any more)."}
+}
+CONFLICT: dict[int | str, dict[str, Any]] = {
+    409: {"model": Problem, "description": "It contradicts what has happened since."}
+}
+
+
+def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None) -> JSONResponse:
+    """Build the answer for an error."""
+    body = Problem(detail=detail, errors=errors).model_dump()
+    return JSONResponse(body, status_code=status)
+
+
+def explain_database_error(error: OperationalError) -> Unavailable | None:
+    """Return what a person can do about a failure of the database, None if that is unknown."""
+    text = str(error.orig).lower()
+    if "disk is full" in text or "no space left" in text:
+        return Unavailable(DISK_FULL)
+    if "locked" in text or "busy" in text:
+        return Unavailable(DATABASE_BUSY)
+    return None
+
+
+def install(app: FastAPI) -> None:
+    """Make the application answer every error with a Problem."""
+    app.add_exception_handler(TrilError, _on_tril_error)
+    app.add_exception_handler(HTTPException, _on_http_exception)
+    app.add_exception_handler(RequestValidationError, _on_validation_error)
+    app.add_exception_handler(OperationalError, _on_database_error)
+
+
+def status_of(error: TrilError) -> int:
+    """Return the HTTP status that stands for a situation."""
+    for kind, status in _STATUS.items():
+        if isinstance(error, kind):
+            return status
+    return 400
+
+
+async def _on_tril_error(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, TrilError)
+    return problem(status_of(error), str(error))
+
+
+async def _on_http_exception(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    answer = problem(error.status_code, str(error.detail))
+    answer.headers.update(error.headers or {})
+    return answer
+
+
+async def _on_validation_error(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    found = [
+        {"where": [str(part) for part in item["loc"]], "what": str(item["msg"])}
+        for item in error.errors()
+    ]
+    first = found[0] if found else {"where": [], "what": "unknown"}
+    where = " ".join(part for part in first["where"][1:] if part) or "the request"
+    return problem(422, f"This can't be accepted: {where}: {first['what']}.", found)
+
+
+async def _on_database_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, OperationalError)
+    explained = explain_database_error(error)
+    if explained is None:
+        raise error
+    _LOG.error("%s %s: %s", request.method, request.url.path, explained)
+    return problem(503, str(explained))

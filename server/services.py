@@ -1,0 +1,111 @@
+"""What one server process works with, put together once when it starts."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from server.derived import Derived
+from server.feed import ChangeFeed
+from server.play.consoles import ConsolePool
+from server.security import Access
+from tril.artifacts import ArtifactStore
+from tril.cache import Cache
+from tril.heartbeat import Heartbeat
+from tril.inference import InferenceClient
+from tril.jobs import Jobs
+from tril.recording import Recording, trajectory
+from tril.settings import Settings
+from tril.store.database import Database, create_database
+from tril.store.schema import check_schema
+
+
+@dataclass(frozen=True)
+class Services:
+    """What routes work with.
+
+    Attributes:
+        settings: The process's settings.
+        database: The application's database.
+        access: Checks tokens and cookies.
+        artifacts: The files of trainings.
+        jobs: The queue of trainings.
+        inference: Answers for trained networks.
+        consoles: Loaded consoles.
+        derived: Frames and thumbnails.
+        changes: Tells pages what changes.
+        importing: Held while an upload is verified, so that one at a time is.
+    """
+
+    settings: Settings
+    database: Database
+    access: Access
+    artifacts: ArtifactStore
+    jobs: Jobs
+    inference: InferenceClient
+    consoles: ConsolePool
+    derived: Derived
+    changes: ChangeFeed
+    importing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
+
+    def rewards_of(self, run_id: str, recording: Recording) -> list[float]:
+        """Ask the inference process for R of every observation of a recording."""
+        with self.consoles.lent() as console:
+            observations = trajectory(recording, console).observations
+        return [float(value) for value in self.inference.reward(run_id, observations)]
+
+    def data_bytes(self) -> int:
+        """Return how much the data folder holds."""
+        total = 0
+        for folder, _, names in os.walk(self.settings.data):
+            for name in names:
+                try:
+                    total += (Path(folder) / name).lstat().st_size
+                except FileNotFoundError:
+                    continue
+        return total
+
+
+def process_name() -> str:
+    """Return a name that no other live server process has."""
+    return f"server-{socket.gethostname()[:40]}-{os.getpid()}"
+
+
+@asynccontextmanager
+async def running_services(settings: Settings) -> AsyncIterator[Services]:
+    """Put the services together, run them for the block, and stop them in order.
+
+    Raises:
+        Unavailable: The database is of another version, or the access token can't be read.
+    """
+    settings.data.mkdir(parents=True, exist_ok=True)
+    database = create_database(settings.application_url)
+    check_schema(database)
+    consoles = ConsolePool()
+    jobs = Jobs(database, settings)
+    services = Services(
+        settings=settings,
+        database=database,
+        access=Access(settings),
+        artifacts=ArtifactStore(settings.artifact_root),
+        jobs=jobs,
+        inference=InferenceClient(settings.inference_socket),
+        consoles=consoles,
+        derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), consoles),
+        changes=ChangeFeed(database),
+    )
+    heartbeat = Heartbeat(database, process_name(), "server")
+    try:
+        await asyncio.to_thread(heartbeat.start)
+        services.changes.start()
+        yield services
+    finally:
+        services.changes.stop()
+        await asyncio.to_thread(heartbeat.stop)
+        jobs.close()
+        database.close()

@@ -1,0 +1,235 @@
+"""The behaviours that are taught."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections import Counter
+from dataclasses import dataclass, replace
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from tril.behaviours import READY_MADE, Behaviour, Cell
+from tril.errors import Conflict, Invalid, NotFound
+from tril.store.changes import note_change
+from tril.store.models import (
+    BehaviourRow,
+    RankingRow,
+    RecordingRow,
+    RecordingState,
+    RunRow,
+    RunStatus,
+    Source,
+    now,
+)
+
+MAX_BEHAVIOURS = 500
+"""Most behaviours that are kept at the same time."""
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What there is of a behaviour.
+
+    Attributes:
+        n_recordings: Recordings in the library.
+        n_ranked: Of these, in the ranking.
+        n_perfect: Of these, marked as perfect.
+        n_runs: Trainings.
+        has_example: Whether scripted demonstrations are in the library.
+    """
+
+    n_recordings: int = 0
+    n_ranked: int = 0
+    n_perfect: int = 0
+    n_runs: int = 0
+    has_example: bool = False
+
+
+def as_behaviour(row: BehaviourRow) -> Behaviour:
+    """Return the behaviour that a row holds."""
+    target = None if row.target is None else tuple((r, c) for r, c in row.target)
+    return Behaviour(row.slug, row.name, row.description, target, row.ordered)
+
+
+def get(session: Session, behaviour_id: int) -> BehaviourRow:
+    """Return a behaviour; raises NotFound if there is none or it was deleted."""
+    row = session.get(BehaviourRow, behaviour_id)
+    if row is None or row.deleted_at is not None:
+        raise NotFound(f"There is no behaviour {behaviour_id} (any more).")
+    return row
+
+
+def by_slug(session: Session, slug: str) -> BehaviourRow:
+    """Return a behaviour by its short name; raises NotFound naming those there are."""
+    row = session.scalar(
+        select(BehaviourRow).where(BehaviourRow.slug == slug, BehaviourRow.deleted_at.is_(None))
+    )
+    if row is None:
+        known = ", ".join(other.slug for other in listing(session))
+        raise NotFound(f"There is no behaviour {slug!r}; there are {known}.")
+    return row
+
+
+def listing(session: Session) -> list[BehaviourRow]:
+    """Return all behaviours, those that come ready first, then by age."""
+    query = select(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
+    return list(session.scalars(query.order_by(BehaviourRow.ready_made.desc(), BehaviourRow.id)))
+
+
+def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Counts]:
+    """Return what there is of each behaviour, or of one; those with nothing are left out."""
+    found: dict[int, Counts] = {}
+
+    def note(key: int, **values: int | bool) -> None:
+        found[key] = replace(found.get(key, Counts()), **values)  # type: ignore[arg-type]
+
+    in_library = select(
+        RecordingRow.behaviour_id,
+        func.count(),
+        func.count().filter(RecordingRow.perfect),
+        func.count().filter(RecordingRow.source == Source.SCRIPTED),
+    ).where(
+        RecordingRow.deleted_at.is_(None),
+        RecordingRow.state.in_((RecordingState.KEPT, RecordingState.UNFINISHED)),
+        RecordingRow.run_id.is_(None),
+    )
+    trained = select(RunRow.behaviour_id, func.count()).where(RunRow.deleted_at.is_(None))
+    newest = (
+        select(RankingRow.behaviour_id, func.max(RankingRow.revision).label("revision"))
+        .group_by(RankingRow.behaviour_id)
+        .subquery()
+    )
+    ranked = select(RankingRow.behaviour_id, RankingRow.tiers).join(
+        newest,
+        (RankingRow.behaviour_id == newest.c.behaviour_id)
+        & (RankingRow.revision == newest.c.revision),
+    )
+    if behaviour_id is not None:
+        in_library = in_library.where(RecordingRow.behaviour_id == behaviour_id)
+        trained = trained.where(RunRow.behaviour_id == behaviour_id)
+        ranked = ranked.where(RankingRow.behaviour_id == behaviour_id)
+    for key, n, perfect, scripted in session.execute(
+        in_library.group_by(RecordingRow.behaviour_id)
+    ):
+        note(key, n_recordings=n, n_perfect=perfect, has_example=scripted > 0)
+    for key, n in session.execute(trained.group_by(RunRow.behaviour_id)):
+        note(key, n_runs=n)
+    for key, tiers in session.execute(ranked):
+        note(key, n_ranked=sum(len(tier) for tier in tiers))
+    return found
+
+
+def create(
+    session: Session,
+    name: str,
+    description: str = "",
+    target: tuple[Cell, ...] | None = None,
+    ordered: bool = False,
+) -> BehaviourRow:
+    """Add a person's own behaviour.
+
+    Raises:
+        Invalid: The name is empty or the target makes no sense.
+        Conflict: There are very many already.
+    """
+    n = session.scalar(
+        select(func.count()).select_from(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
+    )
+    if (n or 0) >= MAX_BEHAVIOURS:
+        raise Conflict(f"There are {n} behaviours already; delete some first.")
+    behaviour = Behaviour(_free_slug(session, name), name.strip(), description, target, ordered)
+    return _add(session, behaviour, ready_made=False)
+
+
+def update(
+    session: Session,
+    row: BehaviourRow,
+    name: str,
+    description: str,
+    target: tuple[Cell, ...] | None,
+    ordered: bool,
+) -> None:
+    """Change a behaviour.
+
+    Raises:
+        Invalid: The name is empty or the target makes no sense.
+        Conflict: The target would change under trainings that were judged by it, or the behaviour
+            is one of those that come ready.
+    """
+    changed = Behaviour(row.slug, name.strip(), description, target, ordered)
+    before = as_behaviour(row)
+    if (changed.target, changed.ordered) != (before.target, before.ordered):
+        if row.ready_made:
+            raise Conflict(
+                "The target of a behaviour that comes ready stays as published; add a behaviour of "
+                "your own instead."
+            )
+        has_runs = select(RunRow.id).where(RunRow.behaviour_id == row.id).limit(1)
+        if session.scalar(has_runs) is not None:
+            raise Conflict(
+                "The target can't change any more: trainings were judged by it. Add another "
+                "behaviour instead."
+            )
+    row.name, row.description = changed.name, changed.description
+    row.target, row.ordered = _target_json(changed), changed.ordered
+    note_change(session, "behaviour", row.id)
+
+
+def delete(session: Session, row: BehaviourRow) -> None:
+    """Take a behaviour out of the lists; what was recorded and trained of it stays stored.
+
+    Raises:
+        Conflict: It comes ready, or a training of it is under way.
+    """
+    if row.ready_made:
+        raise Conflict(f"{row.name} comes with Tril and can't be deleted.")
+    active = (RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING)
+    under_way = select(RunRow.id).where(RunRow.behaviour_id == row.id, RunRow.status.in_(active))
+    if session.scalar(under_way.limit(1)) is not None:
+        raise Conflict(f"A training of {row.name} is under way; cancel it first.")
+    row.deleted_at = now()
+    note_change(session, "behaviour", row.id)
+
+
+def seed_ready_made(session: Session) -> None:
+    """Add the behaviours that come ready where they are missing."""
+    known = Counter(session.scalars(select(BehaviourRow.slug)))
+    for behaviour in READY_MADE:
+        if behaviour.slug not in known:
+            _add(session, behaviour, ready_made=True)
+
+
+def _add(session: Session, behaviour: Behaviour, ready_made: bool) -> BehaviourRow:
+    row = BehaviourRow(
+        slug=behaviour.slug,
+        name=behaviour.name,
+        description=behaviour.description,
+        target=_target_json(behaviour),
+        ordered=behaviour.ordered,
+        ready_made=ready_made,
+    )
+    session.add(row)
+    session.flush()
+    note_change(session, "behaviour", row.id)
+    return row
+
+
+def _target_json(behaviour: Behaviour) -> list[list[int]] | None:
+    return None if behaviour.target is None else [list(cell) for cell in behaviour.target]
+
+
+def _free_slug(session: Session, name: str) -> str:
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
+    base = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:60] or "behaviour"
+    if not name.strip():
+        raise Invalid("A behaviour needs a name.")
+    taken = set(
+        session.scalars(select(BehaviourRow.slug).where(BehaviourRow.slug.like(f"{base}%")))
+    )
+    number, slug = 1, base
+    while slug in taken:
+        number += 1
+        slug = f"{base}-{number}"
+    return slug

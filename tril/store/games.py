@@ -1,0 +1,201 @@
+"""Games being played: who owns them, and what of them is safe on disk.
+
+A game has one owner at a time, a process and a tab. Every change of owner raises the game's epoch,
+and every write carries the epoch of its owner; a write with an older one is refused.
+"""
+
+from __future__ import annotations
+
+import uuid
+from dataclasses import dataclass
+from datetime import timedelta
+
+from sqlalchemy import select, update
+from sqlalchemy.engine import CursorResult
+from sqlalchemy.orm import Session, joinedload
+
+from tril.errors import Conflict, NotFound
+from tril.game.episode import Start
+from tril.game.space_invaders import rom_md5
+from tril.recording import Recording, Replay
+from tril.store.changes import note_change
+from tril.store.models import (
+    GameRow,
+    RecordingRow,
+    RecordingState,
+    Source,
+    Verification,
+    now,
+)
+from tril.store.recordings import fill
+
+LEASE = timedelta(seconds=30)
+"""How long an owner keeps a game without being heard of."""
+
+
+class GameOver(Conflict):
+    """The game has ended; its recording is what is left of it."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a game is, as its owner saves it.
+
+    Attributes:
+        game_id: The game.
+        epoch: The owner's epoch.
+        recording: What was played so far.
+        played: What happened in it.
+    """
+
+    game_id: str
+    epoch: int
+    recording: Recording
+    played: Replay
+
+
+def create(session: Session, behaviour_id: int, start: Start, player_id: int | None) -> GameRow:
+    """Begin a game that nobody owns yet, and its recording."""
+    recording = RecordingRow(
+        behaviour_id=behaviour_id,
+        player_id=player_id,
+        source=Source.PERSON,
+        state=RecordingState.PLAYING,
+        rom_md5=rom_md5(),
+        idle_frames=start.idle_frames,
+        mode=start.mode,
+        difficulty=start.difficulty,
+    )
+    session.add(recording)
+    session.flush()
+    row = GameRow(id=str(uuid.uuid4()), recording_id=recording.id)
+    row.recording = recording
+    row.lease_expires_at = now() + LEASE
+    session.add(row)
+    session.flush()
+    return row
+
+
+def get(session: Session, game_id: str) -> GameRow:
+    """Return a game with its recording; raises NotFound if there is none."""
+    row = session.scalar(
+        select(GameRow).where(GameRow.id == game_id).options(joinedload(GameRow.recording))
+    )
+    if row is None:
+        raise NotFound("There is no such game; start a new one.")
+    return row
+
+
+def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
+    """Make a process and a tab the owner of a game; whoever had it before has lost it.
+
+    Raises:
+        NotFound: There is no such game.
+        GameOver: It has ended.
+    """
+    session.execute(select(GameRow.id).where(GameRow.id == game_id).with_for_update())
+    row = get(session, game_id)
+    if row.ended_at is not None:
+        raise GameOver("This game is over.")
+    row.epoch += 1
+    row.owner, row.tab = owner, tab
+    row.lease_expires_at = now() + LEASE
+    return row
+
+
+def hold(session: Session, game_id: str, epoch: int) -> bool:
+    """Renew an owner's lease; returns whether it still is the owner."""
+    return _as_owner(session, game_id, epoch, LEASE)
+
+
+def release(session: Session, game_id: str, epoch: int) -> None:
+    """Let go of a game, so that it counts as left alone from now on."""
+    _as_owner(session, game_id, epoch, timedelta(0))
+
+
+def save(session: Session, progress: Progress) -> bool:
+    """Save how far a game is and renew its lease.
+
+    Returns:
+        Whether it was saved: an owner that has lost the game can't write to it any more.
+    """
+    if not hold(session, progress.game_id, progress.epoch):
+        return False
+    row = get(session, progress.game_id).recording
+    fill(row, progress.recording, progress.played)
+    return True
+
+
+def end(
+    session: Session,
+    game_id: str,
+    epoch: int,
+    state: RecordingState,
+    refusal: str | None,
+) -> bool:
+    """End a game whose last frame is saved.
+
+    Args:
+        session: The transaction.
+        game_id: The game.
+        epoch: The owner's epoch.
+        state: FINISHED if it was played to its end, UNFINISHED if it was abandoned.
+        refusal: Why a replay did not give what was recorded; None if it did.
+
+    Returns:
+        Whether it was ended: an owner that has lost the game can't end it any more.
+    """
+    if not hold(session, game_id, epoch):
+        return False
+    row = get(session, game_id)
+    row.ended_at = now()
+    recording = row.recording
+    recording.state = state
+    recording.finished_at = now()
+    recording.verification = Verification.VERIFIED if refusal is None else Verification.FAILED
+    recording.verification_note = refusal or ""
+    if recording.n_frames == 0:
+        recording.deleted_at = now()
+    note_change(session, "recording", recording.id)
+    return True
+
+
+def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[GameRow]:
+    """Return games that nobody has owned for some time, with their recordings, oldest first."""
+    query = (
+        select(GameRow)
+        .where(GameRow.ended_at.is_(None), GameRow.lease_expires_at < now() - after)
+        .options(joinedload(GameRow.recording))
+        .order_by(GameRow.created_at)
+        .limit(limit)
+    )
+    return list(session.scalars(query))
+
+
+def is_play_on(session: Session) -> bool:
+    """Whether somebody plays at the moment: training then makes way."""
+    live = (GameRow.ended_at.is_(None), GameRow.lease_expires_at > now())
+    return session.scalar(select(GameRow.id).where(*live).limit(1)) is not None
+
+
+def keep_undecided(session: Session, after: timedelta) -> None:
+    """Keep finished games that nobody decided about for some time, so that none is lost."""
+    query = select(RecordingRow).where(
+        RecordingRow.state == RecordingState.FINISHED,
+        RecordingRow.deleted_at.is_(None),
+        RecordingRow.finished_at < now() - after,
+    )
+    for row in session.scalars(query):
+        row.state = RecordingState.KEPT
+        note_change(session, "recording", row.id)
+
+
+def _as_owner(session: Session, game_id: str, epoch: int, lease: timedelta) -> bool:
+    result = session.execute(
+        update(GameRow)
+        .where(GameRow.id == game_id, GameRow.epoch == epoch, GameRow.ended_at.is_(None))
+        .values(lease_expires_at=now() + lease)
+        .execution_options(synchronize_session=False)
+    )
+    assert isinstance(result, CursorResult)
+    return result.rowcount > 0

@@ -1,0 +1,270 @@
+"""The rankings, every revision kept as it was done.
+
+Revision 0 is the empty ranking that every behaviour begins with; it has no row. ``undo_to`` names
+the revision whose tiers an undo brings back, ``redo_to`` the revision that was undone. Undo and
+redo write new revisions, so that what was done stays readable in the order in which it was done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from tril.errors import Conflict, Invalid
+from tril.ranking import Ranking, normalise
+from tril.store.changes import note_change
+from tril.store.models import (
+    BehaviourRow,
+    RankingRow,
+    RecordingRow,
+    RecordingState,
+    Verification,
+)
+
+Tiers = Sequence[Sequence[int]]
+
+
+class RankingConflict(Conflict):
+    """Somebody saved another order first.
+
+    Attributes:
+        behaviour_id: The behaviour whose ranking it is.
+        yours: The tiers that were to be saved; None for an undo or redo.
+    """
+
+    def __init__(self, behaviour_id: int, yours: Tiers | None) -> None:
+        super().__init__(
+            "The ranking was changed elsewhere in the meantime, and yours was not saved. Look at "
+            "both orders, then save yours again or go on with the other one."
+        )
+        self.behaviour_id = behaviour_id
+        self.yours = yours
+
+
+def current(session: Session, behaviour_id: int) -> RankingRow:
+    """Return the newest revision; a row that is not stored, of revision 0, if there is none."""
+    row = session.scalar(
+        select(RankingRow)
+        .where(RankingRow.behaviour_id == behaviour_id)
+        .order_by(RankingRow.revision.desc())
+        .limit(1)
+    )
+    if row is None:
+        return RankingRow(behaviour_id=behaviour_id, revision=0, tiers=[], change="edit")
+    return row
+
+
+def revisions(session: Session, behaviour_id: int, limit: int = 500) -> list[RankingRow]:
+    """Return the newest revisions, newest first."""
+    query = select(RankingRow).where(RankingRow.behaviour_id == behaviour_id)
+    return list(session.scalars(query.order_by(RankingRow.revision.desc()).limit(limit)))
+
+
+def as_ranking(row: RankingRow) -> Ranking:
+    """Return the ranking that a revision holds."""
+    return normalise(row.tiers)
+
+
+def unranked(session: Session, row: RankingRow) -> list[int]:
+    """Return the recordings that could be ranked and are in no tier, newest first."""
+    inside = set(as_ranking(row).items)
+    rankable = _rankable(session, row.behaviour_id)
+    return sorted(rankable - inside, reverse=True)
+
+
+def save(
+    session: Session,
+    behaviour_id: int,
+    base_revision: int,
+    tiers: Tiers,
+    player_id: int | None = None,
+    change: str = "edit",
+) -> RankingRow:
+    """Save an order; one that equals the newest revision's is not saved again.
+
+    Args:
+        session: The transaction.
+        behaviour_id: Whose ranking.
+        base_revision: The revision that was changed into this order.
+        tiers: Recordings, best tier first.
+        player_id: Who did it.
+        change: What was done: "edit", "import" or "example".
+
+    Raises:
+        RankingConflict: ``base_revision`` is not the newest any more.
+        Invalid: A recording is named twice, is deleted, of another behaviour, not kept or not
+            verified; all such recordings are named.
+    """
+    newest = _lock(session, behaviour_id, base_revision, tiers)
+    ranking = normalise(tiers)
+    _refuse_unrankable(session, behaviour_id, ranking)
+    if ranking == as_ranking(newest):
+        return newest
+    return _add(session, newest, ranking, player_id, change, undo_to=newest.revision)
+
+
+def undo(
+    session: Session, behaviour_id: int, base_revision: int, player_id: int | None = None
+) -> RankingRow:
+    """Bring back the order before the last change.
+
+    Raises:
+        RankingConflict: ``base_revision`` is not the newest any more.
+        Invalid: There is nothing to undo.
+    """
+    newest = _lock(session, behaviour_id, base_revision, None)
+    if newest.undo_to is None:
+        raise Invalid("There is nothing to undo.")
+    earlier = _revision(session, behaviour_id, newest.undo_to)
+    return _add(
+        session,
+        newest,
+        _still_rankable(session, earlier),
+        player_id,
+        "undo",
+        undo_to=earlier.undo_to,
+        redo_to=newest.revision,
+    )
+
+
+def redo(
+    session: Session, behaviour_id: int, base_revision: int, player_id: int | None = None
+) -> RankingRow:
+    """Bring back the order that was undone last.
+
+    Raises:
+        RankingConflict: ``base_revision`` is not the newest any more.
+        Invalid: There is nothing to redo.
+    """
+    newest = _lock(session, behaviour_id, base_revision, None)
+    if newest.redo_to is None:
+        raise Invalid("There is nothing to redo.")
+    undone = _revision(session, behaviour_id, newest.redo_to)
+    return _add(
+        session,
+        newest,
+        _still_rankable(session, undone),
+        player_id,
+        "redo",
+        undo_to=undone.undo_to,
+        redo_to=undone.redo_to,
+    )
+
+
+def take_out(
+    session: Session, behaviour_id: int, recording_id: int, player_id: int | None = None
+) -> None:
+    """Write a revision without a recording that has been deleted, if it is ranked.
+
+    What undo and redo bring back stays as it was: a deletion is undone by restoring the recording.
+    """
+    newest = _lock(session, behaviour_id, None, None)
+    ranking = as_ranking(newest)
+    if recording_id in ranking.items:
+        _add(
+            session,
+            newest,
+            ranking.without({recording_id}),
+            player_id,
+            "deletion",
+            undo_to=newest.undo_to,
+            redo_to=newest.redo_to,
+        )
+
+
+def _lock(
+    session: Session, behaviour_id: int, base_revision: int | None, yours: Tiers | None
+) -> RankingRow:
+    """Return the newest revision and keep others from writing one until the transaction ends."""
+    session.execute(
+        select(BehaviourRow.id).where(BehaviourRow.id == behaviour_id).with_for_update()
+    )
+    newest = current(session, behaviour_id)
+    if base_revision is not None and newest.revision != base_revision:
+        raise RankingConflict(behaviour_id, yours)
+    return newest
+
+
+def _revision(session: Session, behaviour_id: int, revision: int) -> RankingRow:
+    if revision == 0:
+        return RankingRow(behaviour_id=behaviour_id, revision=0, tiers=[], change="edit")
+    return session.scalars(
+        select(RankingRow).where(
+            RankingRow.behaviour_id == behaviour_id, RankingRow.revision == revision
+        )
+    ).one()
+
+
+def _add(
+    session: Session,
+    newest: RankingRow,
+    ranking: Ranking,
+    player_id: int | None,
+    change: str,
+    *,
+    undo_to: int | None,
+    redo_to: int | None = None,
+) -> RankingRow:
+    row = RankingRow(
+        behaviour_id=newest.behaviour_id,
+        player_id=player_id,
+        revision=newest.revision + 1,
+        tiers=[list(tier) for tier in ranking.tiers],
+        change=change,
+        undo_to=undo_to,
+        redo_to=redo_to,
+    )
+    session.add(row)
+    session.flush()
+    note_change(session, "ranking", row.behaviour_id)
+    return row
+
+
+def _rankable(session: Session, behaviour_id: int) -> set[int]:
+    return set(
+        session.scalars(
+            select(RecordingRow.id).where(
+                RecordingRow.behaviour_id == behaviour_id,
+                RecordingRow.run_id.is_(None),
+                RecordingRow.state == RecordingState.KEPT,
+                RecordingRow.verification == Verification.VERIFIED,
+                RecordingRow.deleted_at.is_(None),
+            )
+        )
+    )
+
+
+def _still_rankable(session: Session, row: RankingRow) -> Ranking:
+    ranking = as_ranking(row)
+    return ranking.without(set(ranking.items) - _rankable(session, row.behaviour_id))
+
+
+def _refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> None:
+    wrong = sorted(set(ranking.items) - _rankable(session, behaviour_id))
+    if not wrong:
+        return
+    rows = {
+        row.id: row
+        for row in session.scalars(select(RecordingRow).where(RecordingRow.id.in_(wrong)))
+    }
+    reasons = (f"recording {key} {_why_not(behaviour_id, rows.get(key))}" for key in wrong)
+    raise Invalid(
+        f"This order can't be saved: {', '.join(reasons)}. Take it out of the ranking and save "
+        "again."
+    )
+
+
+def _why_not(behaviour_id: int, row: RecordingRow | None) -> str:
+    if row is None:
+        return "does not exist"
+    if row.behaviour_id != behaviour_id:
+        return "is of another behaviour"
+    if row.deleted_at is not None:
+        return "has been deleted"
+    if row.run_id is not None:
+        return "was played by a trained policy"
+    if row.state != RecordingState.KEPT:
+        return "is not kept in the library"
+    return "is not verified"

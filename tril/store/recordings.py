@@ -1,0 +1,213 @@
+"""The recordings: library, games under way, and the games that policies played."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from sqlalchemy import Select, select
+from sqlalchemy.orm import Session
+
+from tril.errors import Conflict, Invalid, NotFound
+from tril.game.episode import Hit, Start
+from tril.recording import Recording, Replay
+from tril.store import rankings
+from tril.store.changes import note_change
+from tril.store.models import RecordingRow, RecordingState, Source, Verification, now
+
+MAX_NOTES_LENGTH = 4000
+
+
+def as_recording(row: RecordingRow) -> Recording:
+    """Return the recording that a row holds."""
+    return Recording(
+        start=Start(row.idle_frames, row.mode, row.difficulty),
+        actions=row.actions,
+        ram_hashes=tuple(row.ram_hashes),
+        rom_md5=row.rom_md5,
+    )
+
+
+def hits_of(row: RecordingRow) -> tuple[Hit, ...]:
+    """Return a recording's hits in order of time."""
+    return tuple(Hit(row_, column, frame) for row_, column, frame in row.hits)
+
+
+def fill(row: RecordingRow, recording: Recording, played: Replay) -> None:
+    """Write a recording and what happened in it into its row."""
+    row.rom_md5 = recording.rom_md5
+    row.idle_frames = recording.start.idle_frames
+    row.mode, row.difficulty = recording.start.mode, recording.start.difficulty
+    row.actions, row.n_frames = recording.actions, recording.n_frames
+    row.ram_hashes = list(recording.ram_hashes)
+    row.hits = [[hit.row, hit.column, hit.frame] for hit in played.hits]
+    row.shots = played.shots
+    row.end = None if played.end is None else str(played.end)
+
+
+def add(
+    session: Session,
+    behaviour_id: int,
+    recording: Recording,
+    played: Replay,
+    source: Source,
+    *,
+    player_id: int | None = None,
+    run_id: str | None = None,
+    perfect: bool = False,
+    notes: str = "",
+    conditions: dict[str, Any] | None = None,
+) -> RecordingRow:
+    """Add a verified recording to what is kept.
+
+    Args:
+        session: The transaction.
+        behaviour_id: What it is a game of.
+        recording: A recording that a replay has confirmed (tril.recording.verify).
+        played: What happened in that replay.
+        source: Who played it.
+        player_id: Which person, for games of persons.
+        run_id: Which run's policy, for games of policies.
+        perfect: Whether it may be cloned.
+        notes: A person's remarks.
+        conditions: How it was played.
+    """
+    row = RecordingRow(
+        behaviour_id=behaviour_id,
+        player_id=player_id,
+        run_id=run_id,
+        source=source,
+        state=RecordingState.KEPT,
+        verification=Verification.VERIFIED,
+        perfect=perfect,
+        notes=notes[:MAX_NOTES_LENGTH],
+        conditions=conditions or {},
+        finished_at=now(),
+    )
+    fill(row, recording, played)
+    session.add(row)
+    session.flush()
+    note_change(session, "recording", row.id)
+    return row
+
+
+def get(session: Session, recording_id: int) -> RecordingRow:
+    """Return a recording, a deleted one too; raises NotFound if there is none."""
+    row = session.get(RecordingRow, recording_id)
+    if row is None:
+        raise NotFound(f"There is no recording {recording_id}.")
+    return row
+
+
+def by_ids(session: Session, ids: Iterable[int]) -> dict[int, RecordingRow]:
+    """Return recordings by id, deleted ones too; ids that nothing has are left out."""
+    query = select(RecordingRow).where(RecordingRow.id.in_(set(ids)))
+    return {row.id: row for row in session.scalars(query)}
+
+
+def listing(
+    session: Session,
+    behaviour_id: int,
+    *,
+    with_deleted: bool = False,
+    with_policies: bool = False,
+) -> list[RecordingRow]:
+    """Return a behaviour's library, newest first.
+
+    Args:
+        session: The transaction.
+        behaviour_id: The behaviour.
+        with_deleted: Whether deleted recordings are listed too, so that they can be restored.
+        with_policies: Whether the games of trained policies are listed too.
+    """
+    query = _library(behaviour_id)
+    if not with_deleted:
+        query = query.where(RecordingRow.deleted_at.is_(None))
+    if not with_policies:
+        query = query.where(RecordingRow.run_id.is_(None))
+    return list(session.scalars(query.order_by(RecordingRow.id.desc())))
+
+
+def perfect_ids(session: Session, behaviour_id: int) -> list[int]:
+    """Return the recordings of the library that are marked as perfect, oldest first."""
+    query = _library(behaviour_id).where(
+        RecordingRow.deleted_at.is_(None),
+        RecordingRow.run_id.is_(None),
+        RecordingRow.perfect.is_(True),
+    )
+    return [row.id for row in session.scalars(query.order_by(RecordingRow.id))]
+
+
+def keep(session: Session, row: RecordingRow) -> None:
+    """Put a finished or abandoned game into the library.
+
+    Raises:
+        Conflict: It is still being played.
+    """
+    _refuse_while_playing(row)
+    row.state = RecordingState.KEPT
+    row.deleted_at = None
+    note_change(session, "recording", row.id)
+
+
+def delete(session: Session, row: RecordingRow, player_id: int | None) -> None:
+    """Take a recording out of the lists and the ranking; ``restore`` brings it back.
+
+    Trainings that used it keep it. Nothing happens if it is deleted already.
+
+    Raises:
+        Conflict: It is still being played, or it is a result of a training.
+    """
+    _refuse_while_playing(row)
+    if row.run_id is not None:
+        raise Conflict(
+            "This game is a result of a training and belongs to it; delete the training instead."
+        )
+    if row.deleted_at is not None:
+        return
+    row.deleted_at = now()
+    session.flush()
+    rankings.take_out(session, row.behaviour_id, row.id, player_id)
+    note_change(session, "recording", row.id)
+
+
+def restore(session: Session, row: RecordingRow) -> None:
+    """Bring a deleted recording back, unranked; a discarded game goes into the library."""
+    if row.deleted_at is None:
+        return
+    row.deleted_at = None
+    if row.state == RecordingState.FINISHED:
+        row.state = RecordingState.KEPT
+    note_change(session, "recording", row.id)
+
+
+def update(
+    session: Session, row: RecordingRow, perfect: bool | None = None, notes: str | None = None
+) -> None:
+    """Mark a recording as perfect or not, or change its notes; None leaves them.
+
+    Raises:
+        Invalid: It is to be perfect but is not verified, or the notes are too long.
+    """
+    if perfect and row.verification != Verification.VERIFIED:
+        raise Invalid(
+            "Only a verified recording can be perfect, because learning replays it: "
+            f"{row.verification_note or 'its replay is not done yet.'}"
+        )
+    if notes is not None and len(notes) > MAX_NOTES_LENGTH:
+        raise Invalid(f"Notes can be {MAX_NOTES_LENGTH} characters long, got {len(notes)}.")
+    row.perfect = row.perfect if perfect is None else perfect
+    row.notes = row.notes if notes is None else notes
+    note_change(session, "recording", row.id)
+
+
+def _library(behaviour_id: int) -> Select[RecordingRow]:
+    states = (RecordingState.KEPT, RecordingState.UNFINISHED)
+    return select(RecordingRow).where(
+        RecordingRow.behaviour_id == behaviour_id, RecordingRow.state.in_(states)
+    )
+
+
+def _refuse_while_playing(row: RecordingRow) -> None:
+    if row.state == RecordingState.PLAYING:
+        raise Conflict(f"Recording {row.id} is still being played; end the game first.")

@@ -1,0 +1,72 @@
+"""The database's shape: brings it up to this version, and refuses to work on another one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy.exc import OperationalError
+
+from tril.errors import Unavailable
+from tril.store import behaviours, players
+from tril.store.database import Database
+
+_MIGRATIONS = Path(__file__).resolve().parents[2] / "migrations"
+
+
+def upgrade(database: Database) -> None:
+    """Bring a database to this version and add what comes ready; harmless when repeated.
+
+    Everything happens in one transaction, so a failed upgrade leaves what was there.
+
+    Raises:
+        Unavailable: The database is of a newer version of Tril.
+    """
+    config = alembic_config()
+    with database.engine.execution_options(tril_writes=True).begin() as connection:
+        _refuse_newer(MigrationContext.configure(connection).get_current_revision(), config)
+        config.attributes["connection"] = connection
+        command.upgrade(config, "head")
+    with database.writing() as session:
+        players.seed_owner(session)
+        behaviours.seed_ready_made(session)
+
+
+def check_schema(database: Database) -> None:
+    """Refuse a database of another version.
+
+    Raises:
+        Unavailable: It is older, newer, empty, or can't be reached; says what to do.
+    """
+    config = alembic_config()
+    try:
+        with database.engine.connect() as connection:
+            present = MigrationContext.configure(connection).get_current_revision()
+    except OperationalError as error:
+        raise Unavailable(f"The database can't be reached: {error.orig}.") from error
+    _refuse_newer(present, config)
+    if present != ScriptDirectory.from_config(config).get_current_head():
+        was = "empty" if present is None else f"of an older version of Tril ({present})"
+        raise Unavailable(
+            f"The database is {was}. Bring it up to date with `tril migrate`; `tril up` and "
+            "`make run` do so by themselves. Nothing is lost."
+        )
+
+
+def alembic_config() -> Config:
+    """Return the configuration that Alembic works with."""
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS))
+    return config
+
+
+def _refuse_newer(revision: str | None, config: Config) -> None:
+    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
+    if revision is not None and revision not in known:
+        raise Unavailable(
+            f"The database was written by a newer version of Tril (revision {revision}), which "
+            "this one can't read. Update Tril, or choose another data folder with TRIL_DATA."
+        )
