@@ -6,7 +6,14 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskID,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 from rich.progress import Task as ProgressTask
 from rich.text import Text
 
@@ -81,10 +88,10 @@ def follow(workspace: Workspace, run_id: str) -> RunRow:
     row: RunRow | None = None
     with workspace.jobs() as jobs, Progress(*columns, console=console) as progress:
         whole = progress.add_task("the whole run", total=1.0)
-        stage_tasks: dict[str, int] = {}
+        stage_tasks: dict[str, TaskID] = {}
         for row in jobs.follow(run_id):
             progress.update(
-                whole,  # type: ignore[arg-type]
+                whole,
                 completed=overall_progress(row),
                 remaining_s=row.remaining_s,
             )
@@ -92,10 +99,10 @@ def follow(workspace: Workspace, run_id: str) -> RunRow:
                 continue
             for name, task in stage_tasks.items():
                 if name != row.stage:
-                    progress.update(task, completed=1.0)  # type: ignore[arg-type]
+                    progress.update(task, completed=1.0)
             if row.stage not in stage_tasks:
                 stage_tasks[row.stage] = progress.add_task(STAGE_NAMES[row.stage], total=1.0)
-            progress.update(stage_tasks[row.stage], completed=row.stage_done)  # type: ignore[arg-type]
+            progress.update(stage_tasks[row.stage], completed=row.stage_done)
     assert row is not None
     return row
 

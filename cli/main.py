@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from cli import behaviours, recordings, runs, services
+from cli.demo import demo
 from cli.up import up
 
 app = typer.Typer(
@@ -15,6 +16,7 @@ app = typer.Typer(
 )
 
 app.command()(up)
+app.command()(demo)
 app.command()(runs.train)
 app.command()(services.serve)
 app.command()(services.worker)

@@ -1,0 +1,54 @@
+"""``tril demo``: a whole example, from scripted demonstrations to an evaluated imitator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cli.follow import follow, say_how_it_ended, worker_at_hand
+from cli.output import console, errors
+from cli.runs import chosen_recipe, print_results, start_run
+from cli.workspace import open_workspace
+from tril.artifacts import ArtifactStore
+from tril.recipes import RECIPES
+
+
+def demo(
+    behaviour: Annotated[
+        str, typer.Option("--behaviour", "-b", help="Short name of the behaviour.")
+    ] = "column-1",
+    steps: Annotated[int, typer.Option(min=1, help="PPO steps.")] = 300_000,
+    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
+    training_seed: Annotated[int, typer.Option(min=0, help="Feeds every random choice.")] = 0,
+    value: Annotated[
+        list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder of summary and pictures.")
+    ] = None,
+) -> None:
+    """Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures."""
+    from trainer.report import write_report
+
+    with open_workspace() as workspace:
+        run_id = start_run(
+            workspace,
+            behaviour,
+            chosen_recipe(recipe, value),
+            steps,
+            training_seed,
+            go_on_anyway=True,
+            example=True,
+        )
+        with worker_at_hand(workspace):
+            row = follow(workspace, run_id)
+        if not say_how_it_ended(row):
+            raise typer.Exit(1)
+        folder = output or workspace.settings.data / "results" / run_id
+        store = ArtifactStore(workspace.settings.artifact_root)
+        page = write_report(workspace.database, store, run_id, folder)
+        print_results(workspace, row)
+        errors.print("The demonstrations were played by a script, not by a person.")
+        console.print(f"Summary and pictures: {page}", soft_wrap=True)
