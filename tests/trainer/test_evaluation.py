@@ -1,0 +1,66 @@
+"""Evaluation games on the real emulator."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import torch
+
+from trainer.evaluation import PlayedGame, play
+from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
+from tril.game.space_invaders import Action
+from tril.game.starts import evaluation_start
+from tril.recording import trajectory, verify
+
+STARTS = tuple(evaluation_start(number) for number in (0, 1, 2))
+
+
+class _Constant:
+    """Prefers one action over all others, whatever it sees."""
+
+    def __init__(self, action: Action, share: float = 0.9) -> None:
+        self._row = np.full(len(Action), (1 - share) / (len(Action) - 1), np.float32)
+        self._row[action] = share
+
+    def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+        return np.repeat(self._row[None], len(observations), axis=0)
+
+
+def _model() -> RewardModel:
+    torch.manual_seed(1)
+    return RewardModel((RewardNetwork(),), (0.0,), (1.0,))
+
+
+def test_greedy_games_are_recordings_that_verify_with_the_return_of_their_trajectory() -> None:
+    model = _model()
+    games = play(_Constant(Action.FIRE), STARTS, "greedy", model=model)
+    assert [game.start for game in games] == list(STARTS)
+    for game in games:
+        assert set(game.recording.actions) == {Action.FIRE}
+        verified = verify(game.recording, [(hit.row, hit.column) for hit in game.hits])
+        assert verified.replay.end == game.end
+        assert verified.replay.shots == game.shots
+        assert game.hits
+        expected = predicted_return(model, trajectory(game.recording).observations)
+        assert game.predicted_return is not None
+        np.testing.assert_allclose(game.predicted_return, expected, rtol=1e-4, atol=1e-3)
+
+
+def _actions(games: list[PlayedGame]) -> list[bytes]:
+    return [game.recording.actions for game in games]
+
+
+def test_sampled_games_follow_their_seed_and_not_the_games_beside_them() -> None:
+    actor = _Constant(Action.RIGHT, share=0.4)
+    together = play(actor, STARTS, "sampled", sampling_seed=4)
+    assert _actions(together) == _actions(play(actor, STARTS, "sampled", sampling_seed=4))
+    assert _actions(together)[1:2] == _actions(play(actor, STARTS[1:2], "sampled", sampling_seed=4))
+    assert _actions(together) != _actions(play(actor, STARTS, "sampled", sampling_seed=5))
+    steps = [actions[::4] for actions in _actions(together)]
+    right = sum(step.count(Action.RIGHT) for step in steps) / sum(map(len, steps))
+    assert 0.3 < right < 0.5
+
+
+def test_sticky_actions_are_recorded_as_executed() -> None:
+    games = play(_Constant(Action.FIRE), STARTS[:1], "greedy", sticky_action_probability=0.25)
+    verify(games[0].recording, [(hit.row, hit.column) for hit in games[0].hits])
