@@ -41,11 +41,16 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """Open a session for reading; whatever it changed is thrown away."""
+        """Open a session for reading; whatever it changed is thrown away.
+
+        Rows that were read stay readable after the block.
+        """
         with self._reading() as session:
             try:
                 yield session
             finally:
+                # A rollback would forget what was read of the rows that are still in the session.
+                session.expunge_all()
                 session.rollback()
 
     @contextmanager
