@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from tril.game.console import Console
@@ -76,8 +80,21 @@ class Workplace:
 
 
 def make_workplace(folder: Path) -> Workplace:
-    """Make a data folder with four short recordings of column 1, from standing and firing to hitting others."""
+    """Make a data folder with four short recordings, ranked; made once and copied from then on."""
+    shutil.copytree(_template(), folder, dirs_exist_ok=True)
     settings = Settings(data=folder, learning_threads=1)
+    database = create_database(settings.application_url)
+    with database.reading() as session:
+        behaviour_id = behaviours.by_slug(session, "column-1").id
+        tiers = rankings.current(session, behaviour_id).tiers
+    return Workplace(settings, database, behaviour_id, tuple(tier[0] for tier in tiers))
+
+
+@cache
+def _template() -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="tril-tests-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    settings = Settings(data=folder)
     database = create_database(settings.application_url)
     upgrade(database)
     prepare_queue(settings)
@@ -91,7 +108,8 @@ def make_workplace(folder: Path) -> Workplace:
             )
             ranked.append(row.id)
         rankings.save(session, behaviour_id, 0, [[number] for number in ranked])
-    return Workplace(settings, database, behaviour_id, tuple(ranked))
+    database.close()
+    return folder
 
 
 def _played(play: Play) -> tuple[Recording, Replay]:

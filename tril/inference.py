@@ -1,0 +1,212 @@
+"""Client of the inference process, and the protocol that both ends speak.
+
+A message is a little-endian u32, the length of a JSON header, the header, and as many raw bytes as
+the header's ``n_bytes`` says. Nothing is pickled. One connection carries one request and its
+answer, so a restart of the process between two requests goes unnoticed.
+
+Requests: ``{"op": "ping"}``; ``{"op": "reward", "run_id"}`` with observations uint8 (N, 4, 84, 84)
+gives float32 (N,); ``{"op": "attention", "run_id"}`` with one observation gives float32
+(4, 84, 84); ``{"op": "act", "run_id", "policy"}`` with observations gives float32 (N, 6). An answer
+is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.errors import Invalid, NotFound, Unavailable
+from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.space_invaders import Action
+
+MAX_HEADER_BYTES = 16 * 1024
+MAX_OBSERVATIONS = 1024
+OBSERVATION_BYTES = int(np.prod(OBSERVATION_SHAPE))
+MAX_BODY_BYTES = MAX_OBSERVATIONS * OBSERVATION_BYTES
+N_ACTIONS = len(Action)
+TIMEOUT_S = 60.0
+LONGEST_ADDRESS = 100
+"""Bytes of a path that fit into the address of a local socket, with a little to spare."""
+
+_LENGTH = struct.Struct("<I")
+_ERRORS = {"invalid": Invalid, "not_found": NotFound, "unavailable": Unavailable}
+
+Observations = npt.NDArray[np.uint8]
+Values = npt.NDArray[np.float32]
+
+
+class Disconnected(ConnectionError):
+    """The other end closed the connection in the middle of a message or before one."""
+
+
+class InferenceClient:
+    """Asks the inference process for R, attention and actions of trained networks.
+
+    Threads may share it. A request whose connection breaks is made once more: the process may
+    just have been restarted, and asking twice changes nothing.
+
+    Args:
+        path: The process's socket (Settings.inference_socket).
+        timeout_s: Seconds that an answer may take.
+    """
+
+    def __init__(self, path: Path, timeout_s: float = TIMEOUT_S) -> None:
+        self._path = path
+        self._timeout_s = timeout_s
+
+    def ping(self) -> None:
+        """Raise Unavailable unless the process answers."""
+        self._ask({"op": "ping"})
+
+    def reward(self, run_id: str, observations: Observations) -> Values:
+        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84), by a run's reward model.
+
+        Raises:
+            NotFound: The run has no reward model.
+            Unavailable: The process does not answer.
+        """
+        parts = [
+            self._ask({"op": "reward", "run_id": run_id}, part) for part in _parts(observations)
+        ]
+        return np.frombuffer(b"".join(parts), np.float32)
+
+    def attention(self, run_id: str, observation: Observations) -> Values:
+        """Return the attention map, float32 (4, 84, 84), of one observation, uint8 (4, 84, 84).
+
+        Raises:
+            NotFound: The run has no reward model.
+            Unavailable: The process does not answer.
+        """
+        answer = self._ask({"op": "attention", "run_id": run_id}, _checked(observation[None]))
+        return np.frombuffer(answer, np.float32).reshape(OBSERVATION_SHAPE)
+
+    def action_probabilities(self, run_id: str, policy: str, observations: Observations) -> Values:
+        """Return what a policy would do: float32 (N, 6), the probability of each action.
+
+        Args:
+            run_id: The run.
+            policy: "imitator" or "clone".
+            observations: uint8 (N, 4, 84, 84).
+
+        Raises:
+            NotFound: The run has no such policy.
+            Unavailable: The process does not answer.
+        """
+        request = {"op": "act", "run_id": run_id, "policy": policy}
+        parts = [self._ask(request, part) for part in _parts(observations)]
+        return np.frombuffer(b"".join(parts), np.float32).reshape(-1, N_ACTIONS)
+
+    def _ask(self, request: dict[str, Any], body: bytes = b"") -> bytes:
+        try:
+            return self._ask_once(request, body)
+        except ConnectionError:
+            try:
+                return self._ask_once(request, body)
+            except OSError as problem:
+                raise self._absent(problem) from problem
+        except OSError as problem:
+            raise self._absent(problem) from problem
+
+    def _ask_once(self, request: dict[str, Any], body: bytes) -> bytes:
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.settimeout(self._timeout_s)
+            with address_of(self._path) as address:
+                connection.connect(address)
+            send_message(connection, request, body)
+            header, values = receive_message(connection)
+        if header.get("ok") is True:
+            return values
+        kind = _ERRORS.get(str(header.get("kind")), Unavailable)
+        raise kind(str(header.get("detail", "The inference process gave no reason.")))
+
+    def _absent(self, problem: OSError) -> Unavailable:
+        reason = "did not answer in time" if isinstance(problem, TimeoutError) else "does not run"
+        return Unavailable(
+            f"The inference process {reason}, so trained networks can't be asked. `tril up` runs "
+            "it and starts it again by itself; try again in a moment."
+        )
+
+
+def send_message(connection: socket.socket, header: dict[str, Any], body: bytes = b"") -> None:
+    """Send one message."""
+    text = json.dumps({**header, "n_bytes": len(body)}).encode()
+    connection.sendall(_LENGTH.pack(len(text)) + text)
+    connection.sendall(body)
+
+
+def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytes]:
+    """Receive one message: its header and its bytes.
+
+    Raises:
+        Disconnected: The other end closed the connection.
+        Invalid: What came is no message, or too long a one.
+    """
+    (length,) = _LENGTH.unpack(_exactly(connection, _LENGTH.size))
+    if length > MAX_HEADER_BYTES:
+        raise Invalid(f"Expected a header of at most {MAX_HEADER_BYTES} bytes, got {length}.")
+    try:
+        header = json.loads(_exactly(connection, length))
+    except ValueError as problem:
+        raise Invalid("The message's header is not JSON.") from problem
+    if not isinstance(header, dict):
+        raise Invalid("The message's header is not a JSON object.")
+    n_bytes = header.get("n_bytes")
+    if not isinstance(n_bytes, int) or not 0 <= n_bytes <= MAX_BODY_BYTES:
+        raise Invalid(f"Expected at most {MAX_BODY_BYTES} bytes, the message announces {n_bytes}.")
+    return header, _exactly(connection, n_bytes)
+
+
+def _exactly(connection: socket.socket, n_bytes: int) -> bytes:
+    content = bytearray(n_bytes)
+    view, got = memoryview(content), 0
+    while got < n_bytes:
+        count = connection.recv_into(view[got:])
+        if count == 0:
+            raise Disconnected("The connection was closed.")
+        got += count
+    return bytes(content)
+
+
+@contextmanager
+def address_of(path: Path) -> Iterator[str]:
+    """Give an address of a local socket that works in the block, however long the path is.
+
+    Raises:
+        Unavailable: The path is too long, and this system has no way around it.
+    """
+    if len(os.fsencode(path)) <= LONGEST_ADDRESS:
+        yield str(path)
+        return
+    if not Path("/proc/self/fd").is_dir():
+        raise Unavailable(
+            f"The data folder's path is too long for a local socket ({path}). Choose a shorter one "
+            "with TRIL_DATA."
+        )
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        yield f"/proc/self/fd/{folder}/{path.name}"
+    finally:
+        os.close(folder)
+
+
+def _parts(observations: Observations) -> Iterator[bytes]:
+    for begin in range(0, max(1, len(observations)), MAX_OBSERVATIONS):
+        yield _checked(observations[begin : begin + MAX_OBSERVATIONS])
+
+
+def _checked(observations: Observations) -> bytes:
+    if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
+        raise Invalid(
+            f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got "
+            f"{observations.dtype} {observations.shape}."
+        )
+    return np.ascontiguousarray(observations).tobytes()
