@@ -1,0 +1,86 @@
+"""Progress over a whole run and what remains of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.workplace import TINY, Workplace, make_workplace
+from tril.jobs import STAGES, Forecast, estimate, overall_progress, stages_of
+from tril.jobs.stages import expected_seconds
+from tril.recipes import FAST, PAPER, Recipe
+from tril.store import claims
+from tril.store.models import RunRow, RunStatus
+
+
+@pytest.fixture
+def workplace(tmp_path: Path) -> Iterator[Workplace]:
+    made = make_workplace(tmp_path)
+    yield made
+    made.database.close()
+
+
+def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
+    finished = STAGES[1 : STAGES.index(stage)]
+    return RunRow(
+        recipe=recipe.to_dict(),
+        steps=300_000,
+        example=False,
+        status=RunStatus.RUNNING,
+        stage=stage,
+        stage_done=done,
+        finished_stages=dict.fromkeys(finished, 1.0),
+    )
+
+
+@pytest.mark.parametrize("recipe", [FAST, PAPER], ids=["fast", "paper"])
+def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> None:
+    values = [
+        overall_progress(run_at(stage, done, recipe))
+        for stage in STAGES[1:]
+        for done in (0.0, 0.5, 1.0)
+    ]
+    assert values == sorted(values)
+    assert values[0] == 0.0
+    assert values[-1] == pytest.approx(1.0)
+
+
+def test_the_demonstrations_are_a_stage_of_examples_only() -> None:
+    run = run_at("trajectories", 0.0)
+    assert "demonstrations" not in stages_of(run)
+    run.example = True
+    assert stages_of(run) == STAGES
+
+
+def test_the_imitator_takes_the_share_of_its_steps() -> None:
+    few, many = (expected_seconds(FAST, steps) for steps in (1_000, 1_000_000))
+    assert many["imitator"] == pytest.approx(1000 * few["imitator"])
+    assert {stage: few[stage] for stage in few if stage != "imitator"} == {
+        stage: many[stage] for stage in many if stage != "imitator"
+    }
+
+
+def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
+    forecast = Forecast({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
+    assert forecast.remaining_s({}, "reward", None) == pytest.approx(130.0)
+    # Twice as slow as foreseen so far; the imitator's own rate says 60 s.
+    assert forecast.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
+
+
+def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(workplace: Workplace) -> None:
+    with workplace.database.reading() as session:
+        assert not estimate(session, TINY).measured
+    run_id = workplace.make_run(steps=1_000)
+    with workplace.database.writing() as session:
+        claim = claims.claim(session, run_id, "worker-0", {})
+        assert claim is not None
+        for stage in STAGES[1:]:
+            claims.finish_stage(session, claim, stage, 4.0 if stage == "imitator" else 1.0)
+        claims.end(session, claim, RunStatus.DONE)
+    with workplace.database.reading() as session:
+        measured = estimate(session, TINY)
+    assert measured.measured
+    assert measured.steps_per_s == pytest.approx(250.0)
+    assert measured.overhead_s == pytest.approx(6.0)
