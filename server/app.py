@@ -24,6 +24,8 @@ from server.api import (
     system,
 )
 from server.pages import FRONTEND, Frontend, check_frontend, pages
+from server.play import stream
+from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
@@ -31,17 +33,20 @@ from tril.store.rankings import RankingConflict
 __all__ = ["check_frontend", "create_app"]
 
 
-def create_app(settings: Settings, frontend: Path = FRONTEND) -> FastAPI:
+def create_app(
+    settings: Settings, frontend: Path = FRONTEND, rules: PlayRules = DEFAULT_RULES
+) -> FastAPI:
     """Build the application. Nothing is opened before its lifespan begins.
 
     Args:
         settings: Where the data is and which hosts may be named.
         frontend: Folder of the built frontend.
+        rules: The times by which games are played and kept.
     """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        async with running_services(settings) as services:
+        async with running_services(settings, rules) as services:
             app.state.services = services
             yield
 
@@ -78,6 +83,7 @@ def _api() -> APIRouter:
         events,
     ):
         api.include_router(resource.router)
+    api.include_router(stream.router)
     return api
 
 

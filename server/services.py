@@ -13,6 +13,8 @@ from pathlib import Path
 from server.derived import Derived
 from server.feed import ChangeFeed
 from server.play.consoles import ConsolePool
+from server.play.hub import PlayHub
+from server.play.rules import PlayRules
 from server.security import Access
 from tril.artifacts import ArtifactStore
 from tril.cache import Cache
@@ -38,6 +40,7 @@ class Services:
         inference: Answers for trained networks.
         consoles: Loaded consoles.
         derived: Frames and thumbnails.
+        games: The games that are played in this process.
         changes: Tells pages what changes.
         importing: Held while an upload is verified, so that one at a time is.
     """
@@ -50,6 +53,7 @@ class Services:
     inference: InferenceClient
     consoles: ConsolePool
     derived: Derived
+    games: PlayHub
     changes: ChangeFeed
     importing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
@@ -77,7 +81,7 @@ def process_name() -> str:
 
 
 @asynccontextmanager
-async def running_services(settings: Settings) -> AsyncIterator[Services]:
+async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterator[Services]:
     """Put the services together, run them for the block, and stop them in order.
 
     Raises:
@@ -86,6 +90,7 @@ async def running_services(settings: Settings) -> AsyncIterator[Services]:
     settings.data.mkdir(parents=True, exist_ok=True)
     database = create_database(settings.application_url)
     check_schema(database)
+    name = process_name()
     consoles = ConsolePool()
     jobs = Jobs(database, settings)
     services = Services(
@@ -97,14 +102,17 @@ async def running_services(settings: Settings) -> AsyncIterator[Services]:
         inference=InferenceClient(settings.inference_socket),
         consoles=consoles,
         derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), consoles),
+        games=PlayHub(database, consoles, name, rules),
         changes=ChangeFeed(database),
     )
-    heartbeat = Heartbeat(database, process_name(), "server")
+    heartbeat = Heartbeat(database, name, "server")
     try:
         await asyncio.to_thread(heartbeat.start)
         services.changes.start()
+        services.games.start()
         yield services
     finally:
+        await services.games.stop()
         services.changes.stop()
         await asyncio.to_thread(heartbeat.stop)
         jobs.close()

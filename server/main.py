@@ -1,0 +1,117 @@
+"""Runs the server: one process, one event loop."""
+
+from __future__ import annotations
+
+import logging
+import logging.config
+import os
+import socket
+import sys
+from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
+
+from server.app import create_app
+from server.play.protocol import MAX_MESSAGE_BYTES
+from server.security import MaskToken
+from server.services import Services
+from tril.errors import Unavailable
+from tril.settings import Settings
+from tril.store.database import create_database
+from tril.store.schema import check_schema
+
+GRACEFUL_SHUTDOWN_S = 5
+
+SWITCH_INTERVAL_S = 0.0005
+"""How long a thread that replays a recording may keep the game loop from running: Python's own 5 ms
+are a third of a frame, and a tick waits several times."""
+
+LOGGING: dict[str, Any] = {
+    "version": 1,
+    "disable_existing_loggers": False,
+    "filters": {"mask_token": {"()": MaskToken}},
+    "formatters": {"plain": {"format": "%(asctime)s %(levelname)s %(name)s: %(message)s"}},
+    "handlers": {
+        "console": {
+            "class": "logging.StreamHandler",
+            "formatter": "plain",
+            "filters": ["mask_token"],
+            "stream": "ext://sys.stderr",
+        }
+    },
+    "root": {"level": "INFO", "handlers": ["console"]},
+    "loggers": {"uvicorn.access": {"level": "INFO"}},
+}
+
+
+class Server(uvicorn.Server):
+    """uvicorn's server, which waits for open requests to end when it stops.
+
+    Streams of events end only because they are told to.
+    """
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End the streams, then stop."""
+        app = self.config.app
+        if isinstance(app, FastAPI) and hasattr(app.state, "services"):
+            services: Services = app.state.services
+            services.changes.close()
+        await super().shutdown(sockets)
+
+
+def run_server(settings: Settings) -> None:
+    """Serve until a signal ends it.
+
+    Raises:
+        Unavailable: The port is taken or the database is of another version; says what to do.
+    """
+    logging.config.dictConfig(LOGGING)
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    database = create_database(settings.application_url)
+    try:
+        check_schema(database)
+    finally:
+        database.close()
+    listening = bind(settings)
+    with listening:
+        Server(server_config(create_app(settings), settings)).run(sockets=[listening])
+
+
+def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
+    """Return how uvicorn serves the application."""
+    return uvicorn.Config(
+        app,
+        host=settings.host,
+        port=settings.port,
+        log_config=None,
+        server_header=False,
+        # uvicorn's compression costs seven times what our own codec does (docs/benchmarks.md).
+        ws_per_message_deflate=False,
+        ws_max_size=MAX_MESSAGE_BYTES * 4,
+        ws_ping_interval=10.0,
+        ws_ping_timeout=20.0,
+        timeout_graceful_shutdown=GRACEFUL_SHUTDOWN_S,
+    )
+
+
+def bind(settings: Settings) -> socket.socket:
+    """Take the port.
+
+    Raises:
+        Unavailable: It is taken, or the address is not this machine's.
+    """
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    listening = socket.socket(family, socket.SOCK_STREAM)
+    if os.name == "posix":
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((settings.host, settings.port))
+    except OSError as error:
+        listening.close()
+        raise Unavailable(
+            f"Port {settings.port} on {settings.host} can't be used: {error.strerror}. Another "
+            "Tril may be running; stop it, or choose another port with TRIL_PORT."
+        ) from error
+    listening.set_inheritable(True)
+    return listening

@@ -1,0 +1,295 @@
+"""All games of this process: who joins which, when they are saved, and what becomes of them."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from weakref import WeakValueDictionary
+
+from sqlalchemy.orm import Session
+
+from server.play.committer import Committer
+from server.play.connection import Connection
+from server.play.consoles import ConsolePool
+from server.play.protocol import Paused
+from server.play.rules import PlayRules
+from server.play.session import Phase, PlaySession
+from tril.errors import Unavailable
+from tril.game.episode import Hit
+from tril.recording import Recorder, Recording, RecordingRefused, verify
+from tril.store import behaviours, games, recordings
+from tril.store.database import Database
+from tril.store.models import BehaviourRow, GameRow, RecordingState
+
+_LOG = logging.getLogger(__name__)
+
+N_CONSOLES_AHEAD = 2
+RETRY_S = 1.0
+
+
+class PlayHub:
+    """The games that are played in this process.
+
+    Args:
+        database: Where games are kept.
+        consoles: Where consoles to play on come from.
+        owner: Name of this process.
+        rules: The times to keep.
+    """
+
+    def __init__(
+        self, database: Database, consoles: ConsolePool, owner: str, rules: PlayRules
+    ) -> None:
+        self._consoles = consoles
+        self._owner = owner
+        self._rules = rules
+        self._committer = Committer(database)
+        self._sessions: dict[str, PlaySession] = {}
+        self._joining: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
+        self._tasks: list[asyncio.Task[None]] = []
+        self._loading: asyncio.Task[None] | None = None
+        self._is_stopping = False
+
+    def start(self) -> None:
+        """Load consoles, and begin to save games and to look after those that were left alone."""
+        self._load_ahead()
+        self._tasks = [
+            asyncio.create_task(self._every(self._rules.save_every_s, self._save_all)),
+            asyncio.create_task(self._every(self._rules.sweep_every_s, self._sweep, at_once=True)),
+        ]
+
+    async def stop(self) -> None:
+        """Save every game and let go of it; it goes on in whichever process it is joined next."""
+        self._is_stopping = True
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._loading is not None:
+            await self._loading
+        sessions = list(self._sessions.values())
+        await asyncio.gather(*(session.settle() for session in sessions))
+        for session in list(self._sessions.values()):
+            await self._let_go(session)
+        self._committer.close()
+
+    async def join(self, game_id: str, tab: str, connection: Connection) -> PlaySession:
+        """Make a tab the player of a game; whoever had it before is told.
+
+        Raises:
+            NotFound: There is no such game.
+            GameOver: It has ended.
+            Unavailable: It could not be taken over; says what to do.
+        """
+        lock = self._joining.setdefault(game_id, asyncio.Lock())
+        async with lock:
+            if game_id not in self._sessions and len(self._sessions) >= self._rules.max_games:
+                raise Unavailable("Too many games are being played; try again later.")
+            row, behaviour = await self._committer.run(
+                lambda session: self._claim(session, game_id, tab)
+            )
+            session = self._sessions.get(game_id)
+            if session is not None and session.epoch == row.epoch - 1:
+                session.epoch = row.epoch
+            else:
+                if session is not None:
+                    await self._lose(session)
+                session = await self._resume(row, behaviour)
+            is_resumed = session.recorder.episode.frame > 0
+            await session.attach(connection, is_resumed)
+            return session
+
+    def _claim(self, session: Session, game_id: str, tab: str) -> tuple[GameRow, BehaviourRow]:
+        row = games.claim(session, game_id, self._owner, tab)
+        return row, session.get_one(BehaviourRow, row.recording.behaviour_id)
+
+    async def _resume(self, row: GameRow, behaviour: BehaviourRow) -> PlaySession:
+        """Rebuild a game by replaying what is saved of it."""
+        recording = recordings.as_recording(row.recording)
+        try:
+            recorder = await asyncio.to_thread(self._rebuild, recording)
+        except RecordingRefused as error:
+            refusal = str(error)
+            await self._committer.run(
+                lambda session: games.end(
+                    session, row.id, row.epoch, RecordingState.UNFINISHED, refusal
+                )
+            )
+            raise games.GameOver("This game can't go on: it does not replay.") from error
+        session = PlaySession(
+            game_id=row.id,
+            recording_id=row.recording_id,
+            behaviour=behaviours.as_behaviour(behaviour),
+            recorder=recorder,
+            epoch=row.epoch,
+            rules=self._rules,
+            finish=self._finish,
+        )
+        self._sessions[row.id] = session
+        self._load_ahead()
+        return session
+
+    def _rebuild(self, recording: Recording) -> Recorder:
+        return Recorder.resume(recording, self._consoles.take())
+
+    def _load_ahead(self) -> None:
+        """Load consoles for the games to come, so that their starts need not wait."""
+        if self._loading is None or self._loading.done():
+            self._loading = asyncio.create_task(
+                asyncio.to_thread(self._consoles.load, N_CONSOLES_AHEAD)
+            )
+
+    async def _save_all(self) -> None:
+        batch = {
+            session.game_id: (session, session.progress())
+            for session in self._sessions.values()
+            if session.is_dirty and session.phase is not Phase.ENDED
+        }
+        if not batch:
+            return
+        try:
+            saved = await self._committer.save([progress for _, progress in batch.values()])
+        except Unavailable as error:
+            for session, _ in batch.values():
+                await session.pause(str(error))
+            return
+        for progress in saved:
+            batch.pop(progress.game_id)[0].note_saved(progress)
+        for session, progress in batch.values():
+            # A join in this process raises the epoch while a commit is under way; that is no loss.
+            if not self._is_joining(session.game_id) and session.epoch == progress.epoch:
+                await self._lose(session)
+
+    async def _finish(self, session: PlaySession) -> None:
+        """Save a game's end, check it by a replay, and tell the player."""
+        progress = session.progress()
+        if not await self._insist(
+            session, lambda transaction: games.save(transaction, session.progress())
+        ):
+            return
+        refusal = await asyncio.to_thread(self._refusal, progress.recording, progress.played.hits)
+        if await self._insist(
+            session,
+            lambda transaction: games.end(
+                transaction, session.game_id, session.epoch, RecordingState.FINISHED, refusal
+            ),
+        ):
+            await session.tell_ended(refusal)
+            self._forget(session)
+
+    async def _insist(self, session: PlaySession, write: Callable[[Session], bool]) -> bool:
+        """Write as a game's owner, however long the disk is full; returns whether it was written.
+
+        A game that is another owner's by now is given up, and so is every try when the process
+        ends.
+        """
+        while True:
+            epoch = session.epoch
+            try:
+                if await self._committer.run(write):
+                    return True
+            except Unavailable as error:
+                if self._is_stopping:
+                    return False
+                if session.connection is not None:
+                    await session.connection.tell(Paused(why=str(error)))
+                await asyncio.sleep(RETRY_S)
+                continue
+            async with self._joining.setdefault(session.game_id, asyncio.Lock()):
+                if session.epoch == epoch:
+                    await self._lose(session)
+                    return False
+
+    def _refusal(self, recording: Recording, hits: tuple[Hit, ...]) -> str | None:
+        """Replay a recording; returns why it is not what was played, None if it is."""
+        with self._consoles.lent() as console:
+            try:
+                verify(recording, [(hit.row, hit.column) for hit in hits], console)
+            except RecordingRefused as error:
+                _LOG.error("A game does not replay: %s", error)
+                return str(error)
+        return None
+
+    async def _sweep(self) -> None:
+        """Look after games that were left alone."""
+        now = asyncio.get_running_loop().time()
+        for session in list(self._sessions.values()):
+            if session.phase is not Phase.WAITING:
+                continue
+            if session.connection is not None:
+                await self._release(session)
+            elif now - session.left_at > self._rules.forgotten_after_s:
+                await self._let_go(session)
+        await self._committer.run(
+            lambda session: games.keep_undecided(session, self._rules.decided_after)
+        )
+        for row in await self._committer.run(
+            lambda session: games.abandoned(session, self._rules.abandoned_after)
+        ):
+            if row.id not in self._sessions:
+                await self._end_abandoned(row.id)
+
+    async def _end_abandoned(self, game_id: str) -> None:
+        """Turn an abandoned game into an unfinished recording of the library."""
+        try:
+            row = await self._committer.run(
+                lambda session: games.claim(session, game_id, self._owner, "")
+            )
+        except games.GameOver:
+            return
+        recording = recordings.as_recording(row.recording)
+        refusal = await asyncio.to_thread(
+            self._refusal, recording, recordings.hits_of(row.recording)
+        )
+        was_played = row.recording.end is not None
+        state = RecordingState.KEPT if was_played else RecordingState.UNFINISHED
+        await self._committer.run(
+            lambda session: games.end(session, game_id, row.epoch, state, refusal)
+        )
+
+    async def _let_go(self, session: PlaySession) -> None:
+        """Save a game and forget it here; what is saved is what it goes on from."""
+        try:
+            if session.is_dirty:
+                await self._committer.save([session.progress()])
+        except Unavailable as error:
+            _LOG.error("The last second of game %s is lost: %s", session.game_id, error)
+            if not self._is_stopping:
+                return
+        await self._release(session)
+        self._forget(session)
+
+    async def _release(self, session: PlaySession) -> None:
+        with suppress(Unavailable):
+            await self._committer.run(
+                lambda transaction: games.release(transaction, session.game_id, session.epoch)
+            )
+
+    async def _lose(self, session: PlaySession) -> None:
+        """Give a game up that is another process's now."""
+        self._forget(session)
+        await session.give_up()
+
+    def _forget(self, session: PlaySession) -> None:
+        if self._sessions.get(session.game_id) is session:
+            del self._sessions[session.game_id]
+            self._consoles.give_back(session.recorder.episode.console)
+
+    def _is_joining(self, game_id: str) -> bool:
+        lock = self._joining.get(game_id)
+        return lock is not None and lock.locked()
+
+    async def _every(
+        self, period_s: float, work: Callable[[], Awaitable[None]], at_once: bool = False
+    ) -> None:
+        """Do something again and again at absolute times."""
+        loop = asyncio.get_running_loop()
+        due = loop.time() + (0.0 if at_once else period_s)
+        while True:
+            await asyncio.sleep(max(0.0, due - loop.time()))
+            try:
+                await work()
+            except Unavailable as error:
+                _LOG.warning("%s", error)
+            due = max(due + period_s, loop.time())

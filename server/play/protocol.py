@@ -1,0 +1,236 @@
+"""The messages between a player's page and the server, as docs/protocol.md describes them. Pure."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from server.play.codec import EncodedFrame
+from server.play.frames import FLAG_KEY
+from tril.game.controls import Keys
+
+MAX_UNACKNOWLEDGED = 6
+MAX_MESSAGE_BYTES = 256
+"""Longest message that a page may send."""
+
+_FRAME = struct.Struct("<BBHIII")
+_CLIENT = struct.Struct("<BBHI")
+_ALL_KEYS = Keys.LEFT | Keys.RIGHT | Keys.FIRE
+_SEQUENCES = 2**32
+
+
+class Close(IntEnum):
+    """Codes with which the server closes a stream."""
+
+    TAKEN_OVER = 4001
+    BAD_MESSAGE = 4400
+    UNAUTHORISED = 4401
+    NO_SUCH_GAME = 4404
+    GAME_OVER = 4410
+
+
+class BadMessage(ValueError):
+    """A message that is not of this protocol."""
+
+
+@dataclass(frozen=True)
+class FrameMessage:
+    """Server to page: a screen.
+
+    Attributes:
+        sequence: Counts the frames sent over this connection, from 1.
+        frame: How many frames of the game have been executed; 0 is the start's screen.
+        input_sequence: The newest input that had been applied.
+        encoded: The screen.
+    """
+
+    sequence: int
+    frame: int
+    input_sequence: int
+    encoded: EncodedFrame
+
+
+@dataclass(frozen=True)
+class InputMessage:
+    """Page to server: the keys held from now on; ``sequence`` counts the page's inputs."""
+
+    keys: Keys
+    sequence: int
+
+
+@dataclass(frozen=True)
+class AckMessage:
+    """Page to server: the frame of this sequence has been drawn."""
+
+    sequence: int
+
+
+@dataclass(frozen=True)
+class Command:
+    """Page to server: what the player wants."""
+
+    type: Literal["ready", "stop", "pause", "go_on"]
+
+
+ClientMessage = InputMessage | AckMessage | Command
+
+
+def frame_bytes(message: FrameMessage) -> bytes:
+    """Write a FRAME."""
+    header = _FRAME.pack(
+        1,
+        FLAG_KEY * message.encoded.is_key,
+        0,
+        message.sequence,
+        message.frame,
+        message.input_sequence % _SEQUENCES,
+    )
+    return header + message.encoded.payload
+
+
+def parse_frame(data: bytes) -> FrameMessage:
+    """Read a FRAME; raises BadMessage."""
+    if len(data) < _FRAME.size or data[0] != 1:
+        raise BadMessage(f"Expected a frame of at least {_FRAME.size} bytes that begins with 1.")
+    _, flags, _, sequence, frame, input_sequence = _FRAME.unpack_from(data)
+    encoded = EncodedFrame(bool(flags & FLAG_KEY), data[_FRAME.size :])
+    return FrameMessage(sequence, frame, input_sequence, encoded)
+
+
+def client_bytes(message: InputMessage | AckMessage) -> bytes:
+    """Write an INPUT or an ACK."""
+    if isinstance(message, InputMessage):
+        return _CLIENT.pack(1, int(message.keys), 0, message.sequence)
+    return _CLIENT.pack(2, 0, 0, message.sequence)
+
+
+def parse_client(data: bytes | str) -> ClientMessage:
+    """Read what a page sent.
+
+    Raises:
+        BadMessage: It is not of this protocol; says why.
+    """
+    if len(data) > MAX_MESSAGE_BYTES:
+        raise BadMessage(f"A message may have {MAX_MESSAGE_BYTES} bytes, got {len(data)}.")
+    return _parse_command(data) if isinstance(data, str) else _parse_binary(data)
+
+
+def _parse_binary(data: bytes) -> InputMessage | AckMessage:
+    if len(data) != _CLIENT.size:
+        raise BadMessage(f"Expected a message of {_CLIENT.size} bytes, got {len(data)}.")
+    kind, keys, _, sequence = _CLIENT.unpack(data)
+    if kind == 1:
+        if keys & ~int(_ALL_KEYS):
+            raise BadMessage(f"Expected keys from 0 to {int(_ALL_KEYS)}, got {keys}.")
+        return InputMessage(Keys(keys), sequence)
+    if kind == 2:
+        return AckMessage(sequence)
+    raise BadMessage(f"Expected a message of type 1 (input) or 2 (acknowledgement), got {kind}.")
+
+
+class _CommandModel(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    type: Literal["ready", "stop", "pause", "go_on"]
+
+
+def _parse_command(text: str) -> Command:
+    try:
+        return Command(_CommandModel.model_validate_json(text).type)
+    except ValidationError as error:
+        raise BadMessage(
+            'Expected {"type": "ready"}, "stop", "pause" or "go_on", got ' + repr(text[:80])
+        ) from error
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    def to_json(self) -> str:
+        """The message as it travels."""
+        return self.model_dump_json()
+
+
+class HitAt(_Message):
+    """An alien that was shot after so many frames; rows and columns count from 0."""
+
+    row: int
+    column: int
+    frame: int
+    on_target: bool | None
+
+
+class Hello(_Message):
+    """The first message: how to show what comes, and where the game is."""
+
+    type: Literal["hello"] = "hello"
+    palette: list[list[int]]
+    width: int
+    height: int
+    frame_rate_hz: int
+    max_frames: int
+    frame: int
+    epoch: int
+    resumed: bool
+    hits: list[HitAt]
+
+
+class Countdown(_Message):
+    """Whole seconds until the game goes on; 0 when it does."""
+
+    type: Literal["countdown"] = "countdown"
+    seconds: int
+
+
+class HitMessage(HitAt):
+    """An alien was shot; ``targets`` and ``strays`` count so far, None without a target."""
+
+    type: Literal["hit"] = "hit"
+    targets: int | None
+    strays: int | None
+
+
+class Paused(_Message):
+    """The game stands still; ``why`` is for the player. "go_on" counts down again."""
+
+    type: Literal["paused"] = "paused"
+    why: str
+
+
+class Ended(_Message):
+    """The game is over, saved and checked by a replay. ``reason`` is None if it was stopped."""
+
+    type: Literal["ended"] = "ended"
+    reason: str | None
+    frame: int
+    hits: list[HitAt]
+    targets: int | None
+    strays: int | None
+    order_errors: int | None
+    recording_id: int
+    verification: Literal["verified", "failed"]
+    verification_note: str
+
+
+class TakenOver(_Message):
+    """Another tab plays this game now; the stream closes with 4001."""
+
+    type: Literal["taken_over"] = "taken_over"
+
+
+ServerMessage = Hello | Countdown | HitMessage | Paused | Ended | TakenOver
+_SERVER_MESSAGES: TypeAdapter[ServerMessage] = TypeAdapter(
+    Annotated[ServerMessage, Field(discriminator="type")]
+)
+
+
+def parse_server(text: str) -> ServerMessage:
+    """Read a text message of the server; raises BadMessage."""
+    try:
+        return _SERVER_MESSAGES.validate_json(text)
+    except ValidationError as error:
+        raise BadMessage(f"Expected a message of the server, got {text[:80]!r}.") from error

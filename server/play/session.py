@@ -1,0 +1,326 @@
+"""One game in this process: its clock, its player, and what of it is to be saved."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from enum import Enum, auto
+
+from server.play.connection import Connection
+from server.play.frames import palette_json
+from server.play.protocol import (
+    Close,
+    Command,
+    Countdown,
+    Ended,
+    Hello,
+    HitAt,
+    HitMessage,
+    Paused,
+    TakenOver,
+)
+from server.play.rules import PlayRules
+from tril.behaviours import Behaviour, score
+from tril.game import space_invaders as game
+from tril.game.controls import action_for
+from tril.game.episode import Hit
+from tril.recording import Recorder
+from tril.store.games import Progress
+
+_LOG = logging.getLogger(__name__)
+
+FRAME_S = 1.0 / game.FRAME_RATE_HZ
+MAX_LAG_S = 0.25
+"""A clock that is later than this has stood still, and goes on from now instead of rushing."""
+
+WHY_PAUSED = "You paused the game."
+WHY_STALLED = (
+    "The page stopped drawing, so the game waits. Bring its tab to the front and go on; if it "
+    "happens again, the connection or the machine is too slow."
+)
+
+
+class Phase(Enum):
+    """Where a session stands. WAITING for the player; COUNTING down; PLAYING; ENDED."""
+
+    WAITING = auto()
+    COUNTING = auto()
+    PLAYING = auto()
+    ENDED = auto()
+
+
+class PlaySession:
+    """A game that this process owns.
+
+    Everything here runs in the event loop; nothing waits for the database.
+
+    Attributes:
+        game_id: The game.
+        recording_id: The recording that it becomes.
+        epoch: This owner's epoch.
+        connection: The page that shows it, if one does.
+        phase: Where it stands.
+
+    Args:
+        game_id: The game.
+        recording_id: The recording that it becomes.
+        behaviour: What is being shown; says which hits are on target.
+        recorder: The game itself, on a console of its own.
+        epoch: This owner's epoch.
+        rules: The times to keep.
+        finish: Called once when the game is over, played to its end or stopped.
+    """
+
+    def __init__(
+        self,
+        game_id: str,
+        recording_id: int,
+        behaviour: Behaviour,
+        recorder: Recorder,
+        epoch: int,
+        rules: PlayRules,
+        finish: Callable[[PlaySession], Awaitable[None]],
+    ) -> None:
+        self.game_id = game_id
+        self.recording_id = recording_id
+        self.epoch = epoch
+        self.connection: Connection | None = None
+        self.phase = Phase.WAITING
+        self._behaviour = behaviour
+        self._recorder = recorder
+        self._rules = rules
+        self._finish = finish
+        self._saved_frame = recorder.episode.frame
+        self._stopped = asyncio.Event()
+        self._task: asyncio.Task[None] | None = None
+        self._why_paused = ""
+        self.left_at = asyncio.get_running_loop().time()
+
+    @property
+    def recorder(self) -> Recorder:
+        """The game itself."""
+        return self._recorder
+
+    @property
+    def is_dirty(self) -> bool:
+        """Whether frames were played that are not saved."""
+        return self._recorder.episode.frame > self._saved_frame
+
+    def progress(self) -> Progress:
+        """What there is to save."""
+        return Progress(
+            self.game_id, self.epoch, self._recorder.recording(), self._recorder.replay()
+        )
+
+    def note_saved(self, progress: Progress) -> None:
+        """Take note of what is on disk."""
+        self._saved_frame = max(self._saved_frame, progress.recording.n_frames)
+
+    async def attach(self, connection: Connection, is_resumed: bool) -> None:
+        """Show the game to a page; one that showed it before is told and closed."""
+        await self._halt()
+        before, self.connection = self.connection, connection
+        if before is not None:
+            await _dismiss(before)
+        episode = self._recorder.episode
+        height, width = game.SCREEN_SHAPE
+        await connection.tell(
+            Hello(
+                palette=palette_json(),
+                width=width,
+                height=height,
+                frame_rate_hz=game.FRAME_RATE_HZ,
+                max_frames=episode.max_frames,
+                frame=episode.frame,
+                epoch=self.epoch,
+                resumed=is_resumed,
+                hits=self._hits(),
+            )
+        )
+        await self._show()
+        if self.phase is Phase.ENDED:
+            return
+        if episode.end is not None:
+            self._end()
+
+    async def detach(self, connection: Connection) -> None:
+        """Pause because a page has gone, unless another one shows the game already."""
+        if self.connection is not connection:
+            return
+        self.connection = None
+        self.left_at = asyncio.get_running_loop().time()
+        await self._halt()
+
+    async def acknowledge(self) -> None:
+        """Show a screen that was left out while the page was behind, now that it caught up."""
+        connection = self.connection
+        if connection is None or self.phase is Phase.PLAYING:
+            return
+        if connection.shown_frame != self._recorder.episode.frame:
+            await self._show()
+
+    async def obey(self, command: Command) -> None:
+        """Do what the player asks for; what makes no sense at the moment is passed over."""
+        if self.phase is Phase.ENDED:
+            return
+        match command.type:
+            case "ready" | "go_on":
+                if self.phase is Phase.WAITING and self._task is None:
+                    self._task = asyncio.create_task(self._go_on(), name=f"game {self.game_id}")
+            case "pause":
+                await self.pause(WHY_PAUSED)
+            case "stop":
+                await self._halt()
+                self._end()
+
+    async def pause(self, why: str) -> None:
+        """Let the game stand still and tell the player why."""
+        if self.phase is Phase.ENDED:
+            return
+        await self._halt()
+        if self.connection is not None:
+            await self.connection.tell(Paused(why=why))
+
+    async def give_up(self) -> None:
+        """Stop because the game is somebody else's now."""
+        await self._halt()
+        self.phase = Phase.ENDED
+        connection, self.connection = self.connection, None
+        if connection is not None:
+            await _dismiss(connection)
+
+    async def settle(self) -> None:
+        """Stop the clock, silently, because the process ends; what has ended is seen through."""
+        await self._halt()
+        if self.phase is Phase.ENDED and self._task is not None:
+            await asyncio.wait([self._task])
+
+    async def tell_ended(self, refusal: str | None) -> None:
+        """Tell the player how the game came out, and close."""
+        connection = self.connection
+        if connection is None:
+            return
+        episode = self._recorder.episode
+        found = score(self._behaviour, self._cells())
+        await connection.tell(
+            Ended(
+                reason=None if episode.end is None else str(episode.end),
+                frame=episode.frame,
+                hits=self._hits(),
+                targets=None if found is None else found.targets,
+                strays=None if found is None else found.strays,
+                order_errors=None if found is None else found.order_errors,
+                recording_id=self.recording_id,
+                verification="verified" if refusal is None else "failed",
+                verification_note=refusal or "",
+            )
+        )
+        await connection.close(Close.GAME_OVER, "The game is over.")
+
+    async def _go_on(self) -> None:
+        """Count down, then play until something stops it."""
+        try:
+            self.phase = Phase.COUNTING
+            for seconds in range(self._rules.countdown, 0, -1):
+                await self._tell_countdown(seconds)
+                if await self._stopped_within(self._rules.countdown_second_s):
+                    return
+            await self._tell_countdown(0)
+            self.phase = Phase.PLAYING
+            await self._play()
+        finally:
+            if self.phase is not Phase.ENDED:
+                self.phase = Phase.WAITING
+            self._task = None
+        if self._recorder.episode.end is not None:
+            self._end()
+        elif self._why_paused and self.connection is not None:
+            await self.connection.tell(Paused(why=self._why_paused))
+
+    async def _play(self) -> None:
+        loop = asyncio.get_running_loop()
+        if self.connection is not None:
+            self.connection.take_keys()
+        self._why_paused = ""
+        deadline = loop.time()
+        while not self._stopped.is_set() and self._recorder.episode.end is None:
+            connection = self.connection
+            if connection is None or not connection.is_open:
+                return
+            if connection.stalled_for_s > self._rules.stalled_after_s:
+                self._why_paused = WHY_STALLED
+                return
+            await self._tick(connection)
+            deadline += FRAME_S
+            now = loop.time()
+            if now - deadline > MAX_LAG_S:
+                _LOG.warning("Game %s stood still for %.2f s.", self.game_id, now - deadline)
+                deadline = now
+            await asyncio.sleep(max(0.0, deadline - now))
+
+    async def _tick(self, connection: Connection) -> None:
+        episode = self._recorder.episode
+        n_hits = len(episode.hits)
+        self._recorder.advance(action_for(connection.take_keys()))
+        hits = episode.hits
+        for n in range(n_hits, len(hits)):
+            found = score(self._behaviour, self._cells()[: n + 1])
+            await connection.tell(
+                HitMessage(
+                    **self._hit(hits[n]).model_dump(),
+                    targets=None if found is None else found.targets,
+                    strays=None if found is None else found.strays,
+                )
+            )
+        await self._show()
+
+    async def _show(self) -> None:
+        if self.connection is not None:
+            episode = self._recorder.episode
+            await self.connection.show(episode.console.screen_palette(), episode.frame)
+
+    async def _tell_countdown(self, seconds: int) -> None:
+        if self.connection is not None:
+            await self.connection.tell(Countdown(seconds=seconds))
+
+    async def _stopped_within(self, seconds: float) -> bool:
+        try:
+            await asyncio.wait_for(self._stopped.wait(), seconds)
+        except TimeoutError:
+            return False
+        return True
+
+    async def _halt(self) -> None:
+        """Stop counting or playing and wait until the frame at hand is through."""
+        task = self._task
+        if task is None or task is asyncio.current_task() or self.phase is Phase.ENDED:
+            return
+        self._stopped.set()
+        await asyncio.wait([task])
+        self._stopped.clear()
+
+    def _end(self) -> None:
+        if self.phase is Phase.ENDED:
+            return
+        self.phase = Phase.ENDED
+        self._task = asyncio.create_task(self._run_finish(), name=f"end of {self.game_id}")
+
+    async def _run_finish(self) -> None:
+        await self._finish(self)
+
+    def _cells(self) -> tuple[tuple[int, int], ...]:
+        return tuple((hit.row, hit.column) for hit in self._recorder.episode.hits)
+
+    def _hits(self) -> list[HitAt]:
+        return [self._hit(hit) for hit in self._recorder.episode.hits]
+
+    def _hit(self, hit: Hit) -> HitAt:
+        target = self._behaviour.target
+        on_target = None if target is None else (hit.row, hit.column) in target
+        return HitAt(row=hit.row, column=hit.column, frame=hit.frame, on_target=on_target)
+
+
+async def _dismiss(connection: Connection) -> None:
+    await connection.tell(TakenOver())
+    await connection.close(Close.TAKEN_OVER, "The game goes on in another tab.")

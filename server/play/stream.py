@@ -1,0 +1,69 @@
+"""The WebSocket of a game: what a page sends, and what becomes of it."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+from uuid import uuid4
+
+from fastapi import APIRouter, Query
+from starlette.websockets import WebSocket
+
+from server.dependencies import services_of
+from server.play.connection import Connection
+from server.play.protocol import BadMessage, Close, Command, parse_client
+from server.play.session import PlaySession
+from tril.errors import NotFound, Unavailable
+from tril.store.games import GameOver
+
+router = APIRouter()
+
+_TRY_AGAIN_LATER = 1013
+_TAB = re.compile(r"[0-9A-Za-z-]{1,36}")
+
+
+@router.websocket("/games/{game_id}/stream")
+async def play(
+    websocket: WebSocket, game_id: str, tab: Annotated[str | None, Query()] = None
+) -> None:
+    """Play a game; the newest tab that joins has it."""
+    await websocket.accept()
+    connection = Connection(websocket)
+    tab = tab or str(uuid4())
+    if not _TAB.fullmatch(tab):
+        await connection.close(Close.BAD_MESSAGE, "Expected the tab's UUID.")
+        return
+    try:
+        session = await services_of(websocket).games.join(game_id, tab, connection)
+    except NotFound:
+        await connection.close(Close.NO_SUCH_GAME, "There is no such game.")
+        return
+    except GameOver as error:
+        await connection.close(Close.GAME_OVER, str(error))
+        return
+    except Unavailable as error:
+        await connection.close(_TRY_AGAIN_LATER, str(error))
+        return
+    try:
+        await _listen(websocket, connection, session)
+    finally:
+        connection.is_open = False
+        await session.detach(connection)
+
+
+async def _listen(websocket: WebSocket, connection: Connection, session: PlaySession) -> None:
+    while True:
+        event = await websocket.receive()
+        if event["type"] == "websocket.disconnect":
+            return
+        data = event.get("bytes")
+        try:
+            message = parse_client(event.get("text") or "" if data is None else data)
+            if isinstance(message, Command):
+                await session.obey(message)
+            else:
+                connection.receive(message)
+                await session.acknowledge()
+        except BadMessage as error:
+            await connection.close(Close.BAD_MESSAGE, str(error))
+            return
