@@ -13,14 +13,17 @@ from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
 from tril.summary import GameFigures
 
+POLICIES = ("imitator", "clone")
+CHOICES = ("greedy", "sampled")
+
 
 @dataclass(frozen=True)
 class EvaluationKey:
     """Names one evaluation game of a run.
 
     Attributes:
-        policy: "imitator" or "clone".
-        choice: "greedy" or "sampled".
+        policy: One of POLICIES.
+        choice: How it chose its actions, one of CHOICES.
         start_number: The evaluation start.
     """
 

@@ -1,0 +1,66 @@
+"""Training makes way for people who play on the same machine."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import torch
+
+NICENESS = 10
+LONGEST_REST_S = 0.25
+
+
+class Courtesy:
+    """How much of the machine learning takes.
+
+    The worker and the processes it starts always run at low priority, which is what keeps the
+    game at 60 Hz. While somebody plays, learning also uses half of its threads and rests between
+    its units of work for as long as each took, at most a quarter of a second.
+
+    Args:
+        threads: Threads that learning may use.
+
+    Attributes:
+        play_is_on: Whether somebody plays; set by who looks.
+    """
+
+    def __init__(self, threads: int) -> None:
+        self.play_is_on = False
+        self._threads = threads
+        self._used = 0
+        self._worked_since = time.monotonic()
+
+    def begin(self) -> None:
+        """Take up work in this thread; the number of threads is a thread's own."""
+        self._used = 0
+        self._use(self._threads)
+        self._worked_since = time.monotonic()
+
+    def make_way(self) -> None:
+        """Rest between two units of work if somebody plays; call it from the learning thread."""
+        if not self.play_is_on:
+            self._use(self._threads)
+        else:
+            self._use(max(1, self._threads // 2))
+            time.sleep(min(LONGEST_REST_S, time.monotonic() - self._worked_since))
+        self._worked_since = time.monotonic()
+
+    def _use(self, threads: int) -> None:
+        if threads != self._used:
+            torch.set_num_threads(threads)
+            self._used = threads
+
+
+def learning_threads(wanted: int) -> int:
+    """Return how many threads learning uses: those wanted, or all cores this process may use."""
+    if wanted:
+        return wanted
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def lower_priority() -> None:
+    """Make this process, and what it starts, give way to others."""
+    os.nice(max(0, NICENESS - os.nice(0)))

@@ -1,0 +1,35 @@
+"""Trained networks, read back from the artifact store."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from trainer.reward.model import RewardModel
+from tril.artifacts import ArtifactStore
+from tril.store import artifacts
+from tril.store.database import Database
+
+
+def load_reward_model(database: Database, store: ArtifactStore, run_id: str) -> RewardModel:
+    """Return a run's reward model.
+
+    Raises:
+        NotFound: The run has none.
+    """
+    with stored_file(database, store, run_id, "reward_model") as path:
+        return RewardModel.load(path)
+
+
+@contextmanager
+def stored_file(database: Database, store: ArtifactStore, run_id: str, kind: str) -> Iterator[Path]:
+    """Give the file of a run's artifact of a kind, as a path on this machine.
+
+    Raises:
+        NotFound: The run has none.
+    """
+    with database.reading() as session:
+        path = artifacts.of_kind(session, run_id, kind).path
+    with store.local(path) as file:
+        yield file

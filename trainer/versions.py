@@ -1,0 +1,22 @@
+"""What a run was made with."""
+
+from __future__ import annotations
+
+import platform
+from functools import cache
+from importlib.metadata import version
+
+from tril.game.space_invaders import rom_md5
+
+PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy", "tril")
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions that decide what a training yields, by name."""
+    return {
+        "python": platform.python_version(),
+        **{package: version(package) for package in PACKAGES},
+        "rom_md5": rom_md5(),
+        "platform": platform.platform(),
+    }
