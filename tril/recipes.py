@@ -18,22 +18,26 @@ class RewardRecipe:
             builds all snippet sums from prefix sums.
         learning_rate: Adam's step size.
         updates: Gradient updates.
+        snippet_pairs: Method "paper": snippet pairs that are drawn once and gone through in as many
+            passes as the updates make; 0 draws new ones all the time.
         pairs_per_update: Snippet pairs whose loss one update averages.
         snippet_min_steps: Shortest snippet, in observations.
         snippet_max_steps: Longest snippet, in observations, capped at the shorter game of a pair.
-        observation_stride: Every how many-th observation of a snippet is scored.
+        observation_stride: Every how many-th observation is scored.
         aligned: Whether both snippets of a pair start at the same step. Otherwise the better one
             starts no earlier than the worse one (T-REX), which by itself makes the learned reward
             rise with time.
         ensemble: Number of reward models whose standardised outputs are averaged.
         folds: Cross-validation folds of demonstrations left out to measure the held-out accuracy;
             0 leaves the measurement out.
+        fold_updates: Gradient updates of each fold's model.
         weight_decay: L2 penalty.
     """
 
     method: Literal["paper", "fast"] = "paper"
     learning_rate: float = 5e-5
     updates: int = 30_000
+    snippet_pairs: int = 6_000
     pairs_per_update: int = 1
     snippet_min_steps: int = 50
     snippet_max_steps: int = 100
@@ -41,6 +45,7 @@ class RewardRecipe:
     aligned: bool = False
     ensemble: int = 1
     folds: int = 3
+    fold_updates: int = 6_000
     weight_decay: float = 0.0
 
 
@@ -173,11 +178,13 @@ FAST = Recipe(
         method="fast",
         learning_rate=1e-3,
         updates=200,
+        snippet_pairs=0,
         pairs_per_update=256,
         snippet_min_steps=20,
         snippet_max_steps=100,
-        observation_stride=1,
+        observation_stride=12,
         aligned=True,
+        fold_updates=120,
     ),
     policy=PolicyRecipe(
         network="small",
@@ -229,7 +236,7 @@ def with_values(recipe: Recipe, values: dict[str, Any]) -> Recipe:
         if not is_dataclass(part) or name not in {f.name for f in fields(part)}:
             raise Invalid(f"A recipe has no value {path!r}.")
         changed = replace(part, **{name: value})  # type: ignore[type-var]
-        recipe = replace(recipe, **{section: changed}) if section else changed  # type: ignore
+        recipe = replace(recipe, **{section: changed}) if section else changed  # type: ignore[arg-type, assignment]
     return recipe
 
 

@@ -1,0 +1,102 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import save_file
+from torch import nn
+
+from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
+from trainer.reward.training import new_network
+from tril.errors import Invalid
+
+
+@pytest.fixture
+def observations() -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, (11, 4, 84, 84), dtype=np.uint8)
+
+
+def two_networks() -> tuple[RewardNetwork, RewardNetwork]:
+    rng = np.random.default_rng(1)
+    return new_network(rng), new_network(rng)
+
+
+def test_network_is_the_one_of_appendix_a(observations: np.ndarray) -> None:
+    network, _ = two_networks()
+    layers: list[nn.Module] = []
+    for layer in [*network.layers, network.hidden, network.output]:
+        if layer is network.hidden:
+            layers.append(nn.Flatten())
+        layers += [layer, nn.LeakyReLU()]
+    published = nn.Sequential(*layers[:-1])
+    shapes = [tuple(p.shape) for p in published.parameters() if p.dim() > 1]
+    assert shapes == [
+        (16, 4, 7, 7),
+        (16, 16, 5, 5),
+        (16, 16, 3, 3),
+        (16, 16, 3, 3),
+        (64, 784),
+        (1, 64),
+    ]
+    inputs = torch.from_numpy(observations)
+    with torch.no_grad():
+        expected = published(inputs.float() / 255).squeeze(1)
+        torch.testing.assert_close(network(inputs), expected, rtol=1e-4, atol=1e-5)
+
+
+def test_ensemble_is_the_mean_of_standardised_members(observations: np.ndarray) -> None:
+    first, second = two_networks()
+    model = RewardModel((first, second), (0.5, -0.1), (2.0, 0.25))
+    with torch.no_grad():
+        inputs = torch.from_numpy(observations)
+        expected = ((first(inputs) - 0.5) / 2.0 + (second(inputs) + 0.1) / 0.25) / 2
+    np.testing.assert_allclose(model.score(observations), expected.numpy(), rtol=1e-4, atol=1e-5)
+
+
+def test_predicted_return_leaves_the_start_out(observations: np.ndarray) -> None:
+    model = RewardModel(two_networks()[:1], (0.0,), (1.0,))
+    expected = float(model.score(observations)[1:].sum(dtype=np.float64))
+    assert predicted_return(model, observations) == pytest.approx(expected, rel=1e-5)
+
+
+def test_level_maps_zero_and_one() -> None:
+    model = RewardModel(two_networks()[:1], (0.0,), (1.0,), zero=-1.0, one=3.0)
+    levels = model.level(np.array([-1.0, 1.0, 3.0], np.float32))
+    assert levels.tolist() == [0.0, 0.5, 1.0]
+
+
+def test_saved_model_is_the_same_model(tmp_path: Path, observations: np.ndarray) -> None:
+    model = RewardModel(two_networks(), (0.5, 1.0), (2.0, 3.0), -1.0, 2.0, {"recipe": "fast"})
+    model.save(tmp_path / "reward.safetensors")
+    loaded = RewardModel.load(tmp_path / "reward.safetensors")
+    np.testing.assert_array_equal(loaded.score(observations), model.score(observations))
+    assert (loaded.offsets, loaded.scales) == (model.offsets, model.scales)
+    assert (loaded.zero, loaded.one, loaded.notes) == (-1.0, 2.0, {"recipe": "fast"})
+
+
+@pytest.mark.parametrize(
+    ("metadata", "message"),
+    [
+        (None, "not a reward model"),
+        ({"format": "tril-reward-model", "version": "9"}, "format 9"),
+        ({"format": "tril-reward-model", "version": "1", "model": "{"}, "cannot be read"),
+    ],
+)
+def test_other_files_are_refused(
+    tmp_path: Path, metadata: dict[str, str] | None, message: str
+) -> None:
+    save_file({"a": torch.zeros(1)}, tmp_path / "model.safetensors", metadata)
+    with pytest.raises(Invalid, match=message):
+        RewardModel.load(tmp_path / "model.safetensors")
+
+
+def test_a_file_of_garbage_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "model.safetensors").write_bytes(b"garbage")
+    with pytest.raises(Invalid, match="cannot be read"):
+        RewardModel.load(tmp_path / "model.safetensors")
+
+
+def test_observations_of_another_shape_are_refused(observations: np.ndarray) -> None:
+    model = RewardModel(two_networks()[:1], (0.0,), (1.0,))
+    with pytest.raises(ValueError, match="uint8"):
+        model.score(observations.astype(np.float32))

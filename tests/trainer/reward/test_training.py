@@ -1,0 +1,136 @@
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from tests.trainer.planted import planted_trajectories, planted_trajectory
+from trainer.progress import RunCancelled, Unobserved
+from trainer.reward.check import check_ranking
+from trainer.reward.model import RewardModel, predicted_return
+from trainer.reward.training import train_reward
+from tril.recipes import FAST, PAPER, RewardRecipe
+
+TRAJECTORIES = planted_trajectories()
+TIERS = [[0], [1], [2, 3], [4], [5]]
+RECIPES = {
+    "fast": replace(
+        FAST.reward, updates=25, fold_updates=25, observation_stride=5, snippet_min_steps=5
+    ),
+    "paper": replace(
+        PAPER.reward,
+        updates=120,
+        fold_updates=60,
+        snippet_pairs=50,
+        learning_rate=5e-4,
+        snippet_min_steps=10,
+        snippet_max_steps=20,
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=RECIPES)
+def recipe(request: pytest.FixtureRequest) -> RewardRecipe:
+    return RECIPES[request.param]
+
+
+@pytest.fixture(scope="module")
+def model(recipe: RewardRecipe) -> RewardModel:
+    return train_reward(TRAJECTORIES, TIERS, recipe, 7, Unobserved())
+
+
+def test_a_planted_better_trajectory_is_ranked_higher(model: RewardModel) -> None:
+    rng = np.random.default_rng(99)
+    better = planted_trajectory(rng, 4, 40).observations
+    worse = planted_trajectory(rng, 1, 40).observations
+    assert predicted_return(model, better) > predicted_return(model, worse)
+
+
+def test_the_same_training_seed_gives_the_same_model(
+    recipe: RewardRecipe, model: RewardModel
+) -> None:
+    again = train_reward(TRAJECTORIES, TIERS, recipe, 7, Unobserved())
+    for one, other in zip(model.members, again.members, strict=True):
+        for a, b in zip(one.parameters(), other.parameters(), strict=True):
+            assert torch.equal(a, b)
+    assert (again.offsets, again.scales, again.one) == (model.offsets, model.scales, model.one)
+    short = replace(recipe, updates=2)
+    different = train_reward(TRAJECTORIES, TIERS, short, 8, Unobserved())
+    assert not torch.equal(different.members[0].hidden.weight, model.members[0].hidden.weight)
+
+
+def test_a_good_model_passes_the_check(recipe: RewardRecipe, model: RewardModel) -> None:
+    # Games of different lengths have returns that do not compare: all equally long here.
+    rng = np.random.default_rng(5)
+    trajectories = [planted_trajectory(rng, quality, 40) for quality in (5, 4, 3, 2, 1, 0)]
+    check = check_ranking(model, trajectories, TIERS, recipe, 7, Unobserved())
+    assert check.tau >= 0.9
+    assert check.pair_accuracy > 0.8
+    assert check.held_out_accuracy is not None
+    assert check.held_out_accuracy >= 0.9
+    assert check.passed
+    assert set(check.predicted_returns) == set(range(6))
+
+
+def test_a_contradictory_ranking_fails_the_check_and_names_the_tiers() -> None:
+    recipe = replace(RECIPES["fast"], updates=10, fold_updates=10)
+    rng = np.random.default_rng(2)
+    # Four games of the same quality, one of them ranked above and one below the better two.
+    trajectories = [planted_trajectory(rng, quality, 40) for quality in (0, 5, 4, 0, 5, 0)]
+    tiers = [[i] for i in range(6)]
+    model = train_reward(trajectories, tiers, recipe, 1, Unobserved())
+    check = check_ranking(model, trajectories, tiers, recipe, 1, Unobserved())
+    assert not check.passed
+    assert check.confused
+    assert all(1 <= pair.better < pair.worse <= 6 for pair in check.confused)
+
+
+def test_an_ensemble_has_different_members_on_one_scale() -> None:
+    recipe = replace(RECIPES["fast"], updates=10, ensemble=2)
+    model = train_reward(TRAJECTORIES, TIERS, recipe, 7, Unobserved())
+    first, second = model.members
+    assert not torch.equal(first.hidden.weight, second.hidden.weight)
+    states = np.concatenate([t.observations for t in TRAJECTORIES])
+    for member, offset, scale in zip(model.members, model.offsets, model.scales, strict=True):
+        scores = RewardModel((member,), (offset,), (scale,)).score(states)
+        assert scores.std() == pytest.approx(1.0, rel=1e-3)
+
+
+def test_standardised_rewards_put_the_worst_tier_at_zero() -> None:
+    model = train_reward(TRAJECTORIES, TIERS, RECIPES["fast"], 7, Unobserved())
+    means = [
+        np.mean([model.score(TRAJECTORIES[i].observations).mean() for i in tier]) for tier in TIERS
+    ]
+    assert min(means) == pytest.approx(0.0, abs=1e-4)
+    assert model.zero == pytest.approx(0.0, abs=1e-4)
+    assert model.one > 0.5
+
+
+class Recorded:
+    def __init__(self, stop_at: int | None = None) -> None:
+        self.done: list[tuple[int, int]] = []
+        self.values: list[Mapping[str, float]] = []
+        self.stop_at = stop_at
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        self.done.append((done, total))
+        if values:
+            self.values.append(values)
+        if len(self.done) == self.stop_at:
+            raise RunCancelled
+
+
+def test_progress_is_told_after_every_update(recipe: RewardRecipe) -> None:
+    progress = Recorded()
+    train_reward(TRAJECTORIES, TIERS, replace(recipe, updates=3), 7, progress)
+    assert len(progress.done) == 3
+    assert progress.done[-1][0] == progress.done[-1][1]
+    assert [set(values) for values in progress.values] == [{"loss", "accuracy"}] * 3
+
+
+def test_cancelling_stops_at_once(recipe: RewardRecipe) -> None:
+    progress = Recorded(stop_at=2)
+    with pytest.raises(RunCancelled):
+        train_reward(TRAJECTORIES, TIERS, recipe, 7, progress)
+    assert len(progress.done) == 2

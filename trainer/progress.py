@@ -1,0 +1,59 @@
+"""How learning tells what it has done, and how it is told to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+
+class RunCancelled(Exception):
+    """The run was cancelled; learning leaves everything as it is and lets this pass."""
+
+
+class Progress(Protocol):
+    """What learning functions report to.
+
+    It is called several times a second, so an implementation that writes to a database has to
+    limit how often it does. It is where a cancelled run stops.
+    """
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        """Take note that ``done`` of ``total`` units of the present stage are finished.
+
+        Args:
+            done: Units finished, from 0 to ``total``; the unit is the learning function's.
+            total: Units in all.
+            values: Points of curves that belong to ``done``, by the curve's name.
+
+        Raises:
+            RunCancelled: The run is to stop here.
+        """
+
+
+class Unobserved:
+    """A progress that nobody watches and that never stops."""
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        """Do nothing."""
+
+
+class Part:
+    """A part of a stage that reports as if it were a whole one.
+
+    Args:
+        whole: Where the stage reports to.
+        first: The share of the stage that is finished when the part begins, 0 to 1.
+        last: The share that is finished when the part ends.
+    """
+
+    _RESOLUTION = 1_000_000
+
+    def __init__(self, whole: Progress, first: float, last: float) -> None:
+        self._whole = whole
+        self._first = first
+        self._span = last - first
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        """Report the part's progress as the stage's."""
+        share = self._first + self._span * (done / total if total else 1.0)
+        self._whole.advance(round(share * self._RESOLUTION), self._RESOLUTION, values)

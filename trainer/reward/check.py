@@ -1,0 +1,203 @@
+"""Whether a reward model has understood a ranking (thesis, section 5.1, step 2 of algorithm 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from trainer.progress import Part, Progress
+from trainer.reward.model import RewardModel
+from trainer.reward.snippets import (
+    SnippetRule,
+    draw_snippets,
+    preference_pairs,
+    snippet_sums,
+)
+from trainer.reward.training import calibrate, train_network
+from tril.ranking import Pair, kendall_tau
+from tril.recipes import RewardRecipe
+from tril.recording import Trajectory
+
+PASSING_TAU = 0.9
+PASSING_HELD_OUT_ACCURACY = 0.9
+SNIPPETS_CHECKED = 5_000
+_CHECK_STREAM = 1_000_003
+"""Keeps the draws of the check apart from those of the training with the same training seed."""
+
+
+@dataclass(frozen=True)
+class ConfusedTiers:
+    """Two tiers that the model orders the other way round, or that it cannot tell apart.
+
+    Attributes:
+        better: The tier that was ranked better, counted from 1 for the best.
+        worse: The tier that was ranked worse.
+        held_out: Whether the order was wrong when one of the two demonstrations was left out of
+            the learning; otherwise the predicted returns of the final model contradict it.
+    """
+
+    better: int
+    worse: int
+    held_out: bool
+
+
+@dataclass(frozen=True)
+class RankingCheck:
+    """How well a reward model agrees with the ranking it was learned from.
+
+    Attributes:
+        predicted_returns: Sum of R over the states of each trajectory, by its index; trajectories
+            that are not ranked are left out.
+        tau: Kendall's tau between the tiers and the predicted returns, -1 to 1.
+        pair_accuracy: Share of newly drawn snippet pairs that the model orders as ranked.
+        held_out_accuracy: Share of preference pairs ordered as ranked by models that were trained
+            without at least one of the two; None where that was not measured.
+        confused: The tiers that are confused, worst first.
+        passed: Whether tau and the held-out accuracy are at least 0.9.
+    """
+
+    predicted_returns: dict[int, float]
+    tau: float
+    pair_accuracy: float
+    held_out_accuracy: float | None
+    confused: tuple[ConfusedTiers, ...]
+    passed: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """The check as JSON-ready data; trajectory indices become text."""
+        data = asdict(self)
+        data["predicted_returns"] = {str(i): r for i, r in self.predicted_returns.items()}
+        data["confused"] = [asdict(pair) for pair in self.confused]
+        return data
+
+
+def check_ranking(
+    model: RewardModel,
+    trajectories: Sequence[Trajectory],
+    tiers: Sequence[Sequence[int]],
+    recipe: RewardRecipe,
+    training_seed: int,
+    progress: Progress,
+) -> RankingCheck:
+    """Check a reward model against the ranking it was learned from.
+
+    Args:
+        model: What train_reward returned.
+        trajectories: The demonstrations.
+        tiers: Indices into ``trajectories``, best tier first.
+        recipe: How the model was learned; ``folds`` and ``fold_updates`` say how the accuracy on
+            demonstrations left out is measured.
+        training_seed: Feeds the draws of snippets and the folds' models.
+        progress: Told of the folds' updates and, as ``held_out_accuracy``, of each fold's result.
+
+    Raises:
+        RunCancelled: Raised by ``progress``.
+    """
+    rng = np.random.default_rng([training_seed, _CHECK_STREAM])
+    pairs = preference_pairs(tiers)
+    scores = {i: model.score(trajectories[i].observations) for tier in tiers for i in tier}
+    returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in scores.items()}
+    tau = kendall_tau(tiers, returns)
+    held_out, wrong = _cross_validate(trajectories, tiers, recipe, rng, progress)
+    tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
+    confused = _confused(tier_of, [p for p in pairs if returns[p[0]] <= returns[p[1]]], wrong)
+    return RankingCheck(
+        predicted_returns=returns,
+        tau=tau,
+        pair_accuracy=_snippet_accuracy(scores, pairs, recipe, rng),
+        held_out_accuracy=held_out,
+        confused=confused,
+        passed=tau >= PASSING_TAU and (held_out is None or held_out >= PASSING_HELD_OUT_ACCURACY),
+    )
+
+
+def _snippet_accuracy(
+    scores: dict[int, npt.NDArray[np.float32]],
+    pairs: Sequence[Pair],
+    recipe: RewardRecipe,
+    rng: np.random.Generator,
+) -> float:
+    """Return the share of newly drawn snippet pairs whose sums of R are ordered as ranked."""
+    rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
+    sizes = [len(scores[i]) if i in scores else 1 for i in range(max(scores) + 1)]
+    drawn = draw_snippets(pairs, sizes, rule, SNIPPETS_CHECKED, rng)
+    sums = np.empty((2, len(drawn)))
+    for side, (which, starts) in enumerate(
+        [(drawn.better, drawn.better_start), (drawn.worse, drawn.worse_start)]
+    ):
+        for index in np.unique(which).tolist():
+            of = which == index
+            sums[side, of] = snippet_sums(scores[index], starts[of], drawn.length[of])
+    return float(np.mean(sums[0] > sums[1]))
+
+
+def _cross_validate(
+    trajectories: Sequence[Trajectory],
+    tiers: Sequence[Sequence[int]],
+    recipe: RewardRecipe,
+    rng: np.random.Generator,
+    progress: Progress,
+) -> tuple[float | None, list[Pair]]:
+    """Train without some demonstrations and order them; return the accuracy and the wrong pairs.
+
+    A pair counts in each fold that leaves at least one of its two demonstrations out. Games are
+    compared over as many steps as the shorter one has, as snippets are.
+    """
+    ranked = [i for tier in tiers for i in tier]
+    n_folds = min(recipe.folds, len(ranked))
+    if n_folds < 2:
+        return None, []
+    # Spread over the ranks, so that each fold leaves out good and bad ones.
+    fold_of = {i: place % n_folds for place, i in enumerate(ranked)}
+    n_right = n_all = 0
+    wrong: list[Pair] = []
+    for fold in range(n_folds):
+        kept = [[i for i in tier if fold_of[i] != fold] for tier in tiers]
+        kept = [tier for tier in kept if tier]
+        if len(kept) < 2:
+            continue
+        part = Part(progress, fold / n_folds, (fold + 1) / n_folds)
+        network = train_network(
+            trajectories, kept, recipe, recipe.fold_updates, rng, _WithoutValues(part)
+        )
+        model = calibrate([network], trajectories, kept, standardise=False)
+        scores = {i: model.score(trajectories[i].observations) for i in ranked}
+        pairs = [p for p in preference_pairs(tiers) if fold in (fold_of[p[0]], fold_of[p[1]])]
+        bad = [p for p in pairs if not _in_order(scores[p[0]], scores[p[1]])]
+        n_right += len(pairs) - len(bad)
+        n_all += len(pairs)
+        wrong += bad
+        accuracy = 1.0 - len(bad) / len(pairs)
+        part.advance(1, 1, {"held_out_accuracy": accuracy})
+    return (n_right / n_all if n_all else None), wrong
+
+
+def _in_order(better: npt.NDArray[np.float32], worse: npt.NDArray[np.float32]) -> bool:
+    length = min(len(better), len(worse))
+    return bool(better[:length].sum(dtype=np.float64) > worse[:length].sum(dtype=np.float64))
+
+
+def _confused(
+    tier_of: dict[int, int], by_return: Sequence[Pair], held_out: Sequence[Pair]
+) -> tuple[ConfusedTiers, ...]:
+    found = {
+        ConfusedTiers(tier_of[better], tier_of[worse], left_out)
+        for pairs, left_out in ((by_return, False), (held_out, True))
+        for better, worse in pairs
+    }
+    # The final model's own contradictions first, then those that are furthest apart.
+    return tuple(sorted(found, key=lambda c: (c.held_out, c.better - c.worse, c.better)))
+
+
+class _WithoutValues:
+    """Passes progress on without the curves, which belong to the final model's training."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+
+    def advance(self, done: int, total: int, values: object = None) -> None:
+        self._progress.advance(done, total)

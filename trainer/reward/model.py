@@ -1,0 +1,220 @@
+"""The reward model R(observation): the published network, alone or as an ensemble."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+from tril.artifacts import write_whole
+from tril.errors import Invalid
+from tril.game.observation import OBSERVATION_SHAPE
+
+FORMAT = "tril-reward-model"
+FORMAT_VERSION = 1
+
+SCORING_BATCH = 256
+"""Observations per forward pass: larger batches leave the processor's caches and are slower."""
+
+
+class RewardNetwork(nn.Module):
+    """The reward network of the thesis (appendix A): four convolutions and two linear layers.
+
+    The thesis names no activation; leaky ReLU after every layer but the last and inputs divided
+    by 255 are those of T-REX (Brown et al. 2019, published code). The division is done on the
+    first layer's weights, which gives the same sums with one pass less over the input.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.convolutions = nn.ModuleList(
+            [
+                nn.Conv2d(4, 16, kernel_size=7, stride=3),
+                nn.Conv2d(16, 16, kernel_size=5, stride=2),
+                nn.Conv2d(16, 16, kernel_size=3, stride=1),
+                nn.Conv2d(16, 16, kernel_size=3, stride=1),
+            ]
+        )
+        self.hidden = nn.Linear(784, 64)
+        self.output = nn.Linear(64, 1)
+        self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+
+    @property
+    def layers(self) -> tuple[nn.Conv2d, ...]:
+        """The convolutions, first to last."""
+        return tuple(layer for layer in self.convolutions if isinstance(layer, nn.Conv2d))
+
+    def forward(self, observations: Tensor) -> Tensor:
+        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
+        inputs = observations.to(torch.float32, memory_format=torch.channels_last)
+        return self.after_first(self.first(inputs))
+
+    def first(self, inputs: Tensor) -> Tensor:
+        """Return the first layer before its activation, float32 (N, 16, 26, 26).
+
+        Args:
+            inputs: float32 (N, 4, 84, 84), 0 to 255.
+        """
+        layer = self.layers[0]
+        return F.conv2d(inputs, layer.weight / 255.0, layer.bias, layer.stride)
+
+    def after_first(self, first: Tensor) -> Tensor:
+        """Return R, float32 (N,), from what ``first`` gives."""
+        values = F.leaky_relu(first)
+        for layer in self.layers[1:]:
+            values = F.leaky_relu(layer(values))
+        values = F.leaky_relu(self.hidden(values.flatten(1)))
+        return self.output(values).squeeze(1)  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True)
+class RewardModel:
+    """R(observation), the mean of one or more networks.
+
+    Preferences between equally long snippets identify a network's output up to an offset, and its
+    scale grows as long as training goes on. So the members of an ensemble are made comparable:
+    each counts as ``(output - offset) / scale``.
+
+    Attributes:
+        members: The networks.
+        offsets: What is subtracted from each network's output.
+        scales: What the difference is divided by, positive.
+        zero: R that the reward "level" pays 0 for, see trainer.policy.rewards.
+        one: R that it pays 1 for.
+        notes: Where the model comes from: whatever its maker wants to be kept, JSON-ready.
+    """
+
+    members: tuple[RewardNetwork, ...]
+    offsets: tuple[float, ...]
+    scales: tuple[float, ...]
+    zero: float = 0.0
+    one: float = 1.0
+    notes: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check that there is an offset and a positive scale for each member."""
+        if not self.members or not len(self.members) == len(self.offsets) == len(self.scales):
+            raise ValueError(
+                f"Expected one offset and one scale per network, got {len(self.members)} networks,"
+                f" {len(self.offsets)} offsets and {len(self.scales)} scales."
+            )
+        if not all(np.isfinite(self.offsets)) or not all(0 < s < np.inf for s in self.scales):
+            raise ValueError(f"Offsets or scales are unusable: {self.offsets}, {self.scales}.")
+        for member in self.members:
+            member.requires_grad_(False)
+
+    def score(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84).
+
+        Raises:
+            ValueError: The observations have another shape or dtype.
+        """
+        if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
+            raise ValueError(
+                f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
+                f" {observations.dtype} {observations.shape}."
+            )
+        result = np.empty(len(observations), np.float32)
+        with torch.inference_mode():
+            for begin in range(0, len(observations), SCORING_BATCH):
+                part = slice(begin, begin + SCORING_BATCH)
+                batch = torch.from_numpy(np.ascontiguousarray(observations[part]))
+                inputs = batch.to(torch.float32, memory_format=torch.channels_last)
+                outputs = [member.after_first(member.first(inputs)) for member in self.members]
+                result[part] = self.combine(outputs).numpy()
+        return result
+
+    def combine(self, outputs: Sequence[Tensor]) -> Tensor:
+        """Return R from the members' outputs, one tensor of any one shape for each."""
+        parts = zip(outputs, self.offsets, self.scales, strict=True)
+        return torch.stack([(out - offset) / scale for out, offset, scale in parts]).mean(0)
+
+    def level(self, rewards: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, in the same shape."""
+        return ((rewards - self.zero) / (self.one - self.zero)).astype(np.float32)
+
+    def with_notes(self, notes: dict[str, Any]) -> RewardModel:
+        """This model with other notes."""
+        return replace(self, notes=notes)
+
+    def save(self, path: Path) -> None:
+        """Write the model as safetensors; what is no tensor stands in its header as JSON."""
+        tensors = {
+            f"{number}.{name}": tensor.contiguous()
+            for number, member in enumerate(self.members)
+            for name, tensor in member.state_dict().items()
+        }
+        header = {
+            "offsets": self.offsets,
+            "scales": self.scales,
+            "zero": self.zero,
+            "one": self.one,
+            "notes": self.notes,
+        }
+        metadata = {
+            "format": FORMAT,
+            "version": str(FORMAT_VERSION),
+            "model": json.dumps(header, allow_nan=False),
+        }
+        write_whole(path, save(tensors, metadata))
+
+    @classmethod
+    def load(cls, path: Path) -> RewardModel:
+        """Read a model that ``save`` wrote.
+
+        Raises:
+            Invalid: The file is no reward model, or one of a version that is not known here.
+        """
+        try:
+            with safe_open(str(path), framework="pt") as file:
+                metadata = file.metadata() or {}
+                if metadata.get("format") != FORMAT:
+                    raise Invalid(f"{path.name} is not a reward model of Tril.")
+                if metadata.get("version") != str(FORMAT_VERSION):
+                    raise Invalid(
+                        f"{path.name} is a reward model of format {metadata.get('version')}; this"
+                        f" version of Tril reads format {FORMAT_VERSION}."
+                    )
+                header = json.loads(metadata["model"])
+                tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            members = tuple(_member(tensors, number) for number in range(len(header["offsets"])))
+        except (SafetensorError, json.JSONDecodeError, KeyError, RuntimeError) as error:
+            raise Invalid(f"{path.name} cannot be read as a reward model: {error}") from error
+        return cls(
+            members,
+            tuple(header["offsets"]),
+            tuple(header["scales"]),
+            header["zero"],
+            header["one"],
+            header["notes"],
+        )
+
+
+def _member(tensors: dict[str, Tensor], number: int) -> RewardNetwork:
+    prefix = f"{number}."
+    network = RewardNetwork()
+    network.load_state_dict(
+        {name[len(prefix) :]: t for name, t in tensors.items() if name.startswith(prefix)}
+    )
+    return network
+
+
+def predicted_return(model: RewardModel, observations: npt.NDArray[np.uint8]) -> float:
+    """Return the sum of R over the states of a trajectory (thesis, section 5.1).
+
+    Args:
+        model: The reward model.
+        observations: uint8 (T + 1, 4, 84, 84): the start and the state after each of T steps. The
+            start is left out: it was not reached by an action, and all games share it.
+    """
+    return float(model.score(observations[1:]).sum(dtype=np.float64))

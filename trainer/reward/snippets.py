@@ -1,0 +1,114 @@
+"""Snippets of ranked trajectories: what a reward model is trained and checked on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.errors import Invalid
+from tril.ranking import Pair, Ranking
+
+Indices = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class SnippetPairs:
+    """Pairs of equally long snippets, the first of each from the better trajectory.
+
+    Attributes:
+        better: Index of the better trajectory, int64 (P,).
+        worse: Index of the worse trajectory, int64 (P,).
+        better_start: First observation of the better snippet, int64 (P,).
+        worse_start: First observation of the worse snippet, int64 (P,).
+        length: Observations of each of the two, at least 1, int64 (P,).
+    """
+
+    better: Indices
+    worse: Indices
+    better_start: Indices
+    worse_start: Indices
+    length: Indices
+
+    def __len__(self) -> int:
+        """Return the number of pairs P."""
+        return len(self.better)
+
+
+@dataclass(frozen=True)
+class SnippetRule:
+    """Which snippets of two trajectories are compared.
+
+    Attributes:
+        shortest: Shortest snippet, in observations; a game that is shorter is taken whole.
+        longest: Longest snippet, in observations, cut at the shorter game of each pair. T-REX
+            cuts all pairs at the shortest game of all, and fails where that is below ``shortest``.
+        aligned: Whether both snippets start at the same step. Otherwise the better one starts no
+            earlier than the worse one (T-REX, published code).
+    """
+
+    shortest: int
+    longest: int
+    aligned: bool
+
+    def every(self, stride: int) -> SnippetRule:
+        """The same rule in units of every ``stride``-th observation."""
+        return SnippetRule(
+            max(1, self.shortest // stride), max(1, self.longest // stride), self.aligned
+        )
+
+
+def preference_pairs(tiers: Sequence[Sequence[int]]) -> list[Pair]:
+    """The pairs (better, worse) that tiers of trajectories imply; ties imply none.
+
+    Raises:
+        Invalid: There are fewer than two tiers.
+    """
+    pairs = Ranking(tuple(tuple(tier) for tier in tiers)).pairs()
+    if not pairs:
+        raise Invalid(
+            "A reward is learned from what is better than what: rank demonstrations in at least"
+            " two tiers."
+        )
+    return pairs
+
+
+def draw_snippets(
+    pairs: Sequence[Pair],
+    n_observations: Sequence[int],
+    rule: SnippetRule,
+    count: int,
+    rng: np.random.Generator,
+) -> SnippetPairs:
+    """Draw snippet pairs: preference pair, length and starts each evenly among those allowed.
+
+    Args:
+        pairs: Preference pairs of trajectory indices.
+        n_observations: Number of observations of each trajectory, at least 1.
+        rule: Which snippets are compared.
+        count: How many pairs are drawn.
+        rng: Where the draws come from.
+    """
+    sizes = np.asarray(n_observations, np.int64)
+    chosen = np.asarray(pairs, np.int64)[rng.integers(len(pairs), size=count)]
+    better, worse = chosen[:, 0], chosen[:, 1]
+    shorter = np.minimum(sizes[better], sizes[worse])
+    shortest = np.minimum(rule.shortest, shorter)
+    longest = np.maximum(shortest, np.minimum(rule.longest, shorter))
+    length = rng.integers(shortest, longest, endpoint=True)
+    # Never later in the worse game than a snippet of this length can still start in both.
+    worse_start = rng.integers(0, shorter - length, endpoint=True)
+    better_start = worse_start
+    if not rule.aligned:
+        better_start = rng.integers(worse_start, sizes[better] - length, endpoint=True)
+    return SnippetPairs(better, worse, better_start, worse_start, length)
+
+
+def snippet_sums(
+    values: npt.NDArray[np.float32], starts: Indices, lengths: Indices
+) -> npt.NDArray[np.float64]:
+    """Return the sums of ``values[start : start + length]``, float64 (P,), of one row (N,)."""
+    sums = np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
+    return np.asarray(sums[starts + lengths] - sums[starts], np.float64)
