@@ -1,0 +1,28 @@
+"""The scripted player that makes example demonstrations; never presented as a person."""
+
+from tril.demonstrator.example import (
+    N_PERFECT,
+    Demonstration,
+    DemonstrationFailed,
+    carry_out,
+    demonstrate,
+    example_tasks,
+    make_example,
+    perfect_demonstrations,
+)
+from tril.demonstrator.plans import N_DEMONSTRATIONS, DemonstrationPlan, example_plans, meets
+
+__all__ = [
+    "N_DEMONSTRATIONS",
+    "N_PERFECT",
+    "Demonstration",
+    "DemonstrationFailed",
+    "DemonstrationPlan",
+    "carry_out",
+    "demonstrate",
+    "example_plans",
+    "example_tasks",
+    "make_example",
+    "meets",
+    "perfect_demonstrations",
+]

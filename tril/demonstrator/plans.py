@@ -1,0 +1,295 @@
+"""What the example demonstrations of a behaviour are to show, as data, each with a rule.
+
+The twelve follow appendix C of the thesis, best first: as many targets as there are, then gradually
+fewer, none, and then wrong aliens, from one to many. No alien outside a plan is hit.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tril.behaviours import ROW_1, Behaviour, Cell
+from tril.errors import Invalid
+from tril.game.space_invaders import COLUMNS, ROWS
+
+N_DEMONSTRATIONS = 12
+_MAX_GRADUAL = 6
+_MAX_TARGETS = 14
+"""More can't be hit reliably in 300 steps."""
+
+# Appendix C: the columns (from 1) of the wrong aliens in demonstrations 8 to 12, by the column
+# that is taught.
+_WRONG_COLUMNS = {
+    1: ((2,), (2,), (2, 3), (2, 3, 4), (2, 3, 4)),
+    2: ((1,), (1,), (1, 3), (1, 3, 4), (1, 3, 4)),
+    3: ((2,), (2,), (2, 4), (1, 2, 4), (1, 2, 4)),
+    4: ((3,), (3,), (3, 5), (2, 3, 5), (2, 3, 5)),
+    5: ((4,), (4,), (3, 4), (2, 3, 4), (2, 3, 4)),
+    6: ((5,), (5,), (3, 4), (2, 3, 4, 5), (2, 3, 4, 5)),
+}
+# "One", "several", "several", "several" and "many" of it, as numbers of aliens.
+_WRONG_COUNTS = ((1, 1), (3, 4), (5, 6), (7, 8), (11, 13))
+_NEARNESS = 1.5
+"""How much less likely, as an exponent, each column further away is to be shot at next."""
+_MAX_DRAWS = 10_000
+
+
+@dataclass(frozen=True)
+class DemonstrationPlan:
+    """One demonstration to be made, and the rule its hits have to follow.
+
+    Attributes:
+        number: Place among the demonstrations, 1 being the best.
+        description: What it shows, in words.
+        allowed: The only cells that may be hit.
+        least: Fewest hits.
+        most: Most hits.
+        each_of: Of each of these sets of cells at least one is hit.
+        sequence: The hits, exactly and in this order; None where the order is free.
+        jumbled: Whether the hits must not go from left to right.
+    """
+
+    number: int
+    description: str
+    allowed: frozenset[Cell]
+    least: int
+    most: int
+    each_of: tuple[frozenset[Cell], ...] = ()
+    sequence: tuple[Cell, ...] | None = None
+    jumbled: bool = False
+
+
+def meets(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
+    """Say why hits, as (row, column) in order of time, break a plan's rule; None if they don't."""
+    wrong = [cell for cell in hits if cell not in plan.allowed]
+    if wrong:
+        return f"It hits {_cells(wrong)}, which the plan leaves alone."
+    if not plan.least <= len(hits) <= plan.most:
+        return f"It hits {len(hits)} aliens instead of {_span(plan.least, plan.most)}."
+    if plan.sequence is not None and tuple(hits) != plan.sequence:
+        return f"It hits {_cells(hits)} instead of {_cells(plan.sequence)}, in this order."
+    for group in plan.each_of:
+        if not group.intersection(hits):
+            return f"It hits none of {_cells(sorted(group))}."
+    if plan.jumbled and list(hits) == sorted(hits, key=lambda cell: cell[1]):
+        return "It goes from left to right, which it should not."
+    return None
+
+
+def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
+    """The twelve demonstrations that exemplify a behaviour, best first.
+
+    Raises:
+        Invalid: The behaviour has no target cells, or ones that no player can hit alone.
+    """
+    target = _checked_target(behaviour)
+    plans = [*_gradual(behaviour, target)]
+    plans.append(DemonstrationPlan(len(plans) + 1, "No alien is hit", frozenset(), 0, 0))
+    n_wrong = N_DEMONSTRATIONS - len(plans)
+    if column := _whole_column(behaviour, target):
+        plans += _wrong_columns(len(plans) + 1, _WRONG_COLUMNS[column], _WRONG_COUNTS)
+    elif behaviour.ordered and target == ROW_1.target:
+        plans += _wrong_in_row_1(len(plans) + 1)
+    elif free := _free_columns(target):
+        groups, counts = _graded(free, n_wrong)
+        plans += _wrong_columns(len(plans) + 1, groups, counts)
+    else:
+        plans += _wrong_anywhere(len(plans) + 1, target, n_wrong)
+    return tuple(plans)
+
+
+def draw_hits(plan: DemonstrationPlan, rng: np.random.Generator) -> tuple[Cell, ...]:
+    """Draw hits, in an order in which they can be shot, that meet a plan.
+
+    The next alien is mostly one near the last, as people shoot them.
+
+    Raises:
+        Invalid: No such order was found; the plan's rule contradicts itself.
+    """
+    if plan.sequence is not None:
+        return plan.sequence
+    for _ in range(_MAX_DRAWS):
+        n_hits = int(rng.integers(plan.least, plan.most + 1))
+        hits: list[Cell] = []
+        while len(hits) < n_hits and (open_cells := _open_cells(plan.allowed, hits)):
+            columns = np.array([column for _, column in open_cells])
+            weights = np.exp(-_NEARNESS * abs(columns - (hits[-1][1] if hits else 0)))
+            hits.append(open_cells[rng.choice(len(open_cells), p=weights / weights.sum())])
+        if meets(plan, hits) is None:
+            return tuple(hits)
+    raise Invalid(f"No order of hits meets the plan {plan.description!r}.")
+
+
+def _open_cells(allowed: Iterable[Cell], hits: Sequence[Cell]) -> list[Cell]:
+    """The cells that may be hit next and stand free: everything below them has been hit."""
+    height = Counter(column for _, column in hits)
+    return sorted((row, column) for row, column in allowed if height[column] == row)
+
+
+def _checked_target(behaviour: Behaviour) -> tuple[Cell, ...]:
+    if behaviour.target is None:
+        raise Invalid(
+            f"{behaviour.name} has no target cells, so the demonstrator doesn't know what to show."
+            " Play its demonstrations yourself, or choose a behaviour with target cells."
+        )
+    target = behaviour.target if behaviour.ordered else tuple(sorted(behaviour.target))
+    if len(target) > _MAX_TARGETS:
+        raise Invalid(
+            f"{behaviour.name} has {len(target)} target cells; the demonstrator can hit at most"
+            f" {_MAX_TARGETS} in a game. Pick fewer, or play its demonstrations yourself."
+        )
+    hit: list[Cell] = []
+    for cell in target:
+        if cell not in _open_cells([cell], hit):
+            raise Invalid(
+                f"{_cells([cell])} of {behaviour.name} stands behind aliens that are not to be hit"
+                " before it, so no player can show it alone. Pick the cells below it too,"
+                f"{' in order from the bottom,' if behaviour.ordered else ''} or play its"
+                " demonstrations yourself."
+            )
+        hit.append(cell)
+    return target
+
+
+def _gradual(behaviour: Behaviour, target: tuple[Cell, ...]) -> list[DemonstrationPlan]:
+    """All targets, then fewer of them, in at most six even stages down to one."""
+    n_stages = min(len(target), _MAX_GRADUAL)
+    counts = np.linspace(len(target), 1, n_stages).round().astype(int).tolist()
+    ending = ", in order" if behaviour.ordered and len(target) > 1 else ""
+    return [
+        DemonstrationPlan(
+            number,
+            f"{count} of {len(target)} target aliens{ending}, no other",
+            frozenset(target),
+            count,
+            count,
+            sequence=target[:count] if behaviour.ordered else None,
+        )
+        for number, count in enumerate(counts, start=1)
+    ]
+
+
+def _column_cells(column: int) -> frozenset[Cell]:
+    """The cells of a column, counted from 1."""
+    return frozenset((row, column - 1) for row in range(ROWS))
+
+
+def _whole_column(behaviour: Behaviour, target: tuple[Cell, ...]) -> int | None:
+    """The column, from 1, that a behaviour consists of; None if it is something else."""
+    column = target[0][1] + 1
+    return column if frozenset(target) == _column_cells(column) else None
+
+
+def _wrong_columns(
+    first: int, groups: Sequence[Sequence[int]], counts: Sequence[tuple[int, int]]
+) -> list[DemonstrationPlan]:
+    """Plans of aliens in wrong columns (from 1), of each at least one."""
+    return [
+        DemonstrationPlan(
+            number,
+            f"{_amount(*count)} in {_columns(columns)}, no other",
+            frozenset[Cell]().union(*map(_column_cells, columns)),
+            *count,
+            each_of=tuple(map(_column_cells, columns)),
+        )
+        for number, (columns, count) in enumerate(zip(groups, counts, strict=True), start=first)
+    ]
+
+
+def _wrong_in_row_1(first: int) -> list[DemonstrationPlan]:
+    """Appendix C.7: the bottom row out of order, then more and more of the rows above."""
+    rows = [frozenset((row, column) for column in range(COLUMNS)) for row in range(ROWS)]
+    middle = frozenset((0, column) for column in range(1, COLUMNS - 1))
+    centre = frozenset((0, column) for column in (COLUMNS // 2 - 1, COLUMNS // 2))
+    low = rows[0] | rows[1] | rows[2]
+    one, several, more, even_more, many = _WRONG_COUNTS
+    above = low - rows[0]
+    return [
+        DemonstrationPlan(first, "One alien in the middle of row 1", centre, *one),
+        DemonstrationPlan(
+            first + 1, "Several in the middle of row 1, out of order", middle, *several,
+            jumbled=True,
+        ),
+        DemonstrationPlan(
+            first + 2, "Several in and above row 1", low, *more,
+            each_of=(rows[0], above), jumbled=True,
+        ),
+        DemonstrationPlan(
+            first + 3, "Even more in and above row 1", low, *even_more,
+            each_of=(rows[0], above), jumbled=True,
+        ),
+        DemonstrationPlan(
+            first + 4, "Many in several rows", low | rows[3], *many,
+            each_of=(rows[0], rows[1], rows[2]), jumbled=True,
+        ),
+    ]  # fmt: skip
+
+
+def _free_columns(target: tuple[Cell, ...]) -> list[int]:
+    """The columns (from 1) without a target, the ones nearest to the targets first."""
+    taken = {column + 1 for _, column in target}
+    free = [column for column in range(1, COLUMNS + 1) if column not in taken]
+    return sorted(free, key=lambda column: min(abs(column - other) for other in taken))
+
+
+def _graded(
+    columns: Sequence[int], n_plans: int
+) -> tuple[list[tuple[int, ...]], list[tuple[int, int]]]:
+    """Columns and numbers of aliens for any number of wrong plans, from one alien to many."""
+    at = np.linspace(0, len(_WRONG_COUNTS) - 1, n_plans)
+    stages = np.arange(len(_WRONG_COUNTS))
+    width = np.interp(at, stages, [1, 1, 2, 3, 3]).round().astype(int)
+    room = min(len(columns), 3) * ROWS
+    groups, counts = [], []
+    for stage, n_columns in zip(at, width.tolist(), strict=True):
+        group = tuple(sorted(columns[:n_columns]))
+        span = [
+            min(round(float(np.interp(stage, stages, bound))), len(group) * ROWS, room)
+            for bound in zip(*_WRONG_COUNTS, strict=True)
+        ]
+        groups.append(group)
+        counts.append((max(span[0], len(group)), max(span[1], len(group))))
+    return groups, counts
+
+
+def _wrong_anywhere(first: int, target: tuple[Cell, ...], n_plans: int) -> list[DemonstrationPlan]:
+    """Plans for targets that leave no column free: strays above them, from one to many."""
+    everywhere = frozenset((row, column) for row in range(ROWS) for column in range(COLUMNS))
+    strays = everywhere - frozenset(target)
+    lowest = min(row for row, _ in strays)
+    nearest = frozenset(cell for cell in strays if cell[0] <= lowest + 1)
+    _, counts = _graded(range(1, COLUMNS + 1), n_plans)
+    return [
+        DemonstrationPlan(
+            number,
+            f"{_amount(least + lowest, most + lowest)}, strays among them",
+            everywhere,
+            least + lowest,
+            most + lowest,
+            each_of=(nearest,),
+        )
+        for number, (least, most) in enumerate(counts, start=first)
+    ]
+
+
+def _amount(least: int, most: int) -> str:
+    if most == 1:
+        return "One alien"
+    return f"{'Many' if least >= 10 else 'Several'} aliens ({_span(least, most)})"
+
+
+def _span(least: int, most: int) -> str:
+    return str(least) if least == most else f"{least} to {most}"
+
+
+def _columns(columns: Sequence[int]) -> str:
+    return f"column{'s' if len(columns) > 1 else ''} {', '.join(map(str, columns))}"
+
+
+def _cells(cells: Iterable[Cell]) -> str:
+    """Cells in a person's words, counted from 1."""
+    return ", ".join(f"row {row + 1} of column {column + 1}" for row, column in cells) or "none"
