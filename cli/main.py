@@ -23,6 +23,7 @@ app.command()(services.worker)
 app.command()(services.inference)
 app.command()(services.migrate)
 app.command()(services.health)
+app.command()(services.address)
 
 app.add_typer(behaviours.app, name="behaviours")
 app.add_typer(recordings.app, name="recordings")

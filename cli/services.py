@@ -85,6 +85,15 @@ def health(service: Service) -> None:
     typer.echo("ok")
 
 
+def address() -> None:
+    """Print the page's address with its key, as ``tril up`` does (for a server in a container)."""
+    from server.security import address_with_token
+
+    settings = Settings()
+    with plain_errors():
+        typer.echo(address_with_token(settings, server_url(settings)))
+
+
 def server_url(settings: Settings) -> str:
     """Address under which this machine reaches the server."""
     host = "127.0.0.1" if settings.host in {"0.0.0.0", "::"} else settings.host

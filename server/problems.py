@@ -8,11 +8,11 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
+from pydantic import BaseModel, ConfigDict
 from sqlalchemy.exc import OperationalError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
-from server.api.schemas import Problem
 from tril.errors import Conflict, Invalid, NotFound, TrilError, Unavailable
 
 _LOG = logging.getLogger(__name__)
@@ -29,6 +29,16 @@ DISK_FULL = (
     "try again."
 )
 DATABASE_BUSY = "The database is busy with another change. Try again in a moment."
+
+
+class Problem(BaseModel):
+    """Every error's body. ``detail`` says what is wrong and what to do."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    detail: str
+    errors: list[dict[str, Any]] | None = None
+
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     400: {"model": Problem, "description": "The request can't be read."},

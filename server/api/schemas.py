@@ -24,13 +24,6 @@ class Schema(BaseModel):
     model_config = ConfigDict(extra="forbid", from_attributes=True)
 
 
-class Problem(Schema):
-    """Every error's body. ``detail`` says what is wrong and what to do."""
-
-    detail: str
-    errors: list[dict[str, Any]] | None = None
-
-
 class Health(Schema):
     """The server answers."""
 

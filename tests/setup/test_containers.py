@@ -112,7 +112,9 @@ def test_every_service_is_the_same_image_on_the_named_volume(
 
 def test_only_the_server_is_published_and_only_on_this_machine(compose: dict[str, Any]) -> None:
     services = compose["services"]
-    assert services["server"]["ports"] == ["127.0.0.1:${TRIL_PORT:-8000}:8000"]
+    port = "${TRIL_PORT:-8000}"  # the same inside and outside, so that `tril address` is right
+    assert services["server"]["ports"] == [f"127.0.0.1:{port}:{port}"]
+    assert services["server"]["environment"]["TRIL_PORT"] == port
     assert "TRIL_ALLOWED_HOSTS" in services["server"]["environment"]
     assert not any("ports" in services[name] for name in ("worker", "inference"))
 
