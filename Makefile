@@ -20,7 +20,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run environment frontend test test-unit test-e2e test-frontend check lint \
-	format types imports migrations-check bench clean
+	format types imports migrations-check api api-check bench clean
 
 help: ## say what there is to make
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -46,7 +46,7 @@ test-e2e: $(DEV_STAMP) frontend ## the tests in a real browser
 test-frontend: $(NPM_STAMP) ## the tests of the page's own code
 	cd frontend && $(NPM) test
 
-check: lint types imports migrations-check ## every check that is no test
+check: lint types imports migrations-check api-check ## every check that is no test
 
 lint: $(DEV_STAMP) $(NPM_STAMP) ## rules and formatting, Python and TypeScript
 	$(VENV)/bin/ruff check
@@ -66,6 +66,15 @@ imports: $(DEV_STAMP) ## which part may import which
 
 migrations-check: $(DEV_STAMP) ## an empty database migrates to exactly what the models say
 	scripts/check_migrations.sh $(VENV)/bin/alembic
+
+api: $(RUN_STAMP) $(NPM_STAMP) ## the page's types of the HTTP API, after a change of it
+	$(PY) -m server.openapi > frontend/openapi.json
+	cd frontend && $(NPM) run generate
+
+api-check: $(RUN_STAMP) $(NPM_STAMP) ## the page's types are those of the HTTP API
+	@$(PY) -m server.openapi | diff frontend/openapi.json - > /dev/null || \
+		{ echo "frontend/openapi.json is not the API's description: run make api"; exit 1; }
+	cd frontend && $(NPM) run generate -- --check
 
 bench: $(DEV_STAMP) ## every benchmark, one after the other
 	@for file in benchmarks/[a-z]*.py; do \
