@@ -23,26 +23,27 @@ class Courtesy:
 
     Attributes:
         play_is_on: Whether somebody plays; set by who looks.
+        threads: Threads that learning may use.
     """
 
     def __init__(self, threads: int) -> None:
         self.play_is_on = False
-        self._threads = threads
+        self.threads = threads
         self._used = 0
         self._worked_since = time.monotonic()
 
     def begin(self) -> None:
         """Take up work in this thread; the number of threads is a thread's own."""
         self._used = 0
-        self._use(self._threads)
+        self._use(self.threads)
         self._worked_since = time.monotonic()
 
     def make_way(self) -> None:
         """Rest between two units of work if somebody plays; call it from the learning thread."""
         if not self.play_is_on:
-            self._use(self._threads)
+            self._use(self.threads)
         else:
-            self._use(max(1, self._threads // 2))
+            self._use(max(1, self.threads // 2))
             time.sleep(min(LONGEST_REST_S, time.monotonic() - self._worked_since))
         self._worked_since = time.monotonic()
 

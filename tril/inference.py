@@ -105,7 +105,7 @@ class InferenceClient:
         parts = [self._ask(request, part) for part in _parts(observations)]
         return np.frombuffer(b"".join(parts), np.float32).reshape(-1, N_ACTIONS)
 
-    def _ask(self, request: dict[str, Any], body: bytes = b"") -> bytes:
+    def _ask(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
         try:
             return self._ask_once(request, body)
         except ConnectionError:
@@ -116,7 +116,7 @@ class InferenceClient:
         except OSError as problem:
             raise self._absent(problem) from problem
 
-    def _ask_once(self, request: dict[str, Any], body: bytes) -> bytes:
+    def _ask_once(self, request: dict[str, Any], body: bytes) -> bytearray:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(self._timeout_s)
             with address_of(self._path) as address:
@@ -143,7 +143,7 @@ def send_message(connection: socket.socket, header: dict[str, Any], body: bytes 
     connection.sendall(body)
 
 
-def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytes]:
+def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytearray]:
     """Receive one message: its header and its bytes.
 
     Raises:
@@ -165,7 +165,7 @@ def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytes]:
     return header, _exactly(connection, n_bytes)
 
 
-def _exactly(connection: socket.socket, n_bytes: int) -> bytes:
+def _exactly(connection: socket.socket, n_bytes: int) -> bytearray:
     content = bytearray(n_bytes)
     view, got = memoryview(content), 0
     while got < n_bytes:
@@ -173,7 +173,7 @@ def _exactly(connection: socket.socket, n_bytes: int) -> bytes:
         if count == 0:
             raise Disconnected("The connection was closed.")
         got += count
-    return bytes(content)
+    return content
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
+from tril.behaviours import Score
 from tril.game.episode import EndReason
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.store.changes import note_change
@@ -14,7 +15,6 @@ from tril.store.models import EvaluationRow
 from tril.summary import GameFigures
 
 POLICIES = ("imitator", "clone")
-CHOICES = ("greedy", "sampled")
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class EvaluationKey:
 
     Attributes:
         policy: One of POLICIES.
-        choice: How it chose its actions, one of CHOICES.
+        choice: How it chose its actions, "greedy" or "sampled".
         start_number: The evaluation start.
     """
 
@@ -38,8 +38,8 @@ def add(
     key: EvaluationKey,
     recording_id: int,
     held_out: bool,
-    predicted_return: float,
-    score: tuple[int, int, int] | None,
+    predicted_return: float | None,
+    score: Score | None,
 ) -> EvaluationRow:
     """Add one evaluation game.
 
@@ -50,9 +50,8 @@ def add(
         recording_id: The recording that it left.
         held_out: Whether no demonstration of the run began from this start.
         predicted_return: Sum of R over the game's observations.
-        score: (targets, strays, order errors); None for behaviours without a target.
+        score: How its hits compare with the target; None for behaviours without one.
     """
-    targets, strays, order_errors = score if score is not None else (None, None, None)
     row = EvaluationRow(
         run_id=run_id,
         policy=key.policy,
@@ -61,9 +60,9 @@ def add(
         held_out=held_out,
         recording_id=recording_id,
         predicted_return=predicted_return,
-        targets=targets,
-        strays=strays,
-        order_errors=order_errors,
+        targets=None if score is None else score.targets,
+        strays=None if score is None else score.strays,
+        order_errors=None if score is None else score.order_errors,
     )
     session.add(row)
     session.flush()
