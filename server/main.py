@@ -23,6 +23,8 @@ from tril.store.schema import check_schema
 
 GRACEFUL_SHUTDOWN_S = 5
 
+BACKLOG = 512
+
 SWITCH_INTERVAL_S = 0.0005
 """How long a thread that replays a recording may keep the game loop from running: Python's own 5 ms
 are a third of a frame, and a tick waits several times."""
@@ -107,6 +109,8 @@ def bind(settings: Settings) -> socket.socket:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((settings.host, settings.port))
+        # Whoever connects before the application has started waits for it.
+        listening.listen(BACKLOG)
     except OSError as error:
         listening.close()
         raise Unavailable(

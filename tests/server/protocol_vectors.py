@@ -41,7 +41,7 @@ def vectors() -> dict[str, Any]:
     """Build the vectors from the code."""
     recorder = Recorder(Episode(Console(), Start(5)))
     encoder = FrameEncoder()
-    frames = []
+    frames: list[dict[str, Any]] = []
     console = recorder.episode.console
     for frame in range(N_FRAMES + 1):
         if frame:
@@ -86,9 +86,7 @@ def vectors() -> dict[str, Any]:
         "frames_file": {
             "base64": _base64(file),
             "n_frames": N_FRAMES,
-            "screen_sha256": {
-                str(shown["frame"]): shown["screen_sha256"] for shown in frames
-            },
+            "screen_sha256": {str(shown["frame"]): shown["screen_sha256"] for shown in frames},
         },
     }
 
