@@ -84,23 +84,20 @@ def _one_object(head: bytes) -> Line | None:
 
 def _lines(head: bytes, stream: BinaryIO, limit: int) -> Iterator[tuple[int, bytes | None]]:
     """Number and content of each line of head and what follows it; None for one that's too long."""
-    number = 0
-    rest = head
-    exhausted = False
-    too_long = False
-    while not exhausted or rest:
-        at = rest.find(b"\n")
-        if at < 0 and not exhausted:
-            if len(rest) > limit:
-                too_long, rest = True, b""
-            more = stream.read(limit + 1)
-            exhausted = not more
-            rest += more
-            continue
-        line, rest = (rest, b"") if at < 0 else (rest[:at], rest[at + 1 :])
-        number += 1
-        yield number, None if too_long or len(line) > limit else line
-        too_long = False
+    number, rest, too_long = 1, head, False
+    while True:
+        *whole, rest = rest.split(b"\n")
+        for line in whole:
+            yield number, None if too_long or len(line) > limit else line
+            number, too_long = number + 1, False
+        if len(rest) > limit:
+            too_long, rest = True, b""
+        more = stream.read(limit + 1)
+        if not more:
+            if rest or too_long:
+                yield number, None if too_long else rest
+            return
+        rest += more
 
 
 def _parsed(number: int, text: bytes) -> Line:

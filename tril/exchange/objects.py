@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from tril.game.space_invaders import COLUMNS, MAX_IDLE_FRAMES, ROWS
 from tril.recording import RecordingRefused
@@ -25,6 +25,13 @@ _BYTE = "(?:A[AQgw]|B[AQ])"
 _ACTIONS = f"^(?:{_BYTE}[AEIMQU][A-F])*(?:{_BYTE}[AEIMQU][A-F]|{_BYTE}[AEIMQU]=|{_BYTE}==)$"
 
 
+def _number(value: object) -> object:
+    """Tell true from 1, which Python and a Literal do not."""
+    if isinstance(value, bool):
+        raise ValueError("expected a number")
+    return value
+
+
 class _Model(BaseModel):
     model_config = ConfigDict(strict=True, extra="allow")
 
@@ -39,8 +46,12 @@ class StartObject(_Model):
         le=MAX_IDLE_FRAMES,
         description="Frames without a key after the 128 frames of the intro.",
     )
-    mode: Literal[0] = Field(default=0, description="The cartridge's game mode.")
-    difficulty: Literal[0, 1] = Field(default=0, description="The difficulty switch.")
+    mode: Annotated[Literal[0], BeforeValidator(_number)] = Field(
+        default=0, description="The cartridge's game mode."
+    )
+    difficulty: Annotated[Literal[0, 1], BeforeValidator(_number)] = Field(
+        default=0, description="The difficulty switch."
+    )
 
 
 class RecordingObject(_Model):
@@ -49,7 +60,7 @@ class RecordingObject(_Model):
     model_config = ConfigDict(title="Tril recording")
 
     format: Literal["tril-recording"]
-    version: Literal[1]
+    version: Annotated[Literal[1], BeforeValidator(_number)]
     game: Literal["space_invaders"]
     rom_md5: str = Field(
         pattern="^[0-9a-f]{32}$", description="MD5 of the ROM that the game was played on."
@@ -171,6 +182,7 @@ def _reasons(error: ValidationError) -> Iterator[str]:
                 )
             case _:
                 message = problem["msg"].replace("Input should be", "expected")
+                message = message.removeprefix("Value error, ")
                 yield f"{place}: {message}, got {got}."
     if len(problems) > 4:
         yield f"And {len(problems) - 4} more."
