@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from server.app import create_app
-from server.security import Access
+from tests.server.clients import build_frontend, signed_in
 from tests.server.live import LiveServer, live_server
 from tests.workplace import Workplace, make_workplace
 
@@ -23,25 +22,10 @@ def workplace(tmp_path: Path) -> Iterator[Workplace]:
 
 
 @pytest.fixture
-def client(workplace: Workplace, frontend: Path) -> Iterator[TestClient]:
+def client(workplace: Workplace, tmp_path: Path) -> Iterator[TestClient]:
     """Return a client that is signed in."""
-    app = create_app(workplace.settings, frontend)
-    with TestClient(app, base_url=f"http://127.0.0.1:{workplace.settings.port}") as client:
-        access = Access(workplace.settings)
-        client.cookies.set(access.cookie_name, access.new_cookie())
+    with signed_in(workplace, build_frontend(tmp_path)) as client:
         yield client
-
-
-@pytest.fixture
-def frontend(tmp_path: Path) -> Path:
-    """Return the folder of a small built frontend."""
-    folder = tmp_path / "dist"
-    (folder / "assets").mkdir(parents=True)
-    (folder / "index.html").write_text("<!doctype html><title>Tril</title>")
-    (folder / "assets" / "index-abc123.js").write_text("export {}")
-    (folder / "favicon.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
-    (tmp_path / "secret.txt").write_text("not yours")
-    return folder
 
 
 @pytest.fixture(scope="module")

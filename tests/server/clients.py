@@ -1,0 +1,34 @@
+"""Clients of the application within the test's own process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from starlette.testclient import TestClient
+
+from server.app import create_app
+from server.security import Access
+from tests.workplace import Workplace
+
+
+@contextmanager
+def signed_in(workplace: Workplace, frontend: Path) -> Iterator[TestClient]:
+    """Run the application and give a client that is signed in."""
+    app = create_app(workplace.settings, frontend)
+    with TestClient(app, base_url=f"http://127.0.0.1:{workplace.settings.port}") as client:
+        access = Access(workplace.settings)
+        client.cookies.set(access.cookie_name, access.new_cookie())
+        yield client
+
+
+def build_frontend(folder: Path) -> Path:
+    """Make a small built frontend, and a file beside it that nobody may read."""
+    build = folder / "dist"
+    (build / "assets").mkdir(parents=True)
+    (build / "index.html").write_text("<!doctype html><title>Tril</title>")
+    (build / "assets" / "index-abc123.js").write_text("export {}")
+    (build / "favicon.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
+    (folder / "secret.txt").write_text("not yours")
+    return build
