@@ -118,18 +118,17 @@ def _pictures(facts: _Facts) -> dict[str, bytes]:
         pictures["returns.png"] = returns_figure(
             [tier for tier, _, _ in returns], [value for _, _, value in returns], check["tau"]
         )
-    curves = facts.curves.get("imitator", {})
+    points = facts.curves.get("imitator", {})
+    shown = ("predicted_return", "hits", "strays", "hit_share")
+    labels = ("predicted return", "targets hit", "strays", "games lost")
+    curves = [
+        (label, COLOURS["imitator"], points[name])
+        for name, label in zip(shown, labels, strict=True)
+        if name in points
+    ]
+    # A training so short that no game ended has none.
     if curves:
-        shown = ("predicted_return", "hits", "strays", "hit_share")
-        labels = ("predicted return", "targets hit", "strays", "games lost")
-        pictures["curves.png"] = curves_figure(
-            [
-                (label, COLOURS["imitator"], curves[name])
-                for name, label in zip(shown, labels, strict=True)
-                if name in curves
-            ],
-            "PPO steps",
-        )
+        pictures["curves.png"] = curves_figure(curves, "PPO steps")
     return pictures
 
 
