@@ -66,11 +66,17 @@ class Workplace:
     behaviour_id: int
     ranked: tuple[int, ...]
 
-    def make_run(self, recipe: Recipe = TINY, steps: int = 256, training_seed: int = 0) -> str:
-        """Make a queued run that goes on whatever the check of its ranking says."""
+    def make_run(
+        self,
+        recipe: Recipe = TINY,
+        steps: int = 256,
+        training_seed: int = 0,
+        go_on_anyway: bool = True,
+    ) -> str:
+        """Make a queued run, which goes on whatever the check of its ranking says."""
         with self.database.writing() as session:
             return runs.create(
-                session, self.behaviour_id, recipe, steps, training_seed, go_on_anyway=True
+                session, self.behaviour_id, recipe, steps, training_seed, go_on_anyway
             ).id
 
     def run(self, run_id: str) -> RunRow:

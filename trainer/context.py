@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -27,7 +28,6 @@ log = logging.getLogger(__name__)
 LOOK_EVERY_S = 1.0
 """How often the run's row is looked at for a request to stop."""
 
-POINT_EVERY_S = 0.1
 REPORT_EVERY_S = 1.0
 SETTLED_SHARE = 0.02
 """Share of a stage that has to be done before its own rate tells what remains."""
@@ -139,8 +139,9 @@ class RunContext:
 class StageProgress:
     """Where a learning function reports to: the run's row, its curves, and the worker's manners.
 
-    Points are written at once unless they come faster than ten a second, so that a checkpoint
-    that is saved after a point was reported is never ahead of the curve.
+    A point is written at once, so that a checkpoint that is saved after it was reported is never
+    ahead of the curve; learning reports at most some hundred points a stage. All else is written
+    once a second.
 
     Args:
         context: The run.
@@ -154,10 +155,9 @@ class StageProgress:
         self._context = context
         self._stage = stage
         self._clock = clock
-        self._began = self._last_flush = clock()
+        self._began = self._reported_at = clock()
         self._first_share: float | None = None
         self._share = 0.0
-        self._points: list[tuple[int, dict[str, float]]] = []
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Take note of progress, see trainer.progress.Progress.
@@ -172,22 +172,20 @@ class StageProgress:
             with self._context.database.writing() as session:
                 claims.owned(session, self._context.claim)
                 metrics.drop_after(session, self._context.run_id, self._stage, done)
-        if values:
-            self._points.append((done, {name: float(value) for name, value in values.items()}))
-        since = self._clock() - self._last_flush
-        if since >= REPORT_EVERY_S or (values and since >= POINT_EVERY_S):
-            self.flush()
+        if values or self._clock() - self._reported_at >= REPORT_EVERY_S:
+            self.report(done, values)
         self._context.check_cancelled()
 
-    def flush(self) -> None:
-        """Write what was noted."""
+    def report(self, step: int = 0, values: Mapping[str, float] | None = None) -> None:
+        """Write how far the stage is, and a point of its curves if there is one."""
         context = self._context
         with context.database.writing() as session:
             claims.report(session, context.claim, self._stage, self._share, self.remaining_s())
-            for step, values in self._points:
-                metrics.add(session, context.run_id, self._stage, step, values)
-        self._points.clear()
-        self._last_flush = self._clock()
+            if values:
+                # JSON has no infinity; a curve has a gap there.
+                point = {name: float(v) for name, v in values.items() if math.isfinite(v)}
+                metrics.add(session, context.run_id, self._stage, step, point)
+        self._reported_at = self._clock()
 
     def remaining_s(self) -> float:
         """Return the seconds that the whole run will still take, by the rate measured so far."""

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from trainer.context import RunContext
+from trainer.policy.networks import Policy, load_policy
 from trainer.progress import Progress, Unobserved
 from trainer.reward.model import RewardModel
-from trainer.stored import load_reward_model
+from trainer.stored import stored_file
 from tril.errors import Invalid
 from tril.game.console import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
 
 REWARD_MODEL = "reward-model.safetensors"
+NETWORK = "application/octet-stream"
 
 
 class RunData:
@@ -112,17 +115,26 @@ class RunData:
         """Put the reward model into the artifact store."""
         path = self.context.stage_folder("reward") / REWARD_MODEL
         model.save(path)
-        self.context.save_artifact(
-            "reward_model", REWARD_MODEL, "application/octet-stream", path.read_bytes()
-        )
+        self.context.save_artifact("reward_model", path.name, NETWORK, path.read_bytes())
         self._reward_model = model
+
+    def keep_policy(self, kind: str, path: Path) -> None:
+        """Put the file of the "imitator" or the "clone" into the artifact store."""
+        self.context.save_artifact(kind, path.name, NETWORK, path.read_bytes())
 
     @property
     def reward_model(self) -> RewardModel:
         """The run's reward model, from the artifact store."""
         if self._reward_model is None:
             context = self.context
-            self._reward_model = load_reward_model(
-                context.database, context.artifacts, context.run_id
-            )
+            with stored_file(
+                context.database, context.artifacts, context.run_id, "reward_model"
+            ) as path:
+                self._reward_model = RewardModel.load(path)
         return self._reward_model
+
+    def actor(self, kind: str) -> Policy:
+        """Return the "imitator" or the "clone", from the artifact store."""
+        context = self.context
+        with stored_file(context.database, context.artifacts, context.run_id, kind) as path:
+            return load_policy(path)

@@ -6,20 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from trainer.reward.model import RewardModel
 from tril.artifacts import ArtifactStore
 from tril.store import artifacts
 from tril.store.database import Database
-
-
-def load_reward_model(database: Database, store: ArtifactStore, run_id: str) -> RewardModel:
-    """Return a run's reward model.
-
-    Raises:
-        NotFound: The run has none.
-    """
-    with stored_file(database, store, run_id, "reward_model") as path:
-        return RewardModel.load(path)
 
 
 @contextmanager

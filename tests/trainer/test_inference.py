@@ -188,7 +188,7 @@ def test_a_path_too_long_for_a_socket_address_works(tmp_path: Path) -> None:
 
 def test_a_connection_that_breaks_is_tried_once_more(workplace: Workplace) -> None:
     path = workplace.settings.inference_socket
-    asked = []
+    asked: list[str] = []
 
     def break_then_answer() -> None:
         for _ in range(2):

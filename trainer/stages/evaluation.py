@@ -1,0 +1,110 @@
+"""The games that the trained policies play, each one a verified recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from trainer.evaluation import CHOICES, Choice, PlayedGame, play
+from trainer.progress import Part, Progress
+from trainer.run_data import RunData
+from tril.behaviours import score
+from tril.game.console import Console
+from tril.game.episode import Ending
+from tril.game.starts import evaluation_number, evaluation_start
+from tril.recording import verify
+from tril.store import claims, evaluations, recordings
+from tril.store.evaluations import POLICIES, EvaluationKey
+from tril.store.models import Source
+from tril.summary import summarise
+
+
+def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
+    """Let both policies play all evaluation starts, greedily and sampled, as far as is missing."""
+    context = data.context
+    recipe = context.recipe.evaluation
+    numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
+    with context.database.reading() as session:
+        played = evaluations.played(session, context.run_id)
+    rounds = [(policy, choice) for policy in POLICIES for choice in CHOICES]
+    for index, (policy, choice) in enumerate(rounds):
+        missing = [n for n in numbers if EvaluationKey(policy, choice, n) not in played]
+        part = Part(progress, index / len(rounds), (index + 1) / len(rounds))
+        if missing:
+            games = play(
+                data.actor(policy),
+                [evaluation_start(number) for number in missing],
+                choice,
+                model=data.reward_model,
+                ending=Ending(context.recipe.ending),
+                sampling_seed=context.training_seed,
+                n_processes=min(len(missing), context.courtesy.threads),
+                progress=part,
+            )
+            keep_games(data, policy, choice, missing, games)
+        part.advance(1, 1)
+    return {"headline": headline(data)}
+
+
+def keep_games(
+    data: RunData,
+    policy: str,
+    choice: Choice,
+    numbers: Sequence[int],
+    games: Sequence[PlayedGame],
+) -> None:
+    """Verify a policy's games by replaying them and store them, all or none."""
+    context = data.context
+    console = Console()
+    seen = starts_seen(data)
+    verified = [verify(game.recording, console=console) for game in games]
+    with context.database.writing() as session:
+        claims.owned(session, context.claim)
+        for number, game, confirmed in zip(numbers, games, verified, strict=True):
+            row = recordings.add(
+                session,
+                context.behaviour_id,
+                confirmed.recording,
+                confirmed.replay,
+                Source.POLICY,
+                run_id=context.run_id,
+                conditions={"policy": policy, "choice": choice},
+            )
+            found = score(
+                context.behaviour, tuple((hit.row, hit.column) for hit in confirmed.replay.hits)
+            )
+            evaluations.add(
+                session,
+                context.run_id,
+                EvaluationKey(policy, choice, number),
+                row.id,
+                held_out=number not in seen,
+                predicted_return=game.predicted_return,
+                score=found,
+            )
+
+
+def starts_seen(data: RunData) -> set[int]:
+    """Return the evaluation starts from which a demonstration of the run began."""
+    shown = data.recordings([*data.ranked, *data.perfect])
+    numbers = {evaluation_number(recording.start) for recording in shown.values()}
+    return {number for number in numbers if number is not None}
+
+
+def headline(data: RunData) -> dict[str, Any]:
+    """Return the run's figures for the lists: means of the greedy games from held-out starts."""
+    context = data.context
+    check = context.outcome["check"]
+    with context.database.reading() as session:
+        games = evaluations.listing(session, context.run_id)
+    summaries: dict[str, Any] = {}
+    for policy in POLICIES:
+        rows = [
+            row for row in games if (row.policy, row.choice) == (policy, "greedy") and row.held_out
+        ]
+        found = [evaluations.figures_of(row) for row in rows]
+        summaries[policy] = summarise(found).to_dict() if found else None
+    return {
+        **summaries,
+        **{name: check[name] for name in ("tau", "pair_accuracy", "held_out_accuracy")},
+    }
