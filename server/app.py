@@ -23,7 +23,7 @@ from server.api import (
     runs,
     system,
 )
-from server.pages import FRONTEND, Frontend, check_frontend, pages
+from server.pages import FRONTEND, Frontend, Pages, check_frontend
 from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
@@ -65,7 +65,8 @@ def create_app(
     problems.install(app)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
     app.include_router(_api())
-    app.include_router(pages(Frontend(frontend)))
+    # Only what no route matches goes to the pages, so that a wrong method answers 405.
+    app.router.default = Pages(Frontend(frontend))
     return app
 
 

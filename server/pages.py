@@ -6,15 +6,19 @@ import mimetypes
 from html import escape
 from pathlib import Path
 
-from fastapi import APIRouter, Request
+from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
+from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
 from server.guard import has_cookie
+from server.problems import problem
 from server.security import COOKIE_LIFETIME_S
 from tril.errors import Unavailable
 
 FRONTEND = Path(__file__).resolve().parent.parent / "frontend" / "dist"
+_HASHED = "/assets/"
+"""Under which the build puts files whose names change with their content."""
 _FOR_EVER = "public, max-age=31536000, immutable"
 
 _PAGE = """<!doctype html>
@@ -73,39 +77,47 @@ def check_frontend(folder: Path = FRONTEND) -> None:
     _ = Frontend(folder).index
 
 
-def pages(frontend: Frontend) -> APIRouter:
-    """Return the routes of everything that is not the API."""
-    router = APIRouter(include_in_schema=False)
+class Pages:
+    """Answers whatever no route of the API answers: files, pages, and the way in.
 
-    @router.api_route("/api/{path:path}", methods=["GET", "POST", "PUT", "PATCH", "DELETE"])
-    def unknown_api(path: str) -> Response:
-        return _problem_not_found(f"/api/{path}")
+    Args:
+        frontend: The built frontend.
+    """
 
-    @router.api_route("/{path:path}", methods=["GET", "HEAD"])
-    def page(request: Request, path: str) -> Response:
-        if path == "" and "token" in request.query_params:
+    def __init__(self, frontend: Frontend) -> None:
+        self._frontend = frontend
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request; a WebSocket is refused."""
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008, "reason": "No such stream."})
+            return
+        request = Request(scope)
+        path = request.url.path
+        if path == "/api" or path.startswith("/api/"):
+            answer: Response = problem(404, f"There is nothing at {path}.")
+        elif request.method not in {"GET", "HEAD"}:
+            answer = problem(405, "Pages can only be read.")
+            answer.headers["Allow"] = "GET, HEAD"
+        else:
+            answer = self._page(request, path)
+        await answer(scope, receive, send)
+
+    def _page(self, request: Request, path: str) -> Response:
+        if path == "/" and "token" in request.query_params:
             return _let_in(request)
-        file = frontend.find(f"/{path}")
-        if file is not None and file != frontend.index:
-            is_hashed = path.startswith("assets/")
+        file = self._frontend.find(path)
+        if file is not None and file != self._frontend.index:
             media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
-            cached = _FOR_EVER if is_hashed else "no-cache"
+            cached = _FOR_EVER if path.startswith(_HASHED) else "no-cache"
             return FileResponse(file, media_type=media_type, headers={"Cache-Control": cached})
         if "." in path.rpartition("/")[2]:
             return PlainTextResponse("There is no such file.", 404)
         if not has_cookie(request):
             return _keep_out(request)
         return FileResponse(
-            frontend.index, media_type="text/html", headers={"Cache-Control": "no-store"}
+            self._frontend.index, media_type="text/html", headers={"Cache-Control": "no-store"}
         )
-
-    return router
-
-
-def _problem_not_found(path: str) -> Response:
-    from server.problems import problem
-
-    return problem(404, f"There is nothing at {path}.")
 
 
 def _let_in(request: Request) -> Response:

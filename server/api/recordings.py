@@ -14,7 +14,7 @@ from server.api.views import RecordingViews
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import version_of
 from server.problems import CONFLICT, NOT_FOUND
-from tril.library import export_behaviour, import_recordings
+from tril.library import Imported, export_behaviour, import_recordings
 from tril.library import export_recording as exchanged
 from tril.store import behaviours, players, recordings
 
@@ -24,7 +24,7 @@ MAX_IMPORTED = 200
 """Most recordings in one upload: each is replayed, which takes about 0.1 s."""
 
 JSON_LINES = "application/x-ndjson"
-_UPLOADED = {"schema": {"type": "string"}}
+_LINES = {"schema": {"type": "string"}}
 _FOR_EVER = "private, max-age=31536000, immutable"
 
 
@@ -53,7 +53,8 @@ def list_recordings(
         "requestBody": {
             "required": True,
             "description": "Recordings in the exchange format: one object, or JSON Lines.",
-            "content": {JSON_LINES: _UPLOADED, "application/json": _UPLOADED},
+            # Each line is judged on its own, and the answer says which were refused.
+            "content": {JSON_LINES: {"schema": {}}, "application/json": {"schema": {}}},
         }
     },
 )
@@ -66,16 +67,23 @@ async def import_recordings_file(
     """Verify uploaded recordings and add those that replay; say why others are refused."""
     content = await request.body()
     services = services_of(request)
-    async with services.importing:
-        imported = await run_in_threadpool(
-            import_recordings,
+
+    def add() -> Imported:
+        with services.database.reading() as session:
+            behaviours.get(session, behaviour_id)
+            player_id = players.owner(session).id
+        return import_recordings(
             services.database,
             behaviour_id,
             content,
             rank=rank,
             perfect=perfect,
+            player_id=player_id,
             max_recordings=MAX_IMPORTED,
         )
+
+    async with services.importing:
+        imported = await run_in_threadpool(add)
     return ImportResult(
         imported=list(imported.recording_ids),
         notices=[Refusal.model_validate(remark) for remark in imported.notices],
@@ -86,7 +94,7 @@ async def import_recordings_file(
 @router.get(
     "/behaviours/{behaviour_id}/recordings/export",
     response_class=Response,
-    responses=NOT_FOUND | {200: {"content": {JSON_LINES: _UPLOADED}}},
+    responses=NOT_FOUND | {200: {"content": {JSON_LINES: _LINES}}},
 )
 def export_recordings(session: Reading, behaviour_id: BehaviourId) -> Response:
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, StrictBool
 
-Row = Annotated[int, Field(ge=0, le=5)]
-Column = Annotated[int, Field(ge=0, le=5)]
+Row = Annotated[int, Field(strict=True, ge=0, le=5)]
+Column = Annotated[int, Field(strict=True, ge=0, le=5)]
 Cell = tuple[Row, Column]
 """(row from the bottom, column from the left), from 0."""
 
-Id = Annotated[int, Field(ge=1, le=2**31 - 1)]
+Id = Annotated[int, Field(strict=True, ge=1, le=2**31 - 1)]
 Tiers = Annotated[
     list[Annotated[list[Id], Field(min_length=1, max_length=500)]], Field(max_length=500)
 ]
@@ -85,7 +85,7 @@ class BehaviourNew(Schema):
     name: str = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)
     target: list[Cell] | None = Field(default=None, max_length=36)
-    ordered: bool = False
+    ordered: StrictBool = False
 
 
 class BehaviourUpdate(Schema):
@@ -94,7 +94,7 @@ class BehaviourUpdate(Schema):
     name: str | None = Field(default=None, min_length=1, max_length=120)
     description: str | None = Field(default=None, max_length=2000)
     target: list[Cell] | None = Field(default=None, max_length=36)
-    ordered: bool | None = None
+    ordered: StrictBool | None = None
 
 
 class Hit(Schema):
@@ -143,7 +143,7 @@ class Recording(Schema):
 class RecordingUpdate(Schema):
     """Fields left out stay."""
 
-    perfect: bool | None = None
+    perfect: StrictBool | None = None
     notes: str | None = Field(default=None, max_length=4000)
 
 
@@ -177,14 +177,14 @@ class Ranking(Schema):
 class RankingUpdate(Schema):
     """``base_revision`` is the revision that was changed; an old one gives 409 RankingConflict."""
 
-    base_revision: int = Field(ge=0)
+    base_revision: int = Field(strict=True, ge=0, le=2**31 - 1)
     tiers: Tiers
 
 
 class RankingStep(Schema):
     """Undo or redo from this revision."""
 
-    base_revision: int = Field(ge=0)
+    base_revision: int = Field(strict=True, ge=0, le=2**31 - 1)
 
 
 class RankingConflict(Schema):
@@ -209,7 +209,7 @@ class GameNew(Schema):
     """``idle_frames`` None draws a start for play."""
 
     behaviour_id: Id
-    idle_frames: int | None = Field(default=None, ge=0, le=127)
+    idle_frames: int | None = Field(default=None, strict=True, ge=0, le=127)
 
 
 class Game(Schema):
@@ -244,11 +244,11 @@ class RunNew(Schema):
 
     behaviour_id: Id
     recipe: str = "fast"
-    steps: int = Field(default=300_000, ge=1, le=100_000_000)
-    learning_rate: float | None = Field(default=None, gt=0, le=1)
-    training_seed: int = Field(default=0, ge=0, le=2**31 - 1)
-    go_on_anyway: bool = False
-    example: bool = False
+    steps: int = Field(default=300_000, strict=True, ge=1, le=100_000_000)
+    learning_rate: float | None = Field(default=None, strict=True, gt=0, le=1)
+    training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
+    go_on_anyway: StrictBool = False
+    example: StrictBool = False
 
 
 RunStatus = Literal["queued", "running", "cancelling", "cancelled", "stopped", "failed", "done"]
