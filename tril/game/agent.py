@@ -57,14 +57,23 @@ class AgentGame:
         ending: Ending = Ending.HIT,
         max_frames: int = game.MAX_FRAMES,
         sticky: StickyActions | None = None,
+        view: AgentView | None = None,
     ) -> None:
-        """Make a game on this console; call reset or restore to begin one."""
+        """Make a game on this console; call reset or restore to begin one.
+
+        Args:
+            console: what it runs on.
+            ending: which rule for the player's death ends an episode.
+            max_frames: after how many frames an episode ends in any case.
+            sticky: chance in the executed actions, if wanted.
+            view: what sees it, where several games are seen together.
+        """
         self.console = console
         self.ending = ending
         self.max_frames = max_frames
         self.sticky = sticky
         self._episode: Episode | None = None
-        self._view = AgentView()
+        self._view = AgentView() if view is None else view
 
     @property
     def episode(self) -> Episode:
@@ -89,12 +98,10 @@ class AgentGame:
             EpisodeEnded: the episode is over.
             ValueError: there is no such action.
         """
-        episode = self.episode
+        episode, sticky = self.episode, self.sticky
         for _ in range(game.FRAMES_PER_STEP):
-            executed = action
-            if self.sticky is not None:
-                executed = self.sticky.executed(action, episode.last_action)
-            self.advance(executed)
+            executed = action if sticky is None else sticky.executed(action, episode.last_action)
+            self._advance(episode, executed)
             if episode.end is not None:
                 return
 
@@ -105,10 +112,13 @@ class AgentGame:
             EpisodeEnded: the episode is over.
             ValueError: there is no such action.
         """
-        self.episode.advance(action)
-        self._view.watch(self.console, self.episode.frame)
-        if self.episode.end is not None:
-            self._view.finish_step(self.console, self.episode.frame)
+        self._advance(self.episode, action)
+
+    def _advance(self, episode: Episode, action: int) -> None:
+        episode.advance(action)
+        self._view.watch(self.console, episode.frame)
+        if episode.end is not None:
+            self._view.finish_step(self.console, episode.frame)
 
     @property
     def observation(self) -> Observation:

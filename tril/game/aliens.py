@@ -40,24 +40,28 @@ class AlienGridState:
 class AlienGrid:
     """The aliens that are left in a game, by their place in the full grid."""
 
-    def __init__(self, ram: Ram) -> None:
-        """Begin at a start, where all 36 aliens stand."""
-        self._raw = bytes(ram[_ROWS])
-        self._state = AlienGridState(alien_x=int(ram[game.RAM_ALIEN_X]))
+    def __init__(self, ram: bytes) -> None:
+        """Begin at a start, where all 36 aliens stand.
+
+        Raises:
+            ValueError: aliens are missing already.
+        """
+        self._raw = ram[_ROWS]
+        self._state = AlienGridState(alien_x=ram[game.RAM_ALIEN_X])
         if self._raw != bytes(_FULL_ROWS):
             raise ValueError(
                 "Expected all 36 aliens at the start of a game. Restore the state of a grid that"
                 " was followed from the start: the RAM alone does not tell the columns."
             )
 
-    def update(self, ram: Ram) -> list[tuple[int, int]]:
+    def update(self, ram: bytes) -> list[tuple[int, int]]:
         """Follow one frame; call it after every frame of a game.
 
         Returns:
             The (row, column) of each alien that was hit in this frame.
         """
-        raw = bytes(ram[_ROWS])
-        alien_x = int(ram[game.RAM_ALIEN_X])
+        raw = ram[_ROWS]
+        alien_x = ram[game.RAM_ALIEN_X]
         state = self._state
         if raw == self._raw and alien_x == state.alien_x:
             return []
@@ -95,6 +99,15 @@ class AlienGrid:
         """Take up a saved state."""
         self._state = state
         self._raw = bytes(row >> state.shifts for row in state.rows)
+
+
+def in_play(ram: Ram) -> bool:
+    """Tell whether the game just goes on: neither hit nor landed nor cleared, nor in the intro."""
+    return not (
+        ram[game.RAM_PHASE]
+        or ram[game.RAM_LANDING] & game.RAM_LANDED_BIT
+        or not ram[game.RAM_ALIENS_LEFT]
+    )
 
 
 def player_hit(ram: Ram) -> bool:

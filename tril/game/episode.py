@@ -12,6 +12,7 @@ from tril.game.aliens import (
     AlienGrid,
     AlienGridState,
     cleared,
+    in_play,
     landed,
     missile_in_air,
     player_hit,
@@ -183,17 +184,19 @@ class Episode:
         """
         if self.end is not None:
             raise EpisodeEnded(f"The episode ended at frame {self.frame}: {self.end}.")
-        if not 0 <= action < len(game.Action):
-            raise ValueError(f"Expected an action from 0 to {len(game.Action) - 1}, got {action}.")
+        if not 0 <= action < game.ACTION_COUNT:
+            raise ValueError(f"Expected an action from 0 to {game.ACTION_COUNT - 1}, got {action}.")
         self.console.act(action)
         self._actions.append(action)
         ram = self.console.ram_bytes()
         for row, column in self._grid.update(ram):
             self._hits.append(Hit(row, column, self.frame))
         in_air = missile_in_air(ram)
-        self.shots += in_air and not self._missile_in_air
-        self._missile_in_air = in_air
-        self.end = self._end_reason(ram)
+        if in_air is not self._missile_in_air:
+            self.shots += in_air
+            self._missile_in_air = in_air
+        if not in_play(ram) or len(self._actions) >= self.max_frames:
+            self.end = self._end_reason(ram)
 
     def _end_reason(self, ram: bytes) -> EndReason | None:
         if self.ending is Ending.HIT and player_hit(ram):

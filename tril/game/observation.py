@@ -5,6 +5,7 @@ of the step's last two frames in grayscale (bombs are drawn on even frames only)
 by cv2.INTER_AREA, with the score's rows zeroed. Values are uint8 from 0 to 255.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -22,14 +23,37 @@ OBSERVATION_SHAPE = (STACK, SIZE, SIZE)
 Observation = npt.NDArray[np.uint8]
 """uint8 (4, 84, 84), oldest screen first, 0 to 255."""
 
-# Five rows of the screen make two rows of the observation, whatever the other rows hold. So a
-# screen can be reduced band by band, and a band that did not change need not be reduced again.
-_BAND = 5
-_BAND_REDUCED = 2
-_BANDS = game.SCREEN_SHAPE[0] // _BAND
-_SCORE_BANDS = game.SCORE_ROWS // _BAND_REDUCED
+# A tile of the screen, 5 rows x 40 columns, makes a tile of the observation, 2 rows x 21 columns,
+# whatever is around it, because the borders coincide (210 / 84 = 5 / 2 and 160 / 84 = 40 / 21). So
+# tiles can be reduced apart, and those that did not change need not be reduced again. There are
+# none where the score is.
+_TILE_ROWS, _TILE_COLUMNS = 5, 40
+_REDUCED_ROWS, _REDUCED_COLUMNS = 2, 21
+_SCORE_ROWS = game.SCORE_ROWS // _REDUCED_ROWS * _TILE_ROWS
+# Frames are compared and gathered eight pixels at a time.
 _WORD = np.dtype(np.uint64)
-_BAND_WORDS = _BAND * game.SCREEN_SHAPE[1] // _WORD.itemsize
+_SCORE_WORDS = _SCORE_ROWS * game.SCREEN_SHAPE[1] // _WORD.itemsize
+
+Indices = npt.NDArray[np.intp]
+
+
+def _tiles_of(shape: tuple[int, int], tile_shape: tuple[int, int], first_row: int) -> Indices:
+    """Return the flat indices of an array's items below first_row by tile, (tiles, items)."""
+    rows, columns = tile_shape
+    indices = np.arange(shape[0] * shape[1]).reshape(shape)[first_row:]
+    tiles = indices.reshape(-1, rows, shape[1] // columns, columns).transpose(0, 2, 1, 3)
+    return tiles.reshape(-1, rows * columns)
+
+
+_TILE_WORDS = _tiles_of(
+    (game.SCREEN_SHAPE[0], game.SCREEN_SHAPE[1] // _WORD.itemsize),
+    (_TILE_ROWS, _TILE_COLUMNS // _WORD.itemsize),
+    _SCORE_ROWS,
+)
+_TILE_PIXELS = _tiles_of((SIZE, SIZE), (_REDUCED_ROWS, _REDUCED_COLUMNS), game.SCORE_ROWS)
+_TILES = len(_TILE_WORDS)
+_TILE_OF_WORD = np.empty(_TILE_WORDS.size, np.intp)
+_TILE_OF_WORD[_TILE_WORDS - _SCORE_WORDS] = np.arange(_TILES)[:, None]
 
 
 def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
@@ -39,15 +63,23 @@ def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
         first: the frame before the last, uint8 (210, 160) grayscale.
         second: the last frame, uint8 (210, 160) grayscale.
     """
-    reduced = np.zeros((SIZE, SIZE), np.uint8)
-    below_score = slice(_SCORE_BANDS * _BAND, None)
-    _reduce(first[below_score], second[below_score], reduced[game.SCORE_ROWS :])
-    return reduced
+    reduced = np.zeros(SIZE * SIZE, np.uint8)
+    frames = np.stack((first, second)).reshape(2, -1).view(_WORD)
+    tiles = frames.take(_TILE_WORDS, axis=1).view(np.uint8)
+    reduced[_TILE_PIXELS] = _reduce(tiles[0], tiles[1])
+    return reduced.reshape(SIZE, SIZE)
 
 
-def _reduce(first: Screen, second: Screen, out: npt.NDArray[np.uint8]) -> None:
-    """Reduce the same whole bands of two grayscale frames into those rows of an observation."""
-    cv2.resize(np.maximum(first, second), (SIZE, len(out)), dst=out, interpolation=cv2.INTER_AREA)
+def _reduce(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Reduce tiles of two grayscale frames, (tiles, 200) each, to tiles (tiles, 42)."""
+    brightest = np.maximum(first, second)
+    count = len(brightest)
+    reduced = cv2.resize(
+        brightest.reshape(-1, _TILE_COLUMNS),
+        (_REDUCED_COLUMNS, count * _REDUCED_ROWS),
+        interpolation=cv2.INTER_AREA,
+    )
+    return np.asarray(reduced.reshape(count, -1), np.uint8)
 
 
 @dataclass(frozen=True)
@@ -64,33 +96,121 @@ class AgentViewState:
     first: bytes | None
 
 
-class AgentView:
-    """What an agent sees of a game: the observation, kept up to date frame by frame.
+class AgentViews:
+    """What agents see of several games, kept up to date frame by frame.
 
-    Only bands of the screen that differ from the step before are reduced again, which gives what
-    `preprocess` gives and takes about a third of the time.
+    Only the tiles of a screen that differ from the step before are reduced again, which gives what
+    `preprocess` gives in a third of the time. It happens when an observation is asked for, for all
+    games at once: who steps several games gains by stepping them all first.
+
+    Attributes:
+        stacks: the observations as of the last completion, uint8 (n, 4, 84, 84).
+        frames: the last two frames in palette values, uint8 (n, 2, 210, 160).
     """
 
-    def __init__(self) -> None:
-        """Make a view that sees nothing yet: call begin."""
-        self._stack = np.zeros(OBSERVATION_SHAPE, np.uint8)
-        # The last two frames, in palette values, of the step under way and of the step before.
-        self._frames = np.zeros((2, *game.SCREEN_SHAPE), np.uint8)
-        self._frames_before = np.zeros_like(self._frames)
-        self._all_changed = True
+    def __init__(self, n_games: int) -> None:
+        """Make views that see nothing yet: call begin on each."""
+        self.stacks = np.zeros((n_games, *OBSERVATION_SHAPE), np.uint8)
+        self.frames = np.zeros((n_games, 2, *game.SCREEN_SHAPE), np.uint8)
+        self._before = np.zeros_like(self.frames)
+        self._words, self._words_before = (
+            frames.reshape(n_games, 2, -1).view(_WORD) for frames in (self.frames, self._before)
+        )
+        self._unequal = np.empty(self._words[:, :, _SCORE_WORDS:].shape, np.bool_)
+        self._changed = np.empty((n_games, _TILES), np.bool_)
+        self._tile_of_word = (_TILE_OF_WORD + _TILES * np.arange(n_games)[:, None]).reshape(-1)
+        # Which games have a whole step to be pushed, and which were not seen a step before.
+        self._to_push = np.zeros(n_games, np.bool_)
+        self._unknown = np.ones(n_games, np.bool_)
+        self._is_complete = True
+
+    def __iter__(self) -> Iterator["AgentView"]:
+        """Return the views of the games one by one."""
+        return (AgentView(self, index) for index in range(len(self.stacks)))
+
+    def push(self, index: int) -> None:
+        """Note that both frames of a game are the last ones of a step."""
+        self._to_push[index] = True
+        self._is_complete = False
+
+    def forget(self, index: int) -> None:
+        """Note that a game's screen of a step before says nothing about the next one."""
+        self._unknown[index] = True
+
+    def complete_of(self, index: int) -> None:
+        """Complete at least this game's step, if it is whole and has not been pushed."""
+        if self._to_push[index]:
+            self.complete()
+
+    def complete(self) -> None:
+        """Push the screens of all whole steps that have not been pushed onto their stacks."""
+        if self._is_complete:
+            return
+        if self._to_push.all():
+            self.stacks[:, :-1] = self.stacks[:, 1:]
+        else:
+            self.stacks[self._to_push, :-1] = self.stacks[self._to_push, 1:]
+        self._reduce_tiles(self._changed_tiles())
+        self._unknown &= ~self._to_push
+        self._to_push[:] = False
+        self._is_complete = True
+
+    def _changed_tiles(self) -> Indices:
+        """Return the indices of the tiles to reduce, _TILES for each game."""
+        words, before = (all_[:, :, _SCORE_WORDS:] for all_ in (self._words, self._words_before))
+        np.not_equal(words, before, out=self._unequal)
+        unequal = np.logical_or(self._unequal[:, 0], self._unequal[:, 1])
+        changed: npt.NDArray[np.bool_] = self._changed.reshape(-1)
+        changed[:] = False
+        changed[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
+        self._changed[self._unknown] = True
+        self._changed[~self._to_push] = False
+        indices: Indices = changed.nonzero()[0]
+        return indices
+
+    def _reduce_tiles(self, indices: Indices) -> None:
+        """Reduce these tiles into the newest screens of the stacks."""
+        if not len(indices):
+            return
+        games, tiles = np.divmod(indices, _TILES)
+        frames, frames_before = self._words.reshape(-1), self._words_before.reshape(-1)
+        first = _TILE_WORDS.take(tiles, axis=0) + (games * self._words[0].size)[:, None]
+        grays = []
+        for words in (first, first + self._words.shape[2]):
+            tile = frames.take(words)
+            frames_before[words] = tile
+            grays.append(np.asarray(cv2.LUT(tile.view(np.uint8), palette_grayscale()), np.uint8))
+        newest = games * self.stacks[0].size + (STACK - 1) * SIZE * SIZE
+        pixels = _TILE_PIXELS.take(tiles, axis=0) + newest[:, None]
+        self.stacks.reshape(-1)[pixels] = _reduce(*grays)
+
+
+class AgentView:
+    """What an agent sees of a game, kept up to date frame by frame."""
+
+    def __init__(self, views: AgentViews | None = None, index: int = 0) -> None:
+        """Make a view that sees nothing yet: call begin.
+
+        Args:
+            views: the views it is one of, if it is not alone.
+            index: which one.
+        """
+        self._views = AgentViews(1) if views is None else views
+        self._index = index
+        self._first, self._second = self._views.frames[index]
+        self._stack: Observation = self._views.stacks[index]
         self._has_first = False
-        self._differs = np.empty((2, _BANDS, _BAND_WORDS), np.bool_)
-        # One more at either end, never set, so that every run of changed bands has two edges.
-        self._changed = np.zeros(_BANDS + 2, np.bool_)
 
     def begin(self, console: Console) -> None:
         """Begin a game: the stack holds the start's screen four times."""
-        console.screen_palette(self._frames[0])
-        self._frames[1] = self._frames[0]
-        self._all_changed = True
-        self._complete_step()
-        self._stack[:-1] = self._stack[-1]
+        self._views.complete_of(self._index)
+        console.screen_palette(self._first)
+        self._second[:] = self._first
         self._has_first = False
+        self._views.forget(self._index)
+        self._views.push(self._index)
+        self._views.complete()
+        self._stack[:-1] = self._stack[-1]
 
     def watch(self, console: Console, frame: int) -> None:
         """Look at the console after a frame; call it after every frame.
@@ -101,11 +221,13 @@ class AgentView:
         """
         frame_of_step = frame % game.FRAMES_PER_STEP
         if frame_of_step == game.FRAMES_PER_STEP - 1:
-            console.screen_palette(self._frames[0])
+            self._views.complete_of(self._index)
+            console.screen_palette(self._first)
             self._has_first = True
         elif frame_of_step == 0:
-            console.screen_palette(self._frames[1])
-            self._complete_step()
+            console.screen_palette(self._second)
+            self._has_first = False
+            self._views.push(self._index)
 
     def finish_step(self, console: Console, frame: int) -> None:
         """Complete the step in which an episode ended, so that its end can be seen.
@@ -122,55 +244,28 @@ class AgentView:
             frame += 1
             self.watch(console, frame)
 
-    def _complete_step(self) -> None:
-        """Push the screen of the step's last two frames onto the stack."""
-        self._stack[:-1] = self._stack[1:]
-        grays = palette_grayscale()
-        reduced = self._stack[-1]
-        for begin, end in self._changed_bands():
-            rows = slice(begin * _BAND, end * _BAND)
-            first = cv2.LUT(self._frames[0, rows], grays)
-            second = cv2.LUT(self._frames[1, rows], grays)
-            out = reduced[begin * _BAND_REDUCED : end * _BAND_REDUCED]
-            _reduce(np.asarray(first, np.uint8), np.asarray(second, np.uint8), out)
-        self._frames, self._frames_before = self._frames_before, self._frames
-        self._all_changed = False
-        self._has_first = False
-
-    def _changed_bands(self) -> list[tuple[int, int]]:
-        """Return the runs of changed bands, from the first of each to behind its last."""
-        if self._all_changed:
-            return [(_SCORE_BANDS, _BANDS)]
-        words = (2, _BANDS, _BAND_WORDS)
-        np.not_equal(
-            self._frames.view(_WORD).reshape(words),
-            self._frames_before.view(_WORD).reshape(words),
-            out=self._differs,
-        )
-        differs = np.any(self._differs, axis=2)
-        np.logical_or(differs[0], differs[1], out=self._changed[1:-1])
-        self._changed[1 : 1 + _SCORE_BANDS] = False
-        edges = np.flatnonzero(self._changed[1:] != self._changed[:-1]).tolist()
-        return list(zip(edges[0::2], edges[1::2], strict=True))
-
     @property
     def observation(self) -> Observation:
         """The observation as of the last whole step, uint8 (4, 84, 84), a fresh array."""
+        self._views.complete_of(self._index)
         return self._stack.copy()
 
     def observe(self, out: Observation) -> None:
         """Write the observation into out, uint8 (4, 84, 84)."""
+        self._views.complete_of(self._index)
         np.copyto(out, self._stack)
 
     def save(self) -> AgentViewState:
         """Return the state of the view."""
-        first = self._frames[0].tobytes() if self._has_first else None
+        self._views.complete_of(self._index)
+        first = self._first.tobytes() if self._has_first else None
         return AgentViewState(self._stack.tobytes(), first)
 
     def restore(self, state: AgentViewState) -> None:
         """Take up a saved state."""
+        self._views.complete_of(self._index)
         self._stack[:] = np.frombuffer(state.observation, np.uint8).reshape(OBSERVATION_SHAPE)
         self._has_first = state.first is not None
         if state.first is not None:
-            self._frames[0] = np.frombuffer(state.first, np.uint8).reshape(game.SCREEN_SHAPE)
-        self._all_changed = True
+            self._first[:] = np.frombuffer(state.first, np.uint8).reshape(game.SCREEN_SHAPE)
+        self._views.forget(self._index)

@@ -1,5 +1,6 @@
 """Many games in processes over shared memory."""
 
+import itertools
 import mmap
 import os
 import pickle
@@ -156,10 +157,10 @@ class VectorGame:
         self._workers: list[_Worker] = []
         self._finalizer = weakref.finalize(self, _close_all, self._workers)
         try:
-            for games in np.array_split(np.arange(n_games), min(n_processes, n_games)):
+            for games in _split(n_games, min(n_processes, n_games)):
                 assignment = Assignment(
                     n_games=n_games,
-                    games=tuple(games.tolist()),
+                    games=games,
                     starts=starts,
                     ending=ending,
                     max_frames=max_frames,
@@ -191,8 +192,8 @@ class VectorGame:
         actions = np.asarray(actions)
         if actions.shape != (self.n_games,):
             raise ValueError(f"Expected actions of shape ({self.n_games},), got {actions.shape}.")
-        if actions.min() < 0 or actions.max() >= len(game.Action):
-            raise ValueError(f"Expected actions from 0 to {len(game.Action) - 1}, got {actions}.")
+        if actions.min() < 0 or actions.max() >= game.ACTION_COUNT:
+            raise ValueError(f"Expected actions from 0 to {game.ACTION_COUNT - 1}, got {actions}.")
         self._shared.actions[:] = actions
         self._half = 1 - self._half
         self._send_all([COMMAND_STEP + bytes([self._half])] * len(self._workers))
@@ -325,8 +326,8 @@ class _Worker:
     def _failure(self) -> GameProcessFailed:
         code = self._process.wait(CLOSE_TIMEOUT_S)
         return GameProcessFailed(
-            f"A process that plays games {self.games} ended with exit code {code}. It may have"
-            " been killed for want of memory; go on from the last checkpoint."
+            f"A process that plays games {list(self.games)} ended with exit code {code}. It may"
+            " have been killed for want of memory; go on from the last checkpoint."
         )
 
     def close(self) -> None:
@@ -345,6 +346,12 @@ def _close_all(workers: list[_Worker]) -> None:
         worker.close()
     for worker in workers:
         worker.wait()
+
+
+def _split(count: int, parts: int) -> list[range]:
+    """Return ranges as equal as possible that make up range(count)."""
+    edges = [count * part // parts for part in range(parts + 1)]
+    return [range(begin, end) for begin, end in itertools.pairwise(edges)]
 
 
 def _memory_file(size: int) -> int:

@@ -24,7 +24,7 @@ from tril.game import space_invaders as game
 from tril.game.agent import AgentGame, StickyActions
 from tril.game.console import Console, KnownStarts
 from tril.game.episode import Ending, EndReason, Hit, Start
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.observation import OBSERVATION_SHAPE, AgentView, AgentViews
 from tril.game.saved_game import pack_game, unpack_game
 from tril.game.start_sources import DemonstrationLog, DemonstrationStep, StartSource
 
@@ -84,7 +84,7 @@ class Assignment:
     """
 
     n_games: int
-    games: tuple[int, ...]
+    games: range
     starts: StartSource
     ending: Ending
     max_frames: int
@@ -165,6 +165,7 @@ class GameSlot:
         shared: SharedArrays,
         known_starts: KnownStarts,
         demonstrations: DemonstrationStates,
+        view: AgentView,
     ) -> None:
         self._index = index
         self._starts = assignment.starts
@@ -173,16 +174,18 @@ class GameSlot:
         seed = assignment.training_seed
         self._start_rng = np.random.default_rng((seed, index, 0))
         self._sticky_rng = np.random.default_rng((seed, index, 1))
+        sticky_probability = assignment.sticky_action_probability
         self._game = AgentGame(
             Console(known_starts),
             assignment.ending,
             assignment.max_frames,
-            StickyActions(assignment.sticky_action_probability, self._sticky_rng),
+            StickyActions(sticky_probability, self._sticky_rng) if sticky_probability else None,
+            view,
         )
         self._games_before = 0
         self._first_step = 0
 
-    def begin(self, half: int) -> None:
+    def begin(self) -> None:
         """Begin the next episode, or rest when there is none."""
         beginning = self._starts.beginning(self._start_rng, self._index, self._games_before)
         self._first_step = 0
@@ -193,22 +196,18 @@ class GameSlot:
             self._game.restore(unpack_game(self._demonstrations.state(beginning)))
         else:
             self._game.reset(beginning)
-        self._game.observe(self._shared.observations[half, self._index])
 
-    def step(self, half: int) -> FinishedGame | None:
+    def step(self) -> FinishedGame | None:
         """Play the step whose action is in the shared memory; begin anew after an end."""
         shared, index = self._shared, self._index
-        observation = shared.observations[half, index]
         if shared.resting[index]:
             shared.ended[index] = False
-            self._game.observe(observation)
             return None
         self._game.step(int(shared.actions[index]))
         end = self._game.end
         shared.ended[index] = end is not None
         shared.steps[index] = self._game.steps
         if end is None:
-            self._game.observe(observation)
             return None
         self._game.observe(shared.terminal_observations[index])
         episode = self._game.episode
@@ -222,7 +221,7 @@ class GameSlot:
             shots=episode.shots,
         )
         self._games_before += 1
-        self.begin(half)
+        self.begin()
         return finished
 
     def snapshot(self) -> bytes:
@@ -238,7 +237,7 @@ class GameSlot:
         header = _SNAPSHOT_HEADER.pack(_SNAPSHOT_VERSION, len(text))
         return header + text + pack_game(self._game.save())
 
-    def restore(self, snapshot: bytes, half: int) -> None:
+    def restore(self, snapshot: bytes) -> None:
         """Go on from a snapshot."""
         version, size = _SNAPSHOT_HEADER.unpack_from(snapshot)
         if version != _SNAPSHOT_VERSION:
@@ -251,7 +250,6 @@ class GameSlot:
         self._first_step = small["first_step"]
         self._shared.resting[self._index] = small["resting"]
         self._game.restore(unpack_game(snapshot[end:]))
-        self._game.observe(self._shared.observations[half, self._index])
 
 
 class GameProcess:
@@ -260,30 +258,39 @@ class GameProcess:
     def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
         known_starts: KnownStarts = {}
         demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
+        self._views = AgentViews(len(assignment.games))
+        self._observations = shared.observations[:, assignment.games.start : assignment.games.stop]
         self._slots = [
-            GameSlot(index, assignment, shared, known_starts, demonstrations)
-            for index in assignment.games
+            GameSlot(index, assignment, shared, known_starts, demonstrations, view)
+            for index, view in zip(assignment.games, self._views, strict=True)
         ]
 
     def answer(self, message: bytes) -> bytes:
         """Carry out a command and return the reply."""
         command, argument = message[:1], message[1:]
         if command == COMMAND_STEP:
-            finished = [slot.step(argument[0]) for slot in self._slots]
-            news = [one for one in finished if one is not None]
-            return REPLY_VALUE + pickle.dumps(news) if news else REPLY_DONE
+            # First all steps, then all observations: see AgentViews.
+            finished = [one for slot in self._slots if (one := slot.step()) is not None]
+            self._observe(argument[0])
+            return REPLY_VALUE + pickle.dumps(finished) if finished else REPLY_DONE
         if command == COMMAND_RESET:
             for slot in self._slots:
-                slot.begin(argument[0])
+                slot.begin()
+            self._observe(argument[0])
             return REPLY_DONE
         if command == COMMAND_SNAPSHOT:
             return REPLY_VALUE + pickle.dumps([slot.snapshot() for slot in self._slots])
         if command == COMMAND_RESTORE:
             snapshots = pickle.loads(argument[1:])
             for slot, snapshot in zip(self._slots, snapshots, strict=True):
-                slot.restore(snapshot, argument[0])
+                slot.restore(snapshot)
+            self._observe(argument[0])
             return REPLY_DONE
         raise ValueError(f"Unknown command {command!r}.")
+
+    def _observe(self, half: int) -> None:
+        self._views.complete()
+        self._observations[half] = self._views.stacks
 
 
 def _next_message(connection: Connection, poll: select.poll, parent: int) -> bytes | None:
