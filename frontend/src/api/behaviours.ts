@@ -1,0 +1,34 @@
+import { queryOptions } from "@tanstack/react-query";
+
+import { api, unwrap } from "./client";
+import type { Behaviour, BehaviourNew } from "./types";
+
+export const behavioursQuery = queryOptions({
+  queryKey: ["behaviours"],
+  queryFn: ({ signal }) => unwrap(api.GET("/api/behaviours", { signal })),
+});
+
+export function behaviourQuery(behaviourId: number) {
+  return queryOptions({
+    queryKey: ["behaviours", behaviourId],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/behaviours/{behaviour_id}", {
+          params: { path: { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+  });
+}
+
+export function createBehaviour(body: BehaviourNew): Promise<Behaviour> {
+  return unwrap(api.POST("/api/behaviours", { body }));
+}
+
+export function deleteBehaviour(behaviourId: number): Promise<unknown> {
+  return unwrap(
+    api.DELETE("/api/behaviours/{behaviour_id}", {
+      params: { path: { behaviour_id: behaviourId } },
+    }),
+  );
+}

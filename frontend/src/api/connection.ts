@@ -1,0 +1,33 @@
+/** Whether the server answers and lets this browser in; what the banner and the 401 page read. */
+
+export interface ConnectionState {
+  /** False from the first failed request until the next one that is answered. */
+  readonly reachable: boolean;
+  /** False once the server has said that this browser has no valid cookie. */
+  readonly authorised: boolean;
+}
+
+type Listener = () => void;
+
+class Connection {
+  private state: ConnectionState = { reachable: true, authorised: true };
+  private readonly listeners = new Set<Listener>();
+
+  readonly subscribe = (listener: Listener): (() => void) => {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  };
+
+  readonly snapshot = (): ConnectionState => this.state;
+
+  update(change: Partial<ConnectionState>): void {
+    const next = { ...this.state, ...change };
+    if (next.reachable === this.state.reachable && next.authorised === this.state.authorised) {
+      return;
+    }
+    this.state = next;
+    this.listeners.forEach((listener) => listener());
+  }
+}
+
+export const connection = new Connection();

@@ -1,0 +1,84 @@
+import { queryOptions } from "@tanstack/react-query";
+
+import { api, bodyOf, fetchBytes, problemOf, unwrap, watchedFetch } from "./client";
+import type { ImportResult, Recording, RecordingUpdate } from "./types";
+
+import { RecordedFrames } from "@/lib/codec";
+
+/** A behaviour's kept and unfinished recordings, newest first. */
+export function recordingsQuery(behaviourId: number) {
+  return queryOptions({
+    queryKey: ["recordings", behaviourId],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/behaviours/{behaviour_id}/recordings", {
+          params: { path: { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+  });
+}
+
+/** All screens of a recording. A recording never changes, and its address carries a version. */
+export function framesQuery(recording: Recording) {
+  return queryOptions({
+    queryKey: ["frames", recording.frames_url],
+    queryFn: async ({ signal }) =>
+      new RecordedFrames(await fetchBytes(recording.frames_url, signal)),
+    staleTime: Infinity,
+    gcTime: 60_000,
+    structuralSharing: false,
+  });
+}
+
+function at(recordingId: number) {
+  return { params: { path: { recording_id: recordingId } } };
+}
+
+export function updateRecording(recordingId: number, body: RecordingUpdate): Promise<Recording> {
+  return unwrap(api.PATCH("/api/recordings/{recording_id}", { ...at(recordingId), body }));
+}
+
+export function keepRecording(recordingId: number): Promise<Recording> {
+  return unwrap(api.POST("/api/recordings/{recording_id}/keep", at(recordingId)));
+}
+
+export function discardRecording(recordingId: number): Promise<Recording> {
+  return unwrap(api.POST("/api/recordings/{recording_id}/discard", at(recordingId)));
+}
+
+export function restoreRecording(recordingId: number): Promise<Recording> {
+  return unwrap(api.POST("/api/recordings/{recording_id}/restore", at(recordingId)));
+}
+
+export function deleteRecording(recordingId: number): Promise<unknown> {
+  return unwrap(api.DELETE("/api/recordings/{recording_id}", at(recordingId)));
+}
+
+export interface ImportOptions {
+  /** The file's order is the ranking, best first. */
+  readonly rank: boolean;
+  /** All of them are perfect demonstrations. */
+  readonly perfect: boolean;
+}
+
+/** Sends a file of recordings: one JSON object, or one per line. */
+export async function importRecordings(
+  behaviourId: number,
+  file: Blob,
+  { rank, perfect }: ImportOptions,
+): Promise<ImportResult> {
+  const query = new URLSearchParams({ rank: String(rank), perfect: String(perfect) });
+  const response = await watchedFetch(
+    `/api/behaviours/${behaviourId}/recordings/import?${query.toString()}`,
+    { method: "POST", body: file, headers: { "Content-Type": "application/x-ndjson" } },
+  );
+  const body = await bodyOf(response);
+  if (!response.ok) throw problemOf(response, body);
+  return body as ImportResult;
+}
+
+/** Where a behaviour's recordings can be downloaded as JSON Lines. */
+export function exportUrl(behaviourId: number): string {
+  return `/api/behaviours/${behaviourId}/recordings/export`;
+}

@@ -1,0 +1,96 @@
+import { queryOptions, useQueryClient } from "@tanstack/react-query";
+
+import { api, unwrap } from "./client";
+import type { Metrics, Run, RunNew } from "./types";
+
+import { mergeSeries } from "@/lib/series";
+
+function at(runId: string) {
+  return { params: { path: { run_id: runId } } };
+}
+
+export const recipesQuery = queryOptions({
+  queryKey: ["recipes"],
+  queryFn: ({ signal }) => unwrap(api.GET("/api/recipes", { signal })),
+});
+
+/** A behaviour's runs, or everybody's; newest first. */
+export function runsQuery(behaviourId?: number) {
+  return queryOptions({
+    queryKey: behaviourId === undefined ? ["runs"] : ["runs", { behaviourId }],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/runs", {
+          params: { query: behaviourId === undefined ? {} : { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+  });
+}
+
+export function runQuery(runId: string) {
+  return queryOptions({
+    queryKey: ["run", runId],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/runs/{run_id}", { ...at(runId), signal })),
+  });
+}
+
+export function resultsQuery(runId: string) {
+  return queryOptions({
+    queryKey: ["results", runId],
+    queryFn: ({ signal }) =>
+      unwrap(api.GET("/api/runs/{run_id}/results", { ...at(runId), signal })),
+  });
+}
+
+/** A run's curves; each fetch asks only for the points since the last one. */
+export function useMetricsQuery(runId: string) {
+  const client = useQueryClient();
+  const queryKey = ["metrics", runId];
+  return queryOptions({
+    queryKey,
+    queryFn: async ({ signal }): Promise<Metrics> => {
+      const have = client.getQueryData<Metrics>(queryKey);
+      const more = await unwrap(
+        api.GET("/api/runs/{run_id}/metrics", {
+          params: { path: { run_id: runId }, query: { after: have?.last ?? 0 } },
+          signal,
+        }),
+      );
+      return have ? { last: more.last, series: mergeSeries(have.series, more.series) } : more;
+    },
+    structuralSharing: false,
+  });
+}
+
+/** R of every observation of a recording, asked of the inference process. */
+export function rewardTraceQuery(runId: string, recordingId: number) {
+  return queryOptions({
+    queryKey: ["reward", runId, recordingId],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/runs/{run_id}/reward/{recording_id}", {
+          params: { path: { run_id: runId, recording_id: recordingId } },
+          signal,
+        }),
+      ),
+    staleTime: Infinity,
+    retry: false,
+  });
+}
+
+export function createRun(body: RunNew): Promise<Run> {
+  return unwrap(api.POST("/api/runs", { body }));
+}
+
+export function cancelRun(runId: string): Promise<Run> {
+  return unwrap(api.POST("/api/runs/{run_id}/cancel", at(runId)));
+}
+
+export function resumeRun(runId: string): Promise<Run> {
+  return unwrap(api.POST("/api/runs/{run_id}/resume", at(runId)));
+}
+
+export function deleteRun(runId: string): Promise<unknown> {
+  return unwrap(api.DELETE("/api/runs/{run_id}", at(runId)));
+}

@@ -1,0 +1,29 @@
+/** Short names for the generated types. */
+import type { components } from "./schema";
+
+type Schemas = components["schemas"];
+
+export type Artifact = Schemas["Artifact"];
+export type AttentionMap = Schemas["AttentionMap"];
+export type Behaviour = Schemas["Behaviour"];
+export type BehaviourNew = Schemas["BehaviourNew"];
+export type ComparisonRow = Schemas["ComparisonRow"];
+export type ConfusedTiers = Schemas["ConfusedTiers"];
+export type EvaluationGame = Schemas["EvaluationGame"];
+export type Game = Schemas["Game"];
+export type Headline = Schemas["Headline"];
+export type ImportResult = Schemas["ImportResult"];
+export type Interval = Schemas["Interval"];
+export type Metrics = Schemas["Metrics"];
+export type Player = Schemas["Player"];
+export type PolicySummary = Schemas["PolicySummary"];
+export type Ranking = Schemas["Ranking"];
+export type RankingCheck = Schemas["RankingCheck"];
+export type Recipe = Schemas["Recipe"];
+export type Recording = Schemas["Recording"];
+export type RecordingUpdate = Schemas["RecordingUpdate"];
+export type RewardTrace = Schemas["RewardTrace"];
+export type Run = Schemas["Run"];
+export type RunNew = Schemas["RunNew"];
+export type RunResults = Schemas["RunResults"];
+export type System = Schemas["System"];

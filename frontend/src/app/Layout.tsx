@@ -1,0 +1,129 @@
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useState, useSyncExternalStore } from "react";
+import { Link, Outlet, ScrollRestoration, useLocation } from "react-router";
+
+import { listenToChanges } from "./event-stream";
+import { Invalidator } from "./invalidation";
+import styles from "./Layout.module.css";
+import { PlayerMenu } from "./PlayerMenu";
+import { Unauthorised } from "./Unauthorised";
+
+import { connection } from "@/api/connection";
+import { isAlive, systemQuery } from "@/api/system";
+import { Alien } from "@/components/AlienGrid";
+import { Button, IconButton } from "@/components/Button";
+import { classes } from "@/lib/classes";
+import { applyTheme, nextTheme, readTheme } from "@/lib/theme";
+
+/** What every page has: the bar at the top, messages about the connection, the page itself. */
+export function Layout() {
+  const { reachable, authorised } = useSyncExternalStore(
+    connection.subscribe,
+    connection.snapshot,
+  );
+  useChanges(authorised);
+  useFocusOnNewPage();
+  if (!authorised) return <Unauthorised />;
+  return (
+    <>
+      <a className={styles.skip} href="#main">
+        Skip to the page
+      </a>
+      <header>
+        {!reachable && <UnreachableBanner />}
+        <div className={styles.bar}>
+          <Link to="/" className={styles.brand} aria-label="Tril, all behaviours">
+            <Alien row={2} scale={2} />
+            Tril
+          </Link>
+          <div className={styles.right}>
+            <Processes />
+            <PlayerMenu />
+            <ThemeButton />
+          </div>
+        </div>
+      </header>
+      <main id="main" className={styles.main} tabIndex={-1}>
+        <Outlet />
+      </main>
+      <ScrollRestoration />
+    </>
+  );
+}
+
+/** Keeps what is shown up to date. */
+function useChanges(active: boolean): void {
+  const client = useQueryClient();
+  useEffect(() => {
+    if (!active) return undefined;
+    const invalidator = new Invalidator(client);
+    const stop = listenToChanges({
+      onChange: (change) => invalidator.add(change),
+      onAgain: () => invalidator.all(),
+    });
+    return () => {
+      stop();
+      invalidator.stop();
+    };
+  }, [active, client]);
+}
+
+/** After a step to another page, keyboard and screen reader begin at its top. */
+function useFocusOnNewPage(): void {
+  const { pathname } = useLocation();
+  const [first] = useState(pathname);
+  const [left, setLeft] = useState(false);
+  if (!left && pathname !== first) setLeft(true);
+  useEffect(() => {
+    if (left) document.getElementById("main")?.focus({ preventScroll: true });
+  }, [left, pathname]);
+}
+
+function UnreachableBanner() {
+  const client = useQueryClient();
+  const [trying, setTrying] = useState(false);
+  const retry = () => {
+    setTrying(true);
+    void client.invalidateQueries().finally(() => setTrying(false));
+  };
+  return (
+    <div className={styles.banner} role="alert">
+      <span>
+        <strong>Tril&rsquo;s server doesn&rsquo;t answer.</strong> Is <code>tril up</code> still
+        running? Nothing that was saved is lost.
+      </span>
+      <Button onClick={retry} disabled={trying} icon="restart">
+        {trying ? "Trying…" : "Try again"}
+      </Button>
+    </div>
+  );
+}
+
+function Processes() {
+  const { data: system } = useQuery(systemQuery);
+  const worker = isAlive(system, "worker");
+  if (worker === null) return null;
+  return (
+    <span className={classes(styles.process, !worker && styles.off)}>
+      {worker ? "Worker ready" : "Worker not running"}
+    </span>
+  );
+}
+
+const THEME_ICONS = { system: "system", light: "sun", dark: "moon" } as const;
+const THEME_NAMES = { system: "as the system", light: "light", dark: "dark" } as const;
+
+function ThemeButton() {
+  const [theme, setTheme] = useState(readTheme);
+  return (
+    <IconButton
+      icon={THEME_ICONS[theme]}
+      label={`Theme: ${THEME_NAMES[theme]}. Change`}
+      onClick={() => {
+        const next = nextTheme(theme);
+        applyTheme(next);
+        setTheme(next);
+      }}
+    />
+  );
+}

@@ -1,0 +1,101 @@
+import styles from "./Badges.module.css";
+import { Icon } from "./Icon";
+import { ThingMark } from "./ThingMark";
+
+import type { Behaviour, Recording, Run } from "@/api/types";
+import { COLUMNS, ROWS } from "@/lib/aliens";
+import { classes } from "@/lib/classes";
+import { isActive, STATUS_NAMES } from "@/lib/runs";
+import { playedBy, SOURCE_NAMES } from "@/lib/things";
+
+/** Who played a recording. */
+export function SourceBadge({ recording }: { recording: Recording }) {
+  const { source, player } = recording;
+  const name = source === "person" && player ? player : SOURCE_NAMES[source];
+  return (
+    <span className={styles.badge}>
+      <ThingMark thing={playedBy(source)}>{name}</ThingMark>
+    </span>
+  );
+}
+
+/** Whether a replay gave what was recorded. */
+export function VerifiedBadge({ recording }: { recording: Recording }) {
+  if (recording.state === "unfinished") {
+    return (
+      <span className={classes(styles.badge, styles.warn)}>
+        <Icon name="clock" /> not played to its end
+      </span>
+    );
+  }
+  switch (recording.verification) {
+    case "verified":
+      return (
+        <span
+          className={classes(styles.badge, styles.good)}
+          title="A replay gave exactly what was recorded."
+        >
+          <Icon name="check" /> verified
+        </span>
+      );
+    case "failed":
+      return (
+        <span className={classes(styles.badge, styles.bad)}>
+          <Icon name="alert" /> not verified: {recording.verification_note}
+        </span>
+      );
+    case "pending":
+      return (
+        <span className={styles.badge}>
+          <Icon name="clock" /> being verified
+        </span>
+      );
+  }
+}
+
+/** A run's state. */
+export function RunStatus({ run }: { run: Pick<Run, "status"> }) {
+  const tone = isActive(run)
+    ? styles.accent
+    : run.status === "done"
+      ? styles.good
+      : run.status === "failed"
+        ? styles.bad
+        : styles.warn;
+  return (
+    <span className={classes(styles.badge, styles.chip, tone)}>{STATUS_NAMES[run.status]}</span>
+  );
+}
+
+/** How many aliens of each column were hit. */
+export function ColumnBars({
+  counts,
+  target,
+}: {
+  counts: readonly number[];
+  target: Behaviour["target"];
+}) {
+  const wanted = new Set(target?.map(([, column]) => column));
+  const columns = Array.from({ length: COLUMNS }, (_, column) => counts[column] ?? 0);
+  return (
+    <div
+      className={styles.bars}
+      role="img"
+      aria-label={`Hits per column, from the left: ${columns.join(", ")}`}
+    >
+      {columns.map((hits, column) => (
+        <span
+          key={column}
+          className={classes(styles.bar, wanted.has(column) && styles.wanted)}
+        >
+          <i>
+            {Array.from({ length: ROWS }, (_, row) => (
+              <b key={row} data-on={row < hits ? "" : undefined} />
+            ))}
+          </i>
+          {column + 1}
+        </span>
+      ))}
+    </div>
+  );
+}

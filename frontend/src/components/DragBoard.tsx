@@ -1,0 +1,168 @@
+/** Dragging things into places, by mouse, finger and keyboard: all that touches dnd-kit. */
+import {
+  type Announcements,
+  closestCenter,
+  type CollisionDetection,
+  DndContext,
+  type DragEndEvent,
+  DragOverlay,
+  KeyboardSensor,
+  type KeyboardCoordinateGetter,
+  MeasuringStrategy,
+  MouseSensor,
+  pointerWithin,
+  TouchSensor,
+  useDraggable,
+  useDroppable,
+  useSensor,
+  useSensors,
+} from "@dnd-kit/core";
+import { type ReactNode, useMemo, useRef, useState } from "react";
+
+import styles from "./DragBoard.module.css";
+
+const MOUSE = { activationConstraint: { distance: 5 } };
+// A short hold, so that a finger can still scroll the page.
+const TOUCH = { activationConstraint: { delay: 180, tolerance: 8 } };
+const MEASURING = { droppable: { strategy: MeasuringStrategy.Always } };
+const INSTRUCTIONS = {
+  draggable:
+    "Press space to pick it up, the up and down arrow keys to choose a place, space to drop it " +
+    "there, Escape to leave it where it was.",
+};
+
+interface DragBoardProps {
+  /** All places, in the order in which the arrow keys go through them. */
+  places: readonly string[];
+  /** Places that reach a little over their neighbours, such as the gaps between tiers. */
+  isThin: (place: string) => boolean;
+  nameOfItem: (item: string) => string;
+  nameOfPlace: (place: string) => string;
+  onDrop: (item: string, place: string) => void;
+  renderDragged: (item: string) => ReactNode;
+  children: ReactNode;
+}
+
+/** What things are dragged in. */
+export function DragBoard(props: DragBoardProps) {
+  const { places, isThin, nameOfItem, nameOfPlace, onDrop, renderDragged, children } = props;
+  const [dragged, setDragged] = useState<string | null>(null);
+  /** The place chosen by arrow keys; it decides, wherever the thing is drawn. */
+  const chosen = useRef<string | null>(null);
+
+  const coordinates: KeyboardCoordinateGetter = (event, { context, currentCoordinates }) => {
+    const step = { ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1 }[event.code];
+    if (step === undefined) return undefined;
+    event.preventDefault();
+    const at = places.indexOf(chosen.current ?? String(context.over?.id ?? ""));
+    const next = places[Math.min(Math.max(at + step, 0), places.length - 1)];
+    if (next === undefined) return undefined;
+    chosen.current = next;
+    context.droppableContainers.get(next)?.node.current?.scrollIntoView({ block: "nearest" });
+    const rect = context.droppableRects.get(next);
+    return rect ? { x: rect.left + 24, y: rect.top } : currentCoordinates;
+  };
+
+  const sensors = useSensors(
+    useSensor(MouseSensor, MOUSE),
+    useSensor(TouchSensor, TOUCH),
+    useSensor(KeyboardSensor, { coordinateGetter: coordinates }),
+  );
+
+  const collision: CollisionDetection = (args) => {
+    if (chosen.current !== null) {
+      const container = args.droppableContainers.find(({ id }) => id === chosen.current);
+      return container ? [{ id: container.id }] : [];
+    }
+    if (!args.pointerCoordinates) return closestCenter(args);
+    return thinUnder(args, isThin) ?? pointerWithin(args);
+  };
+
+  const announcements = useMemo<Announcements>(
+    () => ({
+      onDragStart: ({ active }) => `Picked up ${nameOfItem(String(active.id))}.`,
+      onDragOver: ({ over }) =>
+        over ? `Over ${nameOfPlace(String(over.id))}.` : "Over no place.",
+      onDragEnd: ({ active, over }) =>
+        over
+          ? `Dropped ${nameOfItem(String(active.id))}: ${nameOfPlace(String(over.id))}.`
+          : `${nameOfItem(String(active.id))} stays where it was.`,
+      onDragCancel: ({ active }) => `${nameOfItem(String(active.id))} stays where it was.`,
+    }),
+    [nameOfItem, nameOfPlace],
+  );
+
+  const end = () => {
+    chosen.current = null;
+    setDragged(null);
+  };
+
+  return (
+    <DndContext
+      sensors={sensors}
+      collisionDetection={collision}
+      measuring={MEASURING}
+      accessibility={{ announcements, screenReaderInstructions: INSTRUCTIONS }}
+      onDragStart={({ active, activatorEvent }) => {
+        setDragged(String(active.id));
+        // The arrow keys begin at the place that the thing comes from.
+        chosen.current =
+          activatorEvent instanceof KeyboardEvent ? placeOf(active.data.current) : null;
+      }}
+      onDragCancel={end}
+      onDragEnd={({ active, over }: DragEndEvent) => {
+        end();
+        if (over) onDrop(String(active.id), String(over.id));
+      }}
+    >
+      {children}
+      <DragOverlay dropAnimation={null}>
+        {dragged !== null && <div className={styles.overlay}>{renderDragged(dragged)}</div>}
+      </DragOverlay>
+    </DndContext>
+  );
+}
+
+function placeOf(data: Record<string, unknown> | undefined): string | null {
+  return typeof data?.place === "string" ? data.place : null;
+}
+
+/** How far a thin place reaches over its neighbours. */
+const REACH_PX = 13;
+
+function thinUnder(
+  { pointerCoordinates, droppableContainers, droppableRects }: Parameters<CollisionDetection>[0],
+  isThin: (place: string) => boolean,
+): ReturnType<CollisionDetection> | null {
+  if (!pointerCoordinates) return null;
+  const { x, y } = pointerCoordinates;
+  for (const { id } of droppableContainers) {
+    const rect = droppableRects.get(id);
+    if (!rect || !isThin(String(id))) continue;
+    const middle = rect.top + rect.height / 2;
+    const reach = Math.max(rect.height / 2, REACH_PX);
+    if (x >= rect.left && x <= rect.right && Math.abs(y - middle) <= reach) return [{ id }];
+  }
+  return null;
+}
+
+/** Something that can be dragged: from anywhere on it by mouse or finger, by key at its handle. */
+export function useDragItem(item: string, place: string) {
+  const { attributes, listeners, setNodeRef, setActivatorNodeRef, isDragging } = useDraggable({
+    id: item,
+    data: { place },
+  });
+  return {
+    setItem: setNodeRef,
+    setHandle: setActivatorNodeRef,
+    listeners,
+    descriptionId: attributes["aria-describedby"],
+    isDragging,
+  };
+}
+
+/** A place where things can be dropped. */
+export function useDropPlace(place: string) {
+  const { setNodeRef, isOver } = useDroppable({ id: place });
+  return { setPlace: setNodeRef, isOver };
+}

@@ -1,0 +1,135 @@
+import { useQuery } from "@tanstack/react-query";
+import { type ReactNode } from "react";
+import { Link, NavLink } from "react-router";
+
+import styles from "./BehaviourFrame.module.css";
+import { type PathStep, pathOf, type StepId } from "./path";
+
+import { behaviourQuery } from "@/api/behaviours";
+import { isNotFound } from "@/api/client";
+import { runsQuery } from "@/api/runs";
+import type { Behaviour } from "@/api/types";
+import { AlienGrid } from "@/components/AlienGrid";
+import { ButtonLink } from "@/components/Button";
+import { Icon } from "@/components/Icon";
+import { Empty, Failed, Loading } from "@/components/States";
+import { classes } from "@/lib/classes";
+
+interface BehaviourFrameProps {
+  behaviourId: number;
+  /** Marks the last step as current on pages that aren't below it in the address. */
+  looking?: boolean;
+  children: (behaviour: Behaviour) => ReactNode;
+}
+
+/** What is around everything of a behaviour: its name, and the way from playing to looking. */
+export function BehaviourFrame({ behaviourId, looking = false, children }: BehaviourFrameProps) {
+  const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
+  if (isNotFound(error)) {
+    return (
+      <Empty
+        title="There is no such behaviour"
+        actions={<ButtonLink to="/">All behaviours</ButtonLink>}
+      >
+        <p>It was deleted, or the address is wrong.</p>
+      </Empty>
+    );
+  }
+  if (error && !behaviour) {
+    return <Failed what="The behaviour" error={error} onRetry={() => void refetch()} />;
+  }
+  if (!behaviour) return <Loading what="the behaviour" rows={2} height="5rem" />;
+  return (
+    <>
+      <title>{`${behaviour.name} · Tril`}</title>
+      <div className={styles.head}>
+        <AlienGrid target={behaviour.target} label="" />
+        <div className={styles.words}>
+          <Link to="/" className={styles.back}>
+            All behaviours
+          </Link>
+          <h1>{behaviour.name}</h1>
+          <p>{behaviour.description}</p>
+        </div>
+      </div>
+      <Path behaviour={behaviour} looking={looking} />
+      <div className={styles.body}>{children(behaviour)}</div>
+    </>
+  );
+}
+
+const PAGES: Readonly<Record<StepId, string>> = {
+  play: "play",
+  rank: "rank",
+  train: "train",
+  look: "runs",
+};
+
+function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }) {
+  const { data: runs } = useQuery(runsQuery(behaviour.id));
+  const steps = pathOf(behaviour, runs ?? []);
+  const at = `/behaviours/${behaviour.id}`;
+  const [play, ...others] = steps;
+  if (!play) return null;
+  return (
+    <nav className={styles.path} aria-label="Steps">
+      <ol className={styles.steps}>
+        <li>
+          <StepLink step={play} number={1} to={`${at}/play`} />
+        </li>
+        <li>
+          <NavLink className={classes(styles.step)} to={`${at}/recordings`}>
+            <span className={classes(styles.marker, styles.plain)} aria-hidden="true">
+              {behaviour.n_recordings}
+            </span>
+            <span className={styles.name}>Recordings</span>
+            <span className={styles.caption}>watch, mark, import</span>
+          </NavLink>
+        </li>
+        {others.map((step, index) => (
+          <li key={step.id}>
+            <StepLink
+              step={step}
+              number={index + 2}
+              to={`${at}/${PAGES[step.id]}`}
+              current={looking && step.id === "look"}
+            />
+          </li>
+        ))}
+      </ol>
+    </nav>
+  );
+}
+
+function StepLink({
+  step,
+  number,
+  to,
+  current = false,
+}: {
+  step: PathStep;
+  number: number;
+  to: string;
+  current?: boolean;
+}) {
+  return (
+    <NavLink
+      to={to}
+      className={classes(styles.step, step.done && styles.done, step.next && styles.next)}
+      {...(current ? { "aria-current": "page" as const } : {})}
+    >
+      <span className={styles.marker} aria-hidden="true">
+        {step.done ? <Icon name="check" /> : number}
+      </span>
+      <span className={styles.name}>
+        {step.name}
+        {step.done && <span className="visually-hidden"> (done)</span>}
+        {step.next && <span className="visually-hidden"> (next)</span>}
+      </span>
+      <span className={styles.caption}>
+        {step.next && <span className={styles.nextWord}>next </span>}
+        {step.caption}
+      </span>
+    </NavLink>
+  );
+}

@@ -1,0 +1,55 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useNavigate } from "react-router";
+
+import { messageOf } from "@/api/client";
+import { createRun, recipesQuery } from "@/api/runs";
+import type { Behaviour } from "@/api/types";
+import { Button } from "@/components/Button";
+import { useToast } from "@/components/Toasts";
+import { estimateInWords } from "@/lib/runs";
+
+/** Starts a whole example: scripted games, ranked and trained on, so that there is a result. */
+export function ExampleButton({
+  behaviour,
+  large = false,
+}: {
+  behaviour: Behaviour;
+  large?: boolean;
+}) {
+  const client = useQueryClient();
+  const navigate = useNavigate();
+  const toast = useToast();
+  const { data: recipes } = useQuery(recipesQuery);
+  const recipe = recipes?.[0];
+  const start = useMutation({
+    mutationFn: createRun,
+    onSuccess: async (run) => {
+      await client.invalidateQueries({ queryKey: ["runs"] });
+      await navigate(`/runs/${run.id}`);
+    },
+    onError: (error) => toast(messageOf(error)),
+  });
+  return (
+    <Button
+      large={large}
+      title="A scripted player makes the games; Tril ranks them and trains on them."
+      disabled={!recipe || start.isPending}
+      onClick={() => {
+        if (!recipe) return;
+        start.mutate({
+          behaviour_id: behaviour.id,
+          recipe: recipe.name,
+          steps: recipe.default_steps,
+          training_seed: 0,
+          go_on_anyway: false,
+          example: true,
+        });
+      }}
+    >
+      <span>
+        See a full example
+        {recipe && <small> ({estimateInWords(recipe, recipe.default_steps)})</small>}
+      </span>
+    </Button>
+  );
+}

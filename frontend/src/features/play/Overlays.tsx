@@ -1,0 +1,112 @@
+import type { ReactNode } from "react";
+
+import type { GameState } from "./game-stream";
+import styles from "./PlayPage.module.css";
+
+import { Button } from "@/components/Button";
+import { classes } from "@/lib/classes";
+
+interface StageOverlayProps {
+  state: GameState | null;
+  starting: boolean;
+  error: string | null;
+  onStart: () => void;
+  onGoOn: () => void;
+  onTakeBack: () => void;
+}
+
+/** What lies over the screen while nobody is playing on it. The end has its own card. */
+export function StageOverlay(props: StageOverlayProps) {
+  const { state, starting, error, onStart, onGoOn, onTakeBack } = props;
+  if (!state || state.phase === "gone") {
+    const gone = state?.phase === "gone";
+    return (
+      <Overlay opaque>
+        <span className={styles.big}>{gone ? "This game is over" : "Twenty seconds, one life"}</span>
+        <p>
+          {error ??
+            (gone
+              ? "It was played too long ago to go on with. What was played of it is kept."
+              : "Everything you do is recorded. Play well, or badly on purpose: both teach.")}
+        </p>
+        <Button kind="primary" large disabled={starting} onClick={onStart}>
+          {starting ? "Starting…" : error ? "Try again" : "Start game"}
+        </Button>
+      </Overlay>
+    );
+  }
+  switch (state.phase) {
+    case "connecting":
+      return (
+        <Overlay opaque>
+          <p role="status">Starting…</p>
+        </Overlay>
+      );
+    case "countdown":
+      return (
+        <Overlay className={styles.count}>
+          <strong role="timer" aria-live="assertive">
+            {state.seconds}
+          </strong>
+        </Overlay>
+      );
+    case "paused":
+      return (
+        <Overlay>
+          <span className={styles.big}>Paused</span>
+          <p>{state.why}</p>
+          <Button kind="primary" large onClick={onGoOn}>
+            Go on
+          </Button>
+        </Overlay>
+      );
+    case "lost":
+      return (
+        <Overlay>
+          <span className={styles.big} role="alert">
+            The connection broke
+          </span>
+          <p>Your game is saved and waits. It goes on as soon as the server answers again.</p>
+        </Overlay>
+      );
+    case "elsewhere":
+      return (
+        <Overlay>
+          <span className={styles.big} role="alert">
+            Another tab plays this game now
+          </span>
+          <p>Each game is played in one place: the newest tab has it.</p>
+          <Button kind="primary" large onClick={onTakeBack}>
+            Play here
+          </Button>
+        </Overlay>
+      );
+    case "refused":
+      return (
+        <Overlay>
+          <span className={styles.big} role="alert">
+            This browser isn&rsquo;t let in any more
+          </span>
+          <p>Open the address that Tril printed when it started, then come back to go on.</p>
+        </Overlay>
+      );
+    case "playing":
+    case "ended":
+      return null;
+  }
+}
+
+/** A layer over the game's screen. */
+export function Overlay({
+  opaque = false,
+  className,
+  children,
+}: {
+  opaque?: boolean;
+  className?: string | undefined;
+  children: ReactNode;
+}) {
+  return (
+    <div className={classes(styles.overlay, opaque && styles.opaque, className)}>{children}</div>
+  );
+}

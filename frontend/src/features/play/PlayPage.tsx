@@ -1,0 +1,232 @@
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { Link } from "react-router";
+
+import { steers, wishOf } from "./controls";
+import { EndCard, type EndCardHandle } from "./EndCard";
+import type { GameScreen } from "./game-stream";
+import { Clock, type ClockHandle, Score } from "./Hud";
+import { StageOverlay } from "./Overlays";
+import styles from "./PlayPage.module.css";
+import { TouchPad } from "./TouchPad";
+import { type PlayedGame, useGame } from "./use-game";
+
+import { messageOf } from "@/api/client";
+import type { Behaviour } from "@/api/types";
+import { Button } from "@/components/Button";
+import { GameCanvas } from "@/components/GameCanvas";
+import { HeldKeys, isGameKey } from "@/lib/keys";
+import type { Palette, ScreenPainter } from "@/lib/screen";
+import { useFittingScreenSize } from "@/lib/use-screen-size";
+
+/** Header, path and margins take this much of the window's height. */
+const CHROME_PX = 250;
+const MIN_HEIGHT_PX = 210;
+const stageHeight = (windowHeight: number) => Math.max(windowHeight - CHROME_PX, MIN_HEIGHT_PX);
+
+/** Plays games of a behaviour. */
+export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
+  const clock = useRef<ClockHandle>(null);
+  const endCard = useRef<EndCardHandle>(null);
+  const stage = useRef<HTMLDivElement>(null);
+  const { screen, setPainter } = useScreen(clock);
+  const game = useGame(behaviour.id, screen);
+  const size = useFittingScreenSize(stage, stageHeight);
+  const [held] = useState(() => new HeldKeys());
+  const { state, stream } = game;
+  const phase = state?.phase;
+
+  useKeys(game, held, endCard);
+  usePauseWhenHidden(game);
+  // Keys must reach the game, not the button that was pressed last.
+  useEffect(() => {
+    if (phase === "countdown") stage.current?.focus({ preventScroll: true });
+    if (phase === "ended") held.releaseAll();
+  }, [phase, held]);
+
+  return (
+    <div className={styles.page}>
+      <div>
+        <div
+          ref={stage}
+          className={styles.stage}
+          role="application"
+          aria-label="Game. Arrow keys steer, space fires, Escape pauses."
+          // The game takes keys, so it has to take the focus.
+          // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
+          tabIndex={0}
+        >
+          <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+          <StageOverlay
+            state={state}
+            starting={game.starting}
+            error={game.error ? messageOf(game.error) : null}
+            onStart={game.start}
+            onGoOn={() => stream?.command("go_on")}
+            onTakeBack={() => stream?.connect()}
+          />
+          {state?.ended && (
+            <EndCard
+              key={state.ended.recording_id}
+              ended={state.ended}
+              behaviour={behaviour}
+              handle={endCard}
+              starting={game.starting}
+              onAgain={game.start}
+            />
+          )}
+        </div>
+        <TouchPad
+          onHold={(name, bit) => {
+            if (held.hold(name, bit)) stream?.hold(held.bits);
+          }}
+          onRelease={(name) => {
+            if (held.release(name)) stream?.hold(held.bits);
+          }}
+        />
+      </div>
+      <aside className={styles.side} aria-label="The game so far">
+        <Clock handle={clock} />
+        <Score hits={state?.hits ?? []} behaviour={behaviour} />
+        {(phase === "playing" || phase === "countdown") && (
+          <div className={styles.stop}>
+            <Button icon="pause" onClick={() => stream?.command("pause")}>
+              Pause
+            </Button>
+            <Button onClick={() => stream?.command("stop")}>End the game here</Button>
+          </div>
+        )}
+        <KeyHelp />
+        <Tip behaviour={behaviour} />
+      </aside>
+    </div>
+  );
+}
+
+/** The screen that frames are shown on: the canvas and the clock, past React. */
+function useScreen(clock: React.RefObject<ClockHandle | null>) {
+  const painter = useRef<ScreenPainter | null>(null);
+  const palette = useRef<Palette | null>(null);
+  const screen = useMemo<GameScreen>(
+    () => ({
+      setPalette: (colours) => {
+        palette.current = colours;
+        painter.current?.setPalette(colours);
+      },
+      show: (pixels, frame, maxFrames) => {
+        painter.current?.draw(pixels);
+        clock.current?.show(frame, maxFrames);
+      },
+    }),
+    [clock],
+  );
+  const setPainter = useCallback((ready: ScreenPainter) => {
+    painter.current = ready;
+    if (palette.current) ready.setPalette(palette.current);
+  }, []);
+  return { screen, setPainter };
+}
+
+/** Passes keys on to the game, and after its end to the card. */
+function useKeys(
+  { stream }: PlayedGame,
+  held: HeldKeys,
+  endCard: React.RefObject<EndCardHandle | null>,
+): void {
+  useEffect(() => {
+    if (!stream) return undefined;
+    const down = (event: KeyboardEvent) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
+      const { phase, endedAt } = stream.snapshot();
+      const wish = wishOf(event, phase, performance.now() - endedAt);
+      if (wish && !(isButton(event.target) && pressesButton(event.code))) {
+        event.preventDefault();
+        if (wish === "pause" || wish === "go_on") stream.command(wish);
+        else endCard.current?.wish(wish);
+      } else if (steers(phase) && isGameKey(event.code)) {
+        event.preventDefault();
+        if (held.press(event.code)) stream.hold(held.bits);
+      } else if (phase === "ended" && event.repeat && isGameKey(event.code)) {
+        // Still held from the game: it must neither scroll the page nor press a button.
+        event.preventDefault();
+      }
+    };
+    const up = (event: KeyboardEvent) => {
+      if (held.release(event.code)) stream.hold(held.bits);
+    };
+    const letGo = () => {
+      if (held.releaseAll()) stream.hold(0);
+    };
+    window.addEventListener("keydown", down);
+    window.addEventListener("keyup", up);
+    window.addEventListener("blur", letGo);
+    return () => {
+      letGo();
+      window.removeEventListener("keydown", down);
+      window.removeEventListener("keyup", up);
+      window.removeEventListener("blur", letGo);
+    };
+  }, [stream, held, endCard]);
+}
+
+/** A game that can't be seen stands still. */
+function usePauseWhenHidden({ stream }: PlayedGame): void {
+  useEffect(() => {
+    if (!stream) return undefined;
+    const pause = () => {
+      if (document.hidden && steers(stream.snapshot().phase)) stream.command("pause");
+    };
+    document.addEventListener("visibilitychange", pause);
+    return () => document.removeEventListener("visibilitychange", pause);
+  }, [stream]);
+}
+
+/** Whether keys are meant for something else: a field, or an open dialog. */
+function isElsewhere(target: EventTarget | null): boolean {
+  if (document.querySelector("dialog[open]")) return true;
+  return target instanceof HTMLElement && target.matches("input, textarea, select");
+}
+
+function isButton(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.matches("button, a");
+}
+
+function pressesButton(code: string): boolean {
+  return code === "Space" || code === "Enter" || code === "NumpadEnter";
+}
+
+function KeyHelp() {
+  return (
+    <dl className={styles.keys} aria-label="Keys">
+      <dt>
+        <kbd>←</kbd> <kbd>→</kbd> or <kbd>A</kbd> <kbd>D</kbd>
+      </dt>
+      <dd>move</dd>
+      <dt>
+        <kbd>Space</kbd>
+      </dt>
+      <dd>fire, may be held</dd>
+      <dt>
+        <kbd>Esc</kbd>
+      </dt>
+      <dd>pause</dd>
+    </dl>
+  );
+}
+
+function Tip({ behaviour }: { behaviour: Behaviour }) {
+  const { n_recordings: n, id } = behaviour;
+  if (n < 2) {
+    return (
+      <p className={styles.tip}>
+        Two recordings are the least that can be ranked; about a dozen, from perfect to hopeless,
+        is what an agent learns well from.
+      </p>
+    );
+  }
+  return (
+    <p className={styles.tip}>
+      {n} recordings so far. <Link to={`/behaviours/${id}/rank`}>Put them in order</Link> whenever
+      you like.
+    </p>
+  );
+}

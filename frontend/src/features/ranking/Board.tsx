@@ -1,0 +1,153 @@
+import { Fragment, type ReactNode } from "react";
+
+import { isTied, joinAbove, moveDown, moveUp, newTier, place, tierOf, type Tiers } from "./order";
+import { gapPlace, tierPlace, TRAY } from "./places";
+import { type Move, RankCard } from "./RankCard";
+import styles from "./RankPage.module.css";
+
+import type { Behaviour, Recording } from "@/api/types";
+import { useDropPlace } from "@/components/DragBoard";
+import { classes } from "@/lib/classes";
+import { count } from "@/lib/format";
+
+export interface BoardProps {
+  tiers: Tiers;
+  recordings: ReadonlyMap<number, Recording>;
+  behaviour: Behaviour;
+  looked: number | null;
+  onLook: (id: number) => void;
+  onMove: (id: number, move: Move) => void;
+  onPerfect: (recording: Recording) => void;
+}
+
+/** What a button on a card does to the order. */
+export function applyMove(tiers: Tiers, id: number, move: Move): Tiers {
+  switch (move) {
+    case "up":
+      return tierOf(tiers, id) < 0
+        ? place(tiers, id, { kind: "gap", before: 0 })
+        : moveUp(tiers, id);
+    case "down":
+      return moveDown(tiers, id);
+    case "join":
+      return joinAbove(tiers, id);
+    case "new":
+      return newTier(tiers, id);
+    case "tray":
+      return place(tiers, id, { kind: "tray" });
+  }
+}
+
+/** The moves that would change something for a recording. */
+function possibleMoves(tiers: Tiers, id: number): ReadonlySet<Move> {
+  const at = tierOf(tiers, id);
+  if (at < 0) return new Set<Move>(["up", "new"]);
+  const tied = isTied(tiers, id);
+  const moves: Move[] = ["tray"];
+  if (tied || at > 0) moves.push("up");
+  if (tied || at < tiers.length - 1) moves.push("down");
+  if (at > 0) moves.push("join");
+  if (tied) moves.push("new");
+  return new Set(moves);
+}
+
+/** The tiers from best to worst. */
+export function Board(props: BoardProps) {
+  const { tiers } = props;
+  if (tiers.length === 0) return <EmptyBoard />;
+  return (
+    <ol className={styles.tiers} aria-label="Tiers, best first">
+      {tiers.map((tier, index) => (
+        // A tier is known by what is in it, so that cards keep their focus when it moves.
+        <Fragment key={`of-${Math.min(...tier)}`}>
+          <Gap before={index} />
+          <Tier {...props} tier={tier} index={index} />
+        </Fragment>
+      ))}
+      <Gap before={tiers.length} />
+    </ol>
+  );
+}
+
+function EmptyBoard() {
+  const { setPlace, isOver } = useDropPlace(gapPlace(0));
+  return (
+    <div ref={setPlace} className={classes(styles.empty, isOver && styles.over)}>
+      <p>
+        Drag recordings here, the best to the top. Drop one on another to call it a tie, between
+        two to put it between them.
+      </p>
+    </div>
+  );
+}
+
+function Gap({ before }: { before: number }) {
+  const { setPlace, isOver } = useDropPlace(gapPlace(before));
+  return (
+    <li
+      ref={setPlace}
+      role="presentation"
+      className={classes(styles.gap, isOver && styles.gapOver)}
+    />
+  );
+}
+
+function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
+  const { tiers, tier, index } = props;
+  const name = tierPlace(index);
+  const { setPlace, isOver } = useDropPlace(name);
+  return (
+    <li
+      ref={setPlace}
+      className={classes(styles.tier, isOver && styles.over)}
+      aria-label={`Tier ${index + 1} of ${tiers.length}, ${count(tier.length, "recording")}`}
+    >
+      <span className={styles.number} aria-hidden="true">
+        {index + 1}
+        {index === 0 && <small>best</small>}
+        {index === tiers.length - 1 && index > 0 && <small>worst</small>}
+      </span>
+      <div className={styles.cards}>{tier.map((id) => cardOf(props, id, name))}</div>
+    </li>
+  );
+}
+
+/** The recordings in no tier. */
+export function Tray(props: BoardProps & { unranked: readonly number[] }) {
+  const { unranked } = props;
+  const { setPlace, isOver } = useDropPlace(TRAY);
+  return (
+    <section
+      ref={setPlace}
+      className={classes(styles.tray, isOver && styles.over)}
+      aria-label={`Unranked, ${count(unranked.length, "recording")}`}
+    >
+      <h3>Unranked ({unranked.length})</h3>
+      {unranked.length === 0 ? (
+        <p className={styles.trayEmpty}>All recordings are ranked.</p>
+      ) : (
+        unranked.map((id) => cardOf(props, id, TRAY))
+      )}
+    </section>
+  );
+}
+
+function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
+  const { tiers, recordings, behaviour, looked, onLook, onMove, onPerfect } = props;
+  const recording = recordings.get(id);
+  if (!recording) return null;
+  return (
+    <RankCard
+      key={id}
+      recording={recording}
+      behaviour={behaviour}
+      place={placeName}
+      ranked={placeName !== TRAY}
+      looked={looked === id}
+      possible={possibleMoves(tiers, id)}
+      onMove={(move) => onMove(id, move)}
+      onPerfect={() => onPerfect(recording)}
+      onLook={() => onLook(id)}
+    />
+  );
+}

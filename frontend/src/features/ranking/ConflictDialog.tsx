@@ -1,0 +1,67 @@
+import { movedBetween, type Tiers } from "./order";
+import styles from "./RankPage.module.css";
+
+import { Button } from "@/components/Button";
+import { Dialog } from "@/components/Dialog";
+import { recordingName } from "@/lib/recordings";
+
+interface ConflictDialogProps {
+  theirs: Tiers;
+  mine: Tiers;
+  onSettle: (whose: "theirs" | "mine") => void;
+}
+
+/** Somebody else saved first: both orders, and which one shall stand. */
+export function ConflictDialog({ theirs, mine, onSettle }: ConflictDialogProps) {
+  const moved = movedBetween(theirs, mine);
+  return (
+    <Dialog
+      title="The order was changed elsewhere"
+      width="44rem"
+      onClose={() => onSettle("theirs")}
+    >
+      <p>
+        Another tab or person saved an order after you had loaded this one. Nothing is lost: the
+        order that you don&rsquo;t choose stays in the history and can be brought back by undo.
+      </p>
+      <br />
+      <div className={styles.conflict}>
+        <section aria-label="Saved elsewhere">
+          <h3>Saved elsewhere</h3>
+          <Order tiers={theirs} moved={moved} />
+          <Button onClick={() => onSettle("theirs")}>Keep theirs</Button>
+        </section>
+        <section aria-label="Yours">
+          <h3>Yours</h3>
+          <Order tiers={mine} moved={moved} />
+          <Button kind="primary" onClick={() => onSettle("mine")}>
+            Use mine
+          </Button>
+        </section>
+      </div>
+    </Dialog>
+  );
+}
+
+function Order({ tiers, moved }: { tiers: Tiers; moved: ReadonlySet<number> }) {
+  if (tiers.length === 0) return <p>Nothing is ranked.</p>;
+  return (
+    <ol>
+      {tiers.map((tier, index) => (
+        <li key={tier.join("-")}>
+          <span>{index + 1}</span>
+          <span>
+            {tier.map((id, place) => (
+              <span key={id}>
+                {place > 0 && " = "}
+                <span className={moved.has(id) ? styles.moved : undefined}>
+                  {recordingName({ id })}
+                </span>
+              </span>
+            ))}
+          </span>
+        </li>
+      ))}
+    </ol>
+  );
+}

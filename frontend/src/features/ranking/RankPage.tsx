@@ -1,0 +1,245 @@
+import { useQuery } from "@tanstack/react-query";
+import { useCallback, useEffect, useMemo, useState } from "react";
+
+import { applyMove, Board, Tray } from "./Board";
+import { ConflictDialog } from "./ConflictDialog";
+import { Hints } from "./Hints";
+import { place, tierOf, type Tiers } from "./order";
+import { allPlaces, isGap, placeInWords, readPlace } from "./places";
+import { CardBody, type Move } from "./RankCard";
+import styles from "./RankPage.module.css";
+import type { RankingSaver, SaverState } from "./saver";
+import { useRankingSaver } from "./use-ranking";
+
+import { messageOf } from "@/api/client";
+import { rankingQuery } from "@/api/rankings";
+import { recordingsQuery } from "@/api/recordings";
+import type { Behaviour, Ranking, Recording } from "@/api/types";
+import { Button, ButtonLink, IconButton } from "@/components/Button";
+import { DragBoard } from "@/components/DragBoard";
+import { RecordingScreen } from "@/components/RecordingScreen";
+import { Empty, Failed, Loading, Notice } from "@/components/States";
+import { useRecordingActions } from "@/components/use-recording-actions";
+import { WatchDialog } from "@/components/WatchDialog";
+import { recordingName, scoreInWords } from "@/lib/recordings";
+
+/** Puts a behaviour's recordings into tiers from best to worst. */
+export function RankPage({ behaviour }: { behaviour: Behaviour }) {
+  const ranking = useQuery(rankingQuery(behaviour.id));
+  const recordings = useQuery(recordingsQuery(behaviour.id));
+  const error = ranking.error ?? recordings.error;
+  if (error && !(ranking.data && recordings.data)) {
+    return (
+      <Failed
+        what="The ranking"
+        error={error}
+        onRetry={() => {
+          void ranking.refetch();
+          void recordings.refetch();
+        }}
+      />
+    );
+  }
+  if (!ranking.data || !recordings.data) return <Loading what="the ranking" rows={4} />;
+  const { tiers, unranked } = ranking.data;
+  if (tiers.length === 0 && unranked.length === 0) return <NothingToRank behaviour={behaviour} />;
+  return (
+    <RankingDesk
+      key={behaviour.id}
+      behaviour={behaviour}
+      ranking={ranking.data}
+      recordings={recordings.data}
+    />
+  );
+}
+
+function NothingToRank({ behaviour }: { behaviour: Behaviour }) {
+  return (
+    <Empty
+      title="Nothing to rank yet"
+      actions={
+        <ButtonLink kind="primary" to={`/behaviours/${behaviour.id}/play`}>
+          Play a game
+        </ButtonLink>
+      }
+    >
+      <p>Games that you keep appear here. Two are enough to begin with.</p>
+    </Empty>
+  );
+}
+
+interface DeskProps {
+  behaviour: Behaviour;
+  ranking: Ranking;
+  recordings: readonly Recording[];
+}
+
+function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
+  const [state, saver] = useRankingSaver(ranking);
+  const [looked, setLooked] = useState<number | null>(null);
+  const [spoken, setSpoken] = useState("");
+  const actions = useRecordingActions(behaviour.id);
+  const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
+  const { tiers } = state;
+  const unranked = unrankedOf(state);
+  useUndoKeys(saver);
+
+  const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
+  const nameOfPlace = useCallback((to: string) => placeInWords(to, tiers), [tiers]);
+
+  function move(id: number, kind: Move) {
+    const next = applyMove(tiers, id, kind);
+    saver.change(next);
+    setSpoken(`${recordingName({ id })}: ${standingInWords(next, id)}.`);
+  }
+
+  const desk = {
+    tiers,
+    recordings: byId,
+    behaviour,
+    looked,
+    onLook: setLooked,
+    onMove: move,
+    onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
+  };
+  return (
+    <DragBoard
+      places={allPlaces(tiers)}
+      isThin={isGap}
+      nameOfItem={nameOfItem}
+      nameOfPlace={nameOfPlace}
+      onDrop={(item, to) => saver.change(place(tiers, Number(item), readPlace(to)))}
+      renderDragged={(item) => {
+        const recording = byId.get(Number(item));
+        return recording && <CardBody recording={recording} behaviour={behaviour} />;
+      }}
+    >
+      <div className={styles.page}>
+        <section aria-label="Ranking">
+          <Bar state={state} saver={saver} />
+          <Board {...desk} />
+        </section>
+        <div className={styles.side}>
+          <Preview recording={looked === null ? undefined : byId.get(looked)} behaviour={behaviour} />
+          <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
+          <Tray {...desk} unranked={unranked} />
+        </div>
+      </div>
+      <p role="status" className="visually-hidden">
+        {spoken}
+      </p>
+      {state.conflict && (
+        <ConflictDialog
+          theirs={state.conflict.tiers}
+          mine={tiers}
+          onSettle={(whose) => saver.settle(whose)}
+        />
+      )}
+    </DragBoard>
+  );
+}
+
+/** All recordings of the saved ranking that are in none of the tiers shown. */
+function unrankedOf({ saved, tiers }: SaverState): readonly number[] {
+  const ranked = new Set(tiers.flat());
+  return [...saved.unranked, ...saved.tiers.flat()].filter((id) => !ranked.has(id));
+}
+
+function standingInWords(tiers: Tiers, id: number): string {
+  const at = tierOf(tiers, id);
+  if (at < 0) return "unranked";
+  const others = (tiers[at]?.length ?? 1) - 1;
+  const tie = others === 0 ? "alone" : `tied with ${others}`;
+  return `tier ${at + 1} of ${tiers.length}, ${tie}`;
+}
+
+function Bar({ state, saver }: { state: SaverState; saver: RankingSaver }) {
+  const { saved, saving, error, conflict } = state;
+  return (
+    <>
+      <div className={styles.bar}>
+        <h2>Best to worst</h2>
+        <span className={styles.saved} role="status">
+          {saving ? "Saving…" : error ? "Not saved" : "Saved"}
+        </span>
+        <IconButton
+          icon="undo"
+          label="Undo (Ctrl+Z)"
+          disabled={!saved.can_undo || conflict !== null}
+          onClick={() => void saver.step("undo")}
+        />
+        <IconButton
+          icon="redo"
+          label="Redo (Ctrl+Shift+Z)"
+          disabled={!saved.can_redo || conflict !== null}
+          onClick={() => void saver.step("redo")}
+        />
+      </div>
+      {error !== null && (
+        <Notice tone="bad" live>
+          <p>The order could not be saved: {messageOf(error)}</p>
+          <Button onClick={() => saver.retry()}>Try again</Button>
+        </Notice>
+      )}
+    </>
+  );
+}
+
+const PREVIEW = { width: 352, height: 210 } as const;
+
+function Preview({
+  recording,
+  behaviour,
+}: {
+  recording: Recording | undefined;
+  behaviour: Behaviour;
+}) {
+  const [watching, setWatching] = useState(false);
+  const nTargets = behaviour.target?.length ?? null;
+  if (!recording) {
+    return (
+      <div className={styles.preview}>
+        <div className={styles.screen}>Point at a recording and it plays here.</div>
+      </div>
+    );
+  }
+  return (
+    <section className={styles.preview} aria-label="Preview">
+      <button
+        type="button"
+        className={styles.screen}
+        aria-label={`Watch ${recordingName(recording)}`}
+        onClick={() => setWatching(true)}
+      >
+        <RecordingScreen key={recording.id} recording={recording} playing {...PREVIEW} />
+      </button>
+      <p className={styles.caption}>
+        <strong>{recordingName(recording)}</strong>
+        <span>{scoreInWords(recording, nTargets)}</span>
+      </p>
+      {watching && (
+        <WatchDialog
+          recording={recording}
+          nTargets={nTargets}
+          onClose={() => setWatching(false)}
+        />
+      )}
+    </section>
+  );
+}
+
+/** Ctrl+Z takes back, Ctrl+Shift+Z (or Ctrl+Y) makes it again. */
+function useUndoKeys(saver: RankingSaver): void {
+  useEffect(() => {
+    const down = (event: KeyboardEvent) => {
+      const target = event.target as HTMLElement;
+      if (!(event.ctrlKey || event.metaKey) || target.matches("input, textarea")) return;
+      const key = event.key.toLowerCase();
+      if (key !== "z" && key !== "y") return;
+      event.preventDefault();
+      void saver.step(key === "y" || event.shiftKey ? "redo" : "undo");
+    };
+    window.addEventListener("keydown", down);
+    return () => window.removeEventListener("keydown", down);
+  }, [saver]);
+}

@@ -1,0 +1,99 @@
+/**
+ * Changes of an order. Pure: tiers go in, tiers come out, best tier first; no tier is ever empty
+ * and no recording is in two of them. Recordings in no tier are unranked.
+ */
+
+export type Tiers = readonly (readonly number[])[];
+
+/** Where a recording can be put; numbers refer to the tiers as they are before. */
+export type Place =
+  /** Into a tier, tied with those in it. */
+  | { readonly kind: "tier"; readonly tier: number }
+  /** Into a new tier before this one; the number of tiers means: at the end. */
+  | { readonly kind: "gap"; readonly before: number }
+  | { readonly kind: "tray" };
+
+/** The tier a recording is in; -1 if it is unranked. */
+export function tierOf(tiers: Tiers, id: number): number {
+  return tiers.findIndex((tier) => tier.includes(id));
+}
+
+/** Puts a recording into a place, wherever it was. */
+export function place(tiers: Tiers, id: number, to: Place): Tiers {
+  const without = tiers.map((tier) => tier.filter((other) => other !== id));
+  if (to.kind === "tier") {
+    const changed = without.map((tier, index) => (index === to.tier ? [...tier, id] : tier));
+    // Where it already was, nothing moves.
+    return tierOf(tiers, id) === to.tier ? tiers : withoutEmpty(changed);
+  }
+  if (to.kind === "gap") {
+    return withoutEmpty([...without.slice(0, to.before), [id], ...without.slice(to.before)]);
+  }
+  return withoutEmpty(without);
+}
+
+function withoutEmpty(tiers: Tiers): Tiers {
+  return tiers.filter((tier) => tier.length > 0);
+}
+
+/** One up: out of a tie to just above it, or past the tier above. */
+export function moveUp(tiers: Tiers, id: number): Tiers {
+  const at = tierOf(tiers, id);
+  if (at < 0) return tiers;
+  if (isTied(tiers, id)) return place(tiers, id, { kind: "gap", before: at });
+  return at === 0 ? tiers : place(tiers, id, { kind: "gap", before: at - 1 });
+}
+
+/** One down: out of a tie to just below it, or past the tier below. */
+export function moveDown(tiers: Tiers, id: number): Tiers {
+  const at = tierOf(tiers, id);
+  if (at < 0) return tiers;
+  if (isTied(tiers, id)) return place(tiers, id, { kind: "gap", before: at + 1 });
+  return at === tiers.length - 1 ? tiers : place(tiers, id, { kind: "gap", before: at + 2 });
+}
+
+/** Into the tier above, tied with those in it. */
+export function joinAbove(tiers: Tiers, id: number): Tiers {
+  const at = tierOf(tiers, id);
+  return at <= 0 ? tiers : place(tiers, id, { kind: "tier", tier: at - 1 });
+}
+
+/** Into a tier of its own, just below those it was tied with; an unranked one at the end. */
+export function newTier(tiers: Tiers, id: number): Tiers {
+  const at = tierOf(tiers, id);
+  if (at < 0) return place(tiers, id, { kind: "gap", before: tiers.length });
+  return isTied(tiers, id) ? place(tiers, id, { kind: "gap", before: at + 1 }) : tiers;
+}
+
+/** Whether others are in the same tier. */
+export function isTied(tiers: Tiers, id: number): boolean {
+  return (tiers[tierOf(tiers, id)]?.length ?? 0) > 1;
+}
+
+/** How many pairs (better, worse) an order implies. */
+export function pairCount(tiers: Tiers): number {
+  let above = 0;
+  let pairs = 0;
+  for (const tier of tiers) {
+    pairs += above * tier.length;
+    above += tier.length;
+  }
+  return pairs;
+}
+
+/** Whether two orders put the same recordings into the same tiers. */
+export function sameOrder(a: Tiers, b: Tiers): boolean {
+  return (
+    a.length === b.length &&
+    a.every((tier, index) => {
+      const other = b[index] ?? [];
+      return tier.length === other.length && tier.every((id) => other.includes(id));
+    })
+  );
+}
+
+/** The recordings that one order puts into another tier than the other, or leaves out. */
+export function movedBetween(a: Tiers, b: Tiers): ReadonlySet<number> {
+  const all = new Set([...a.flat(), ...b.flat()]);
+  return new Set([...all].filter((id) => tierOf(a, id) !== tierOf(b, id)));
+}

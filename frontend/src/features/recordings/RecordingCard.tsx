@@ -1,0 +1,89 @@
+import { useState } from "react";
+
+import { NotesDialog } from "./NotesDialog";
+import styles from "./RecordingCard.module.css";
+
+import type { Behaviour, Recording } from "@/api/types";
+import { ColumnBars, SourceBadge, VerifiedBadge } from "@/components/Badges";
+import { IconButton } from "@/components/Button";
+import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
+import { useRecordingActions } from "@/components/use-recording-actions";
+import { endInWords, lengthInWords, recordingName, scoreInWords } from "@/lib/recordings";
+
+const SCREEN_WIDTH_PX = 320;
+const SCREEN_HEIGHT_PX = 210;
+
+interface RecordingCardProps {
+  recording: Recording;
+  behaviour: Behaviour;
+  onWatch: (recording: Recording) => void;
+}
+
+/** One recording: its picture, how it went, and what can be done with it. */
+export function RecordingCard({ recording, behaviour, onWatch }: RecordingCardProps) {
+  const [looked, look] = useLookedAt();
+  const [writing, setWriting] = useState(false);
+  const actions = useRecordingActions(behaviour.id);
+  const name = recordingName(recording);
+  return (
+    <article className={styles.card} aria-label={name}>
+      <button
+        type="button"
+        className={styles.screen}
+        aria-label={`Watch ${name}`}
+        onClick={() => onWatch(recording)}
+        {...look}
+      >
+        <RecordingScreen
+          recording={recording}
+          playing={looked}
+          width={SCREEN_WIDTH_PX}
+          height={SCREEN_HEIGHT_PX}
+        />
+      </button>
+      <div className={styles.facts}>
+        <div className={styles.title}>
+          <h3>{name}</h3>
+          <IconButton
+            icon="star"
+            label={recording.perfect ? "Perfect. Take the mark off" : "Mark as perfect"}
+            aria-pressed={recording.perfect}
+            filled={recording.perfect}
+            className={recording.perfect ? styles.starOn : undefined}
+            onClick={() => actions.setPerfect(recording, !recording.perfect)}
+          />
+          <IconButton
+            icon="note"
+            label={recording.notes ? "Change the note" : "Write a note"}
+            onClick={() => setWriting(true)}
+          />
+          <IconButton
+            icon="trash"
+            label={`Delete ${name}`}
+            onClick={() => actions.remove(recording)}
+          />
+        </div>
+        <div className={styles.row}>
+          <div className={styles.words}>
+            <strong>{scoreInWords(recording, behaviour.target?.length ?? null)}</strong>
+            <span>{lengthInWords(recording)}</span>
+            <span>{endInWords(recording.end)}</span>
+          </div>
+          <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
+        </div>
+        <div className={styles.badges}>
+          <SourceBadge recording={recording} />
+          <VerifiedBadge recording={recording} />
+        </div>
+        {recording.notes && <p className={styles.note}>{recording.notes}</p>}
+      </div>
+      {writing && (
+        <NotesDialog
+          recording={recording}
+          onSave={(notes) => actions.setNotes(recording, notes)}
+          onClose={() => setWriting(false)}
+        />
+      )}
+    </article>
+  );
+}

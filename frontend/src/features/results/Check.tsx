@@ -1,0 +1,127 @@
+import styles from "./Check.module.css";
+import type { Watched } from "./Comparison";
+import { Scatter } from "./Scatter";
+
+import type { Behaviour, RankingCheck } from "@/api/types";
+import { SourceBadge } from "@/components/Badges";
+import { Notice } from "@/components/States";
+import { fixed, measured, percent } from "@/lib/format";
+import { recordingName, scoreInWords } from "@/lib/recordings";
+
+interface CheckProps {
+  check: RankingCheck;
+  behaviour: Behaviour;
+  onWatch: (watched: Watched) => void;
+}
+
+/** Whether the learned reward agrees with the ranking, recording by recording. */
+export function Check({ check, behaviour, onWatch }: CheckProps) {
+  return (
+    <>
+      <Numbers check={check} />
+      <Notice tone={check.passed ? "calm" : "warn"} icon={check.passed ? "check" : "alert"}>
+        <p>
+          {check.passed
+            ? "The learned reward puts the recordings into the order that they were given."
+            : "The learned reward doesn’t agree with the order well enough to train on. Recordings that differ more between the tiers named below, or another order, would help."}
+        </p>
+      </Notice>
+      {check.confused.length > 0 && <Confused check={check} />}
+      <div className={styles.check}>
+        <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
+        <Scatter returns={check.returns} />
+      </div>
+    </>
+  );
+}
+
+function Numbers({ check }: { check: RankingCheck }) {
+  return (
+    <dl className={styles.numbers}>
+      <div>
+        <dt>Kendall&rsquo;s tau</dt>
+        <dd>{fixed(check.tau, 2)}</dd>
+      </div>
+      <div>
+        <dt>Pairs of snippets put right</dt>
+        <dd>{percent(check.pair_accuracy)}</dd>
+      </div>
+      {check.held_out_accuracy !== null && (
+        <div>
+          <dt>Pairs with recordings left out put right</dt>
+          <dd>{percent(check.held_out_accuracy)}</dd>
+        </div>
+      )}
+    </dl>
+  );
+}
+
+function Confused({ check }: { check: RankingCheck }) {
+  return (
+    <section aria-label="Confused tiers" className={styles.confused}>
+      <h3>Tiers that it mixes up</h3>
+      <ul>
+        {check.confused.map((one) => (
+          <li key={`${one.better_tier}-${one.worse_tier}`}>
+            Tier {one.better_tier} ({names(one.better)}) should be above tier {one.worse_tier} (
+            {names(one.worse)}): {percent(one.accuracy)} of snippet pairs put right.
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function names(ids: readonly number[]): string {
+  return ids.map((id) => recordingName({ id })).join(", ");
+}
+
+function Returns({ check, behaviour, onWatch }: CheckProps) {
+  const best = Math.max(...check.returns.map((one) => one.predicted_return));
+  return (
+    <table className={styles.table} aria-label="Predicted returns">
+      <thead>
+        <tr>
+          <th scope="col">Tier</th>
+          <th scope="col">Recording</th>
+          <th scope="col">Played by</th>
+          <th scope="col" className={styles.right}>
+            Predicted return
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {check.returns.map(({ tier, recording, predicted_return: value }, index) => (
+          <tr key={recording.id}>
+            <td>{tier}</td>
+            <td>
+              <button
+                type="button"
+                title={scoreInWords(recording, behaviour.target?.length ?? null)}
+                onClick={() => onWatch({ recording, title: recordingName(recording) })}
+              >
+                {recordingName(recording)}
+              </button>
+            </td>
+            <td>
+              <SourceBadge recording={recording} />
+            </td>
+            <td className={isOdd(check, index) ? `${styles.right} ${styles.odd}` : styles.right}>
+              {measured(value)}
+              {value === best && tier > 1 && <span className="visually-hidden"> (highest)</span>}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** Whether a return is above one of a better tier's. */
+function isOdd({ returns }: RankingCheck, index: number): boolean {
+  const one = returns[index];
+  if (!one) return false;
+  return returns.some(
+    (other) => other.tier < one.tier && other.predicted_return < one.predicted_return,
+  );
+}

@@ -1,0 +1,69 @@
+/** The training form's values, and what is wrong with them. Pure. */
+import type { Recipe, RunNew } from "@/api/types";
+
+/** As typed, so that half-typed numbers stay as they are. */
+export interface FormValues {
+  readonly recipe: string;
+  readonly steps: string;
+  readonly learningRate: string;
+  readonly trainingSeed: string;
+  readonly goOnAnyway: boolean;
+}
+
+export interface FormErrors {
+  readonly steps?: string;
+  readonly learningRate?: string;
+  readonly trainingSeed?: string;
+}
+
+const MOST_STEPS = 100_000_000;
+const MOST_SEED = 2 ** 31 - 1;
+
+/** A recipe's own values. */
+export function defaultsOf(recipe: Recipe): FormValues {
+  return {
+    recipe: recipe.name,
+    steps: String(recipe.default_steps),
+    learningRate: String(recipe.learning_rate),
+    trainingSeed: "0",
+    goOnAnyway: false,
+  };
+}
+
+/** A whole number as people write it: "300,000", "300 000"; NaN if it is none. */
+export function readWhole(text: string): number {
+  const digits = text.replace(/[\s,_']/g, "");
+  return /^\d+$/.test(digits) ? Number(digits) : NaN;
+}
+
+/** What can't be sent as it is. */
+export function errorsIn(values: FormValues): FormErrors {
+  const steps = readWhole(values.steps);
+  const rate = Number(values.learningRate);
+  const seed = readWhole(values.trainingSeed);
+  return {
+    ...(steps >= 1 && steps <= MOST_STEPS
+      ? {}
+      : { steps: "Give a whole number of steps from 1 to 100,000,000." }),
+    ...(values.learningRate.trim() && rate > 0 && rate <= 1
+      ? {}
+      : { learningRate: "Give a number above 0 and up to 1, such as 0.0003." }),
+    ...(seed >= 0 && seed <= MOST_SEED
+      ? {}
+      : { trainingSeed: "Give a whole number from 0 to 2,147,483,647." }),
+  };
+}
+
+/** What is sent; null while something is wrong. */
+export function runOf(values: FormValues, behaviourId: number, example: boolean): RunNew | null {
+  if (Object.keys(errorsIn(values)).length > 0) return null;
+  return {
+    behaviour_id: behaviourId,
+    recipe: values.recipe,
+    steps: readWhole(values.steps),
+    learning_rate: Number(values.learningRate),
+    training_seed: readWhole(values.trainingSeed),
+    go_on_anyway: values.goOnAnyway,
+    example,
+  };
+}

@@ -1,0 +1,23 @@
+/** Colours of the page's tokens for drawings that know no CSS variables. */
+
+/** The colour that a CSS expression such as `var(--ink)` stands for now. */
+export function resolveColour(expression: string): string {
+  const probe = document.createElement("span");
+  probe.style.color = expression;
+  document.body.append(probe);
+  const colour = getComputedStyle(probe).color;
+  probe.remove();
+  return colour;
+}
+
+/** Calls back when the theme changes, by the system or by the button. */
+export function onThemeChange(callback: () => void): () => void {
+  const query = matchMedia("(prefers-color-scheme: dark)");
+  query.addEventListener("change", callback);
+  const observer = new MutationObserver(callback);
+  observer.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+  return () => {
+    query.removeEventListener("change", callback);
+    observer.disconnect();
+  };
+}

@@ -1,0 +1,130 @@
+/** Numbers, times and sizes as the page writes them. */
+
+export const FRAME_RATE_HZ = 60;
+export const FRAMES_PER_STEP = 4;
+export const STEPS_PER_S = FRAME_RATE_HZ / FRAMES_PER_STEP;
+export const MAX_STEPS = 300;
+
+/** Shown where there is no value. */
+export const NONE = "–";
+
+const grouped = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
+
+/** "1 run", "12 runs", "3,000 steps". */
+export function count(n: number, noun: string, plural = `${noun}s`): string {
+  return `${grouped.format(n)} ${n === 1 ? noun : plural}`;
+}
+
+/** A whole number with thousands apart. */
+export function whole(n: number): string {
+  return grouped.format(n).replace("-", "−");
+}
+
+/** "300 k", "10 M", "1,500": a number of steps, short. */
+export function shortCount(n: number): string {
+  if (n >= 1_000_000 && n % 100_000 === 0) return `${trimmed(n / 1_000_000)} M`;
+  if (n >= 10_000 && n % 1_000 === 0) return `${trimmed(n / 1_000)} k`;
+  return whole(n);
+}
+
+function trimmed(n: number): string {
+  return n.toFixed(1).replace(/\.0$/, "");
+}
+
+/** A number with fixed digits and a real minus sign. */
+export function fixed(n: number, digits: number): string {
+  const text = n.toFixed(digits);
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
+}
+
+/** A measured number with about three significant digits. */
+export function measured(n: number): string {
+  if (!Number.isFinite(n)) return NONE;
+  const size = Math.abs(n);
+  if (size >= 1000) return whole(n);
+  if (size >= 100) return fixed(n, 0);
+  if (size >= 10) return fixed(n, 1);
+  if (size >= 0.01 || size === 0) return fixed(n, 2);
+  return n.toExponential(1).replaceAll("-", "−");
+}
+
+/** "98.4 %" of a share from 0 to 1. */
+export function percent(share: number, digits = 1): string {
+  return `${fixed(share * 100, digits)} %`;
+}
+
+export interface Interval {
+  readonly mean: number;
+  readonly low: number;
+  readonly high: number;
+  readonly n: number;
+}
+
+/** "3.9 to 5.4": the bounds of a 95% interval. */
+export function bounds({ low, high }: Interval, digits = 1): string {
+  return `${fixed(low, digits)} to ${fixed(high, digits)}`;
+}
+
+/** Seconds of playing time, "14.2 s". */
+export function seconds(s: number, digits = 1): string {
+  return `${s.toFixed(digits)} s`;
+}
+
+/** How long something takes, in the largest fitting units: "40 s", "17 min", "2 h 05 min". */
+export function duration(s: number): string {
+  if (s < 59.5) return `${Math.max(0, Math.round(s))} s`;
+  const minutes = Math.round(s / 60);
+  if (minutes < 60) return `${minutes} min`;
+  const hours = Math.floor(minutes / 60);
+  if (hours < 48) return `${hours} h ${String(minutes % 60).padStart(2, "0")} min`;
+  return `${Math.round(hours / 24)} days`;
+}
+
+/** "about 17 min left", or nothing while it isn't known. */
+export function remaining(s: number | null): string {
+  return s === null ? "" : `about ${duration(s)} left`;
+}
+
+/** Bytes in decimal units: "14.2 kB". */
+export function bytes(n: number): string {
+  if (n < 1000) return `${n} B`;
+  const units = ["kB", "MB", "GB", "TB"];
+  let size = n;
+  let unit = -1;
+  do {
+    size /= 1000;
+    unit += 1;
+  } while (size >= 999.5 && unit < units.length - 1);
+  return `${size < 10 ? size.toFixed(1) : size.toFixed(0)} ${units[unit] ?? ""}`;
+}
+
+/** "just now", "5 min ago", "3 h ago", then the date. */
+export function ago(time: string, now: number): string {
+  const s = (now - new Date(time).getTime()) / 1000;
+  if (s < 45) return "just now";
+  if (s < 3600) return `${Math.max(1, Math.round(s / 60))} min ago`;
+  if (s < 86_400) return `${Math.round(s / 3600)} h ago`;
+  return new Date(time).toLocaleDateString("en", {
+    day: "numeric",
+    month: "short",
+    year: "numeric",
+  });
+}
+
+/** A moment with minutes, for titles and tables. */
+export function moment(time: string): string {
+  return new Date(time).toLocaleString("en-GB", {
+    day: "numeric",
+    month: "short",
+    year: "numeric",
+    hour: "2-digit",
+    minute: "2-digit",
+  });
+}
+
+/** 1st, 2nd, 3rd, 4th … */
+export function ordinal(n: number): string {
+  const ending = ["th", "st", "nd", "rd"];
+  const tens = n % 100;
+  return `${n}${ending[(tens - 20) % 10] ?? ending[tens] ?? "th"}`;
+}
