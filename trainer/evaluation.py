@@ -42,7 +42,8 @@ class PlayedGame:
         hits: The aliens shot, in order of time.
         end: Why it ended.
         shots: Missiles that left the cannon.
-        predicted_return: Sum of R over the states after each step; None without a reward model.
+        rewards: R of the start and of the state after each of T steps, float32 (T + 1,); None
+            without a reward model.
     """
 
     start: Start
@@ -50,7 +51,12 @@ class PlayedGame:
     hits: tuple[Hit, ...]
     end: EndReason
     shots: int
-    predicted_return: float | None
+    rewards: npt.NDArray[np.float32] | None
+
+    @property
+    def predicted_return(self) -> float | None:
+        """Sum of R over the states after each step; None without a reward model."""
+        return None if self.rewards is None else float(self.rewards[1:].sum(dtype=np.float64))
 
 
 def play(
@@ -87,7 +93,7 @@ def play(
         np.random.default_rng((sampling_seed, start.idle_frames, start.difficulty))
         for start in starts
     ]
-    returns = np.zeros(len(starts), np.float64)
+    rewards: list[list[float]] = [[] for _ in starts]
     finished: dict[int, FinishedGame] = {}
     with VectorGame(
         len(starts),
@@ -99,25 +105,23 @@ def play(
     ) as games:
         observations = games.reset()
         playing = np.arange(len(starts))
+        _score(model, observations, playing, rewards)
         while len(playing):
             actions = np.zeros(len(starts), np.int64)
             probabilities = actor.probabilities(observations[playing])
             actions[playing] = _choose(probabilities, choice, [generators[i] for i in playing])
             step = games.step(actions)
-            if model is not None:
-                ended = step.ended[playing, None, None, None]
-                reached = np.where(
-                    ended, step.terminal_observations[playing], step.observations[playing]
-                )
-                returns[playing] += model.score(reached)
+            ended = step.ended[:, None, None, None]
+            reached = np.where(ended, step.terminal_observations, step.observations)
+            _score(model, reached, playing, rewards)
             finished |= {one.game: one for one in step.finished}
             observations = step.observations
             playing = np.array([i for i in playing if i not in finished], np.int64)
             progress.advance(int(step.steps.max(initial=0)), game.MAX_STEPS)
     progress.advance(game.MAX_STEPS, game.MAX_STEPS)
     return [
-        _played(finished[index], None if model is None else float(returns[index]))
-        for index in range(len(starts))
+        _played(finished[index], None if model is None else np.array(scores, np.float32))
+        for index, scores in enumerate(rewards)
     ]
 
 
@@ -137,12 +141,24 @@ def _choose(
     return actions
 
 
-def _played(one: FinishedGame, predicted_return: float | None) -> PlayedGame:
+def _score(
+    model: RewardModel | None,
+    states: npt.NDArray[np.uint8],
+    playing: npt.NDArray[np.int64],
+    rewards: list[list[float]],
+) -> None:
+    """Add R of the states of the games that are being played to their lists."""
+    if model is not None:
+        for index, reward in zip(playing.tolist(), model.score(states[playing]), strict=True):
+            rewards[index].append(float(reward))
+
+
+def _played(one: FinishedGame, rewards: npt.NDArray[np.float32] | None) -> PlayedGame:
     return PlayedGame(
         start=one.start,
         recording=Recording(one.start, one.actions),
         hits=one.hits,
         end=one.end,
         shots=one.shots,
-        predicted_return=predicted_return,
+        rewards=rewards,
     )

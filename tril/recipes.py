@@ -54,7 +54,8 @@ class PolicyRecipe:
     """How the imitator is trained by PPO (Schulman et al. 2017) on the learned reward.
 
     Attributes:
-        network: "nature" is the Atari network of stable-baselines3, "small" two convolutions.
+        network: "nature" is the Atari network of stable-baselines3, "small" the same with half of
+            the channels and features.
         reward: "sigmoid" pays sigmoid(R(s')) per step (thesis, section 5.1); "level" pays R(s')
             scaled so that the worst demonstrations' states pay 0 and the best ones' end 1;
             "difference" pays the change of that level, so that progress pays and waiting doesn't.
@@ -71,8 +72,11 @@ class PolicyRecipe:
         entropy: Weight of the entropy bonus.
         value: Weight of the value loss.
         gradient_norm: Bound of the gradient's norm.
+        best_share: Which demonstrations count as the best ones in what follows: the first tier,
+            and further whole tiers as long as they fit into this share of all ranked ones.
         demonstration_share: Share of episodes begun from states of the best demonstrations.
         warm_start: Whether the policy starts from behaviour cloning of the best demonstrations.
+        warm_start_epochs: Passes over the best demonstrations in that cloning.
         start_policy_pull: Initial weight of the KL divergence from the start policy; falls
             linearly to zero over the training.
         critic_warm_up_steps: Steps in which only the critic learns.
@@ -97,8 +101,10 @@ class PolicyRecipe:
     entropy: float = 0.01
     value: float = 0.5
     gradient_norm: float = 0.5
+    best_share: float = 0.0
     demonstration_share: float = 0.0
     warm_start: bool = False
+    warm_start_epochs: int = 0
     start_policy_pull: float = 0.0
     critic_warm_up_steps: int = 0
     snapshot_steps: tuple[int, ...] = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
@@ -192,8 +198,10 @@ FAST = Recipe(
         death_penalty=5.0,
         n_games=24,
         epochs=3,
+        best_share=0.25,
         demonstration_share=0.25,
         warm_start=True,
+        warm_start_epochs=15,
         start_policy_pull=0.1,
         critic_warm_up_steps=12_000,
         snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),

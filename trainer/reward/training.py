@@ -16,6 +16,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
+from trainer.chance import drawn_from
 from trainer.progress import Part, Progress
 from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
 from trainer.reward.snippets import SnippetPairs, SnippetRule, draw_snippets, preference_pairs
@@ -227,9 +228,7 @@ def calibrate(
 
 def new_network(rng: np.random.Generator) -> RewardNetwork:
     """Make a network with PyTorch's own initialisation, drawn from this generator alone."""
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(int(rng.integers(2**63)))
-        return RewardNetwork()
+    return drawn_from(rng, RewardNetwork)
 
 
 def _member_scores(

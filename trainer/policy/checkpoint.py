@@ -1,0 +1,116 @@
+"""Checkpoints of a PPO training: everything that its future depends on, in one file.
+
+A training that is killed and goes on from its checkpoint ends with the same weights, bit by bit,
+as one that was not, given the same number of threads.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save
+from torch import Tensor
+
+from trainer.policy.ppo import ImitationPPO
+from trainer.policy.vec_env import TrilVecEnv
+from tril.artifacts import write_whole
+from tril.errors import Invalid
+
+FORMAT = "tril-ppo-checkpoint"
+FORMAT_VERSION = 1
+
+
+def save_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv, extra: dict[str, Any]) -> None:
+    """Write a checkpoint; call it between two rollouts only.
+
+    Args:
+        path: The file, replaced whole.
+        ppo: The training.
+        env: Its games.
+        extra: What else is to be kept, JSON-ready.
+    """
+    arrays = {f"games/{name}": array for name, array in env.save().items()}
+    arrays["last/observations"] = ppo._last_obs
+    arrays["last/episode_starts"] = ppo._last_episode_starts
+    tensors = {name: torch.from_numpy(np.array(array)) for name, array in arrays.items()}
+    tensors |= {f"policy/{name}": t for name, t in _own_tensors(ppo).items()}
+    tensors |= {f"optimizer/{name}": t for name, t in _optimizer_tensors(ppo).items()}
+    tensors["draws/actions"] = ppo.draws.actions.get_state()
+    state = {
+        "steps": ppo.num_timesteps,
+        "updates": ppo._n_updates,
+        "order": ppo.draws.order.bit_generator.state,
+        "extra": extra,
+    }
+    metadata = {"format": FORMAT, "version": str(FORMAT_VERSION), "state": json.dumps(state)}
+    write_whole(path, save({name: t.contiguous() for name, t in tensors.items()}, metadata))
+
+
+def load_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv) -> dict[str, Any]:
+    """Put a training where its checkpoint was; returns ``extra``.
+
+    Args:
+        path: The file.
+        ppo: A training made with the same recipe, as yet untrained.
+        env: Its games, not begun.
+
+    Raises:
+        Invalid: The file is no checkpoint of this version.
+    """
+    try:
+        with safe_open(str(path), framework="pt") as file:
+            metadata = file.metadata() or {}
+            if (metadata.get("format"), metadata.get("version")) != (FORMAT, str(FORMAT_VERSION)):
+                raise Invalid(
+                    f"{path} is no checkpoint that this version can go on from. Remove it and the"
+                    " training begins anew."
+                )
+            state = json.loads(metadata["state"])
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except SafetensorError as error:
+        raise Invalid(f"{path} cannot be read: {error}. Remove it to begin anew.") from error
+    groups: dict[str, dict[str, Tensor]] = {}
+    for name, tensor in tensors.items():
+        group, _, rest = name.partition("/")
+        groups.setdefault(group, {})[rest] = tensor
+    with torch.no_grad():
+        for name, parameter in ppo.policy.named_parameters():
+            parameter.copy_(groups["policy"][name])
+    _restore_optimizer(ppo, groups.get("optimizer", {}))
+    ppo.draws.actions.set_state(groups["draws"]["actions"])
+    ppo.draws.order.bit_generator.state = state["order"]
+    ppo.num_timesteps = state["steps"]
+    ppo._n_updates = state["updates"]
+    env.restore({name: tensor.numpy() for name, tensor in groups["games"].items()})
+    ppo._last_obs = groups["last"]["observations"].numpy()
+    ppo._last_episode_starts = groups["last"]["episode_starts"].numpy()
+    extra: dict[str, Any] = state["extra"]
+    return extra
+
+
+def _own_tensors(ppo: ImitationPPO) -> dict[str, Tensor]:
+    # Not state_dict: that has the features extractor under three names.
+    return {name: tensor.detach() for name, tensor in ppo.policy.named_parameters()}
+
+
+def _optimizer_tensors(ppo: ImitationPPO) -> dict[str, Tensor]:
+    return {
+        f"{number}/{name}": value
+        for number, parameter in enumerate(ppo.policy.parameters())
+        for name, value in ppo.policy.optimizer.state.get(parameter, {}).items()
+    }
+
+
+def _restore_optimizer(ppo: ImitationPPO, tensors: dict[str, Tensor]) -> None:
+    """Fill Adam's moments in, each laid out in memory as its parameter."""
+    parameters = list(ppo.policy.parameters())
+    for name, tensor in tensors.items():
+        number, _, key = name.partition("/")
+        parameter = parameters[int(number)]
+        like = torch.empty_like(parameter) if tensor.shape == parameter.shape else tensor
+        ppo.policy.optimizer.state[parameter][key] = like.copy_(tensor).detach()

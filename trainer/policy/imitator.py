@@ -1,0 +1,367 @@
+"""The imitator: a policy trained by PPO on the learned reward (TRIL, algorithm 1, step 3)."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors.torch import load_file, save
+from stable_baselines3.common.callbacks import BaseCallback
+
+from trainer.evaluation import play
+from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
+from trainer.policy.cloning import best_demonstrations, clone
+from trainer.policy.networks import Policy, ScreenPolicy, new_policy, save_policy
+from trainer.policy.ppo import Draws, ImitationPPO
+from trainer.policy.rewards import Payment
+from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
+from trainer.progress import Progress
+from trainer.reward.model import RewardModel
+from tril.artifacts import write_whole
+from tril.behaviours import Behaviour, score
+from tril.game.episode import Ending
+from tril.game.starts import TRAINING_IDLE_FRAMES, Start
+from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
+from tril.recipes import Recipe
+from tril.recording import Recording, Trajectory
+
+CHECKPOINT_EVERY_S = 45.0
+"""A killed training loses at most this and one rollout."""
+
+CURVE_EPISODES = 50
+"""Whole games over which the curves are averaged."""
+
+_CHECKPOINT = "checkpoint.safetensors"
+_START_POLICY = "start-policy.safetensors"
+_BEST = "best.zip"
+
+
+@dataclass(frozen=True)
+class ImitationTask:
+    """What an imitator is trained from.
+
+    Attributes:
+        model: The learned reward.
+        recordings: The ranked demonstrations.
+        trajectories: The same through an agent's eyes, in the same order.
+        tiers: Indices into both, best tier first.
+        recipe: How it is trained.
+        steps: PPO steps, rounded up to whole rollouts.
+        training_seed: Feeds every random choice.
+        behaviour: For the curves of hits only; learning never looks at it.
+    """
+
+    model: RewardModel
+    recordings: Sequence[Recording]
+    trajectories: Sequence[Trajectory]
+    tiers: Sequence[Sequence[int]]
+    recipe: Recipe
+    steps: int
+    training_seed: int
+    behaviour: Behaviour | None = None
+
+
+@dataclass(frozen=True)
+class SnapshotScore:
+    """How good the policy was in the middle of its training.
+
+    Attributes:
+        steps: After how many PPO steps.
+        predicted_return: Mean over games from training starts of what the learned reward pays, in
+            the shape that the policy is trained on: with the unbounded raw R, whose offset is
+            arbitrary, dying early may look best.
+    """
+
+    steps: int
+    predicted_return: float
+
+
+@dataclass(frozen=True)
+class ImitatorResult:
+    """What a training gave.
+
+    Attributes:
+        snapshots: The policies that were compared, in the order of their steps.
+        best_steps: After how many steps the saved policy, the best of them, was taken.
+    """
+
+    snapshots: tuple[SnapshotScore, ...]
+    best_steps: int
+
+
+def train_imitator(
+    task: ImitationTask,
+    path: Path,
+    checkpoint_folder: Path,
+    progress: Progress,
+    *,
+    n_processes: int | None = None,
+) -> ImitatorResult:
+    """Train an imitator, or go on training it, and save the best snapshot.
+
+    Args:
+        task: What it is trained from.
+        path: Where the policy is saved, for plain ``PPO.load``.
+        checkpoint_folder: An existing folder of this training alone. What a training that was
+            killed left there is gone on from.
+        progress: Told of steps, with the curves after every rollout.
+        n_processes: As of VectorGame; changes the speed only.
+
+    Raises:
+        RunCancelled: Raised by ``progress``.
+    """
+    recipe = task.recipe.policy
+    progress_at = _Reporter(task, progress)
+    checkpoint = checkpoint_folder / _CHECKPOINT
+    if not checkpoint.exists():
+        progress_at.tick()
+    payment = Payment.of(task.model, recipe)
+    games = VectorGame(
+        recipe.n_games,
+        _training_starts(task),
+        n_processes=n_processes,
+        ending=Ending(task.recipe.ending),
+        training_seed=task.training_seed,
+    )
+    with games:
+        env = TrilVecEnv(games, payment)
+        ppo = ImitationPPO(
+            env,
+            recipe,
+            task.steps,
+            Draws.of(task.training_seed),
+            progress_at.tick,
+            progress_at.add_episode,
+        )
+        progress_at.ppo = ppo
+        training = _Training(task, ppo, env, checkpoint_folder, progress_at)
+        training.begin()
+        ppo.learn(
+            max(0, task.steps - ppo.num_timesteps),
+            callback=training,
+            log_interval=None,  # type: ignore[arg-type]
+            reset_num_timesteps=False,
+        )
+        training.end()
+    write_whole(path, (checkpoint_folder / _BEST).read_bytes())
+    return ImitatorResult(tuple(training.snapshots), training.best_steps)
+
+
+def _training_starts(task: ImitationTask) -> TrainingStarts:
+    share = task.recipe.policy.demonstration_share
+    if not share:
+        return TrainingStarts()
+    best = best_demonstrations(task.tiers, task.recipe.policy.best_share)
+    logs = [
+        DemonstrationLog(task.recordings[i].start, task.recordings[i].actions)
+        for i in best
+        if task.recordings[i].actions
+    ]
+    return TrainingStarts(demonstrations=tuple(logs), demonstration_share=share)
+
+
+class _Reporter:
+    """Keeps what the curves show and passes it on."""
+
+    def __init__(self, task: ImitationTask, progress: Progress) -> None:
+        self._task = task
+        self._progress = progress
+        self.ppo: ImitationPPO | None = None
+        self.recent: deque[dict[str, float]] = deque(maxlen=CURVE_EPISODES)
+        self._since = time.monotonic()
+        self._steps_since = 0
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return min(self.ppo.num_timesteps, self._task.steps) if self.ppo else 0
+
+    def tick(self) -> None:
+        """Say where the training is; a cancelled run stops here."""
+        self._progress.advance(self.steps, self._task.steps)
+
+    def add_episode(self, episode: FinishedEpisode) -> None:
+        """Note an episode that has ended; those begun in a demonstration are left out."""
+        if not episode.is_whole:
+            return
+        values = {
+            "predicted_return": episode.predicted_return,
+            "paid_return": episode.paid,
+            "episode_steps": float(episode.n_steps),
+            "hit_share": float(episode.died),
+        }
+        cells = tuple((hit.row, hit.column) for hit in episode.game.hits)
+        scored = score(self._task.behaviour, cells) if self._task.behaviour else None
+        if scored is not None:
+            values |= {"hits": float(scored.targets), "strays": float(scored.strays)}
+        self.recent.append(values)
+
+    def rate(self) -> float:
+        """Return the steps per second since this was last asked."""
+        assert self.ppo is not None
+        now = time.monotonic()
+        steps = self.ppo.num_timesteps - self._steps_since
+        result = steps / max(1e-9, now - self._since)
+        self._since, self._steps_since = now, self.ppo.num_timesteps
+        return result
+
+    def report_rollout(self) -> None:
+        """Pass the curves' next point on."""
+        assert self.ppo is not None
+        values = {"steps_per_s": self.rate()}
+        values |= {
+            name: value
+            for name, value in self.ppo.update_values.items()
+            if name in {"entropy", "value_loss", "kl", "pull"}
+        }
+        if self.recent:
+            names = self.recent[-1]
+            values |= {name: float(np.mean([e[name] for e in self.recent])) for name in names}
+        self._progress.advance(self.steps, self._task.steps, values)
+
+
+class _Training(BaseCallback):
+    """What happens between two rollouts: curves, snapshots, checkpoints."""
+
+    def __init__(
+        self,
+        task: ImitationTask,
+        ppo: ImitationPPO,
+        env: TrilVecEnv,
+        folder: Path,
+        reporter: _Reporter,
+    ) -> None:
+        super().__init__()
+        self._task = task
+        self._ppo = ppo
+        self._env = env
+        self._folder = folder
+        self._reporter = reporter
+        self._saved_at = time.monotonic()
+        self._rollouts = 0
+        self.snapshots: list[SnapshotScore] = []
+
+    @property
+    def best_steps(self) -> int:
+        """Steps of the best snapshot; of equally good ones the latest."""
+        return max(self.snapshots, key=lambda s: (s.predicted_return, s.steps)).steps
+
+    def begin(self) -> None:
+        """Take the checkpoint up, or make the first policy."""
+        ppo, folder = self._ppo, self._folder
+        if (folder / _CHECKPOINT).exists():
+            extra = load_checkpoint(folder / _CHECKPOINT, ppo, self._env)
+            self.snapshots = [SnapshotScore(**snapshot) for snapshot in extra["snapshots"]]
+            self._reporter.recent.extend(extra["recent"])
+            self._reporter.rate()
+        if self._task.recipe.policy.warm_start:
+            start = self._start_policy()
+            if self._task.recipe.policy.start_policy_pull:
+                ppo.start_policy = start
+            if not ppo.num_timesteps:
+                ppo.policy.load_state_dict(start.state_dict())
+        self._reporter.tick()
+
+    def _start_policy(self) -> ScreenPolicy:
+        """Return the clone of the best demonstrations; it is learned once."""
+        file = self._folder / _START_POLICY
+        recipe = self._task.recipe
+        if file.exists():
+            policy = new_policy(recipe.policy.network, 0.0, np.random.default_rng(0))
+            weights = load_file(file)
+            with torch.no_grad():
+                for name, parameter in policy.named_parameters():
+                    parameter.copy_(weights[name])
+            return policy
+        best = best_demonstrations(self._task.tiers, recipe.policy.best_share)
+        policy, _ = clone(
+            [self._task.trajectories[i] for i in best],
+            replace(
+                recipe.cloning,
+                network=recipe.policy.network,
+                left_out_share=0.0,
+                epochs=recipe.policy.warm_start_epochs,
+            ),
+            self._task.training_seed,
+            _Ticking(self._reporter.tick),
+        )
+        tensors = {name: t.detach().contiguous() for name, t in policy.named_parameters()}
+        write_whole(file, save(tensors))
+        return policy
+
+    def _on_rollout_start(self) -> None:
+        if self._rollouts:
+            self._between_rollouts()
+        self._rollouts += 1
+
+    def _between_rollouts(self) -> None:
+        self._reporter.report_rollout()
+        done = self._ppo.num_timesteps
+        last = max((s.steps for s in self.snapshots), default=0)
+        is_due = any(last < due <= done for due in self._task.recipe.policy.snapshot_steps)
+        if is_due or (done >= self._task.steps and last < done):
+            self._take_snapshot()
+        if is_due or time.monotonic() - self._saved_at >= CHECKPOINT_EVERY_S:
+            self._save()
+
+    def end(self) -> None:
+        """Do what is due after the last rollout."""
+        if self._rollouts:
+            self._between_rollouts()
+        if not self.snapshots:
+            self._take_snapshot()
+        self._save()
+
+    def _take_snapshot(self) -> None:
+        """Judge the policy by the learned reward on training starts; keep it if it is the best."""
+        recipe = self._task.recipe
+        starts = judging_starts(recipe.policy.snapshot_episodes)
+        self._ppo.policy.set_training_mode(False)
+        games = play(
+            Policy(self._ppo.policy),
+            starts,
+            "greedy",
+            model=self._task.model,
+            ending=Ending(recipe.ending),
+            progress=_Ticking(self._reporter.tick),
+        )
+        payment = Payment.of(self._task.model, recipe.policy)
+        totals = [
+            payment.total(game.rewards, game.end) for game in games if game.rewards is not None
+        ]
+        self.snapshots.append(SnapshotScore(self._ppo.num_timesteps, float(np.mean(totals))))
+        if self.best_steps == self._ppo.num_timesteps:
+            save_policy(self._ppo.policy, self._folder / _BEST)
+
+    def _save(self) -> None:
+        extra: dict[str, Any] = {
+            "snapshots": [asdict(snapshot) for snapshot in self.snapshots],
+            "recent": list(self._reporter.recent),
+        }
+        save_checkpoint(self._folder / _CHECKPOINT, self._ppo, self._env, extra)
+        self._saved_at = time.monotonic()
+
+    def _on_step(self) -> bool:
+        return True
+
+
+class _Ticking:
+    """A progress of a part of the work that has no share of its own in the steps."""
+
+    def __init__(self, tick: Callable[[], None]) -> None:
+        self._tick = tick
+
+    def advance(self, done: int, total: int, values: object = None) -> None:
+        self._tick()
+
+
+def judging_starts(count: int) -> list[Start]:
+    """Return training starts, spread over all of them, by which snapshots are judged."""
+    places = np.linspace(0, len(TRAINING_IDLE_FRAMES) - 1, min(count, len(TRAINING_IDLE_FRAMES)))
+    return [Start(TRAINING_IDLE_FRAMES[round(place)]) for place in places]

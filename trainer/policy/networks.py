@@ -1,0 +1,233 @@
+"""The policies' networks: how they are trained, and how plain stable-baselines3 stores them.
+
+Both are the convolutional network of Mnih et al. 2015 as stable-baselines3 has it (NatureCNN); the
+small one has fewer channels. Training runs them on uint8 input and in channels-last order. A saved
+policy is stable-baselines3's own ActorCriticCnnPolicy with its own NatureCNN: a small network's
+channels are its first ones and the others are zero, which gives the same outputs.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from pickle import UnpicklingError
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from gymnasium import spaces
+from stable_baselines3 import PPO
+from stable_baselines3.common.policies import ActorCriticCnnPolicy
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+from trainer.chance import drawn_from
+from tril.artifacts import write_whole
+from tril.errors import Invalid
+from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.space_invaders import Action
+
+OBSERVATION_SPACE = spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)
+ACTION_SPACE = spaces.Discrete(len(Action))
+
+ACTING_BATCH = 256
+"""Observations per forward pass: larger batches leave the processor's caches and are slower."""
+
+
+@dataclass(frozen=True)
+class NetworkSize:
+    """How large a policy's network is.
+
+    Attributes:
+        channels: Output channels of the three convolutions.
+        features: Outputs of the linear layer behind them.
+    """
+
+    channels: tuple[int, int, int]
+    features: int
+
+
+SIZES = {"nature": NetworkSize((32, 64, 64), 512), "small": NetworkSize((16, 32, 32), 256)}
+
+
+class ScreenFeatures(BaseFeaturesExtractor):
+    """NatureCNN on uint8 input, in channels-last order and of any number of channels.
+
+    The division by 255 is done on the first layer's weights, which gives the same sums with one
+    pass less over the input. Its parameters have the names that they have in NatureCNN.
+    """
+
+    def __init__(self, observation_space: spaces.Box, size: NetworkSize) -> None:
+        super().__init__(observation_space, size.features)
+        first, second, third = size.channels
+        self.cnn = nn.Sequential(
+            nn.Conv2d(observation_space.shape[0], first, kernel_size=8, stride=4),
+            nn.ReLU(),
+            nn.Conv2d(first, second, kernel_size=4, stride=2),
+            nn.ReLU(),
+            nn.Conv2d(second, third, kernel_size=3, stride=1),
+            nn.ReLU(),
+            nn.Flatten(),
+        )
+        self.linear = nn.Sequential(nn.Linear(third * 7 * 7, size.features), nn.ReLU())
+
+    def forward(self, observations: Tensor) -> Tensor:
+        """Return features, float32 (N, features), of observations, uint8 (N, 4, 84, 84)."""
+        inputs = observations.to(torch.float32, memory_format=torch.channels_last)
+        first = self.cnn[0]
+        assert isinstance(first, nn.Conv2d)
+        values = F.conv2d(inputs, first.weight / 255.0, first.bias, first.stride)
+        return self.linear(self.cnn[1:](values))  # type: ignore[no-any-return]
+
+
+class ScreenPolicy(ActorCriticCnnPolicy):
+    """stable-baselines3's policy over ScreenFeatures; observations stay uint8 up to them."""
+
+    def extract_features(  # type: ignore[override]
+        self, obs: Tensor, features_extractor: BaseFeaturesExtractor | None = None
+    ) -> Tensor:
+        """Return features, float32 (N, features), of observations, uint8 (N, 4, 84, 84)."""
+        return self.features_extractor(obs)  # type: ignore[no-any-return]
+
+    def logits_and_values(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        """Return logits, float32 (N, 6), and values, float32 (N,), of uint8 observations."""
+        features = self.extract_features(observations)
+        return self.action_net(features), self.value_net(features).squeeze(1)
+
+
+def policy_arguments(network: str) -> dict[str, Any]:
+    """Return the ``policy_kwargs`` with which PPO makes a ScreenPolicy of this network."""
+    return {
+        "net_arch": [],
+        "features_extractor_class": ScreenFeatures,
+        "features_extractor_kwargs": {"size": SIZES[network]},
+        "normalize_images": False,
+        # eps is stable-baselines3's own for Adam; the fused step is the same one, but faster.
+        "optimizer_kwargs": {"eps": 1e-5, "fused": True},
+    }
+
+
+def new_policy(network: str, learning_rate: float, rng: np.random.Generator) -> ScreenPolicy:
+    """Make a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
+    arguments = policy_arguments(network)
+    policy = drawn_from(
+        rng,
+        lambda: ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: learning_rate, **arguments),
+    )
+    return channels_last(policy)
+
+
+def channels_last(policy: ScreenPolicy) -> ScreenPolicy:
+    """Lay the convolutions' weights out as they are fastest here, in place."""
+    policy.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    return policy
+
+
+class Policy:
+    """A trained policy that can be asked what it would do.
+
+    Args:
+        network: The policy's network.
+    """
+
+    def __init__(self, network: ScreenPolicy) -> None:
+        self._network = network
+
+    def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+        """Return the probability of each action, float32 (N, 6).
+
+        Args:
+            observations: uint8 (N, 4, 84, 84).
+
+        Raises:
+            ValueError: The observations have another shape or dtype.
+        """
+        if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
+            raise ValueError(
+                f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
+                f" {observations.dtype} {observations.shape}."
+            )
+        result = np.empty((len(observations), len(Action)), np.float32)
+        with torch.inference_mode():
+            for begin in range(0, len(observations), ACTING_BATCH):
+                part = slice(begin, begin + ACTING_BATCH)
+                batch = torch.from_numpy(np.ascontiguousarray(observations[part]))
+                logits, _ = self._network.logits_and_values(batch)
+                result[part] = logits.softmax(1).numpy()
+        return result
+
+
+def save_policy(policy: ScreenPolicy, path: Path) -> None:
+    """Save a policy as a .zip that plain ``PPO.load`` loads without this project.
+
+    Args:
+        policy: The policy; its optimizer is not saved.
+        path: The file, replaced whole.
+    """
+    features = policy.features_extractor.features_dim
+    plain = PPO(
+        ActorCriticCnnPolicy,
+        env=None,  # type: ignore[arg-type]
+        device="cpu",
+        n_steps=1,
+        policy_kwargs={"features_extractor_kwargs": {"features_dim": features}},
+        _init_setup_model=False,
+    )
+    plain.observation_space = OBSERVATION_SPACE
+    plain.action_space = ACTION_SPACE
+    plain.n_envs = 1
+    with torch.random.fork_rng(devices=[]):
+        plain._setup_model()
+    larger = plain.policy.state_dict()
+    for name, tensor in policy.state_dict().items():
+        larger[name] = torch.zeros_like(larger[name])
+        larger[name][tuple(slice(length) for length in tensor.shape)] = tensor
+    plain.policy.load_state_dict(larger)
+    content = io.BytesIO()
+    plain.save(content)
+    write_whole(path, content.getvalue())
+
+
+def load_policy(path: Path) -> Policy:
+    """Load a policy that ``save_policy`` saved; nothing in the file is executed.
+
+    Raises:
+        Invalid: The file is no such policy.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            weights = io.BytesIO(archive.read("policy.pth"))
+        larger: dict[str, Tensor] = torch.load(weights, map_location="cpu", weights_only=True)
+        network = _network_of(larger)
+        own = network.state_dict()
+        network.load_state_dict(
+            {
+                name: larger[name][tuple(slice(length) for length in tensor.shape)]
+                for name, tensor in own.items()
+            }
+        )
+    except (zipfile.BadZipFile, KeyError, RuntimeError, UnpicklingError, IndexError) as error:
+        raise Invalid(f"{path.name} cannot be read as a policy: {error}") from error
+    network.set_training_mode(False)
+    return Policy(network)
+
+
+def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
+    """Make a network of the smallest known size that holds all weights that are not zero."""
+    features = weights["features_extractor.linear.0.weight"].shape[0]
+    for size in sorted(SIZES.values(), key=lambda one: one.channels):
+        rest = [
+            weights[f"features_extractor.cnn.{layer}.weight"][channels:]
+            for layer, channels in zip((0, 2, 4), size.channels, strict=True)
+        ]
+        if size.features == features and not any(part.any() for part in rest):
+            arguments = policy_arguments("nature")
+            arguments["features_extractor_kwargs"] = {"size": size}
+            with torch.random.fork_rng(devices=[]):
+                policy = ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: 0.0, **arguments)
+            return channels_last(policy)
+    raise Invalid("The policy's network has a size that is not known here.")

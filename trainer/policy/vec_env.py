@@ -1,0 +1,160 @@
+"""Many games as stable-baselines3 sees them, paid by the learned reward."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
+
+from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
+from trainer.policy.rewards import DEATHS, Payment, Rewards
+from tril.game.episode import EndReason
+from tril.game.vector import FinishedGame, VectorGame, VectorSnapshot
+
+
+@dataclass(frozen=True)
+class FinishedEpisode:
+    """An episode of the training that has ended.
+
+    Attributes:
+        game: What was played; the part of a demonstration that it began in included.
+        n_steps: Steps that the policy played.
+        predicted_return: Sum of R over the states that the policy reached.
+        paid: Sum of what the policy was paid.
+    """
+
+    game: FinishedGame
+    n_steps: int
+    predicted_return: float
+    paid: float
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the policy played it from its start on."""
+        return self.game.first_step == 0
+
+    @property
+    def died(self) -> bool:
+        """Whether the player was hit."""
+        return self.game.end in DEATHS
+
+
+class TrilVecEnv(VecEnv):
+    """A VectorGame as stable-baselines3's VecEnv; the learned reward takes the place of a score.
+
+    The reward of a step is computed on the observation that the step led to. Where the step ended
+    the episode that is the episode's last observation, not the first of the next episode (T-REX's
+    published code takes that one).
+
+    ``infos`` has an entry for a game whose episode ended, and only then: "terminal_observation",
+    "TimeLimit.truncated" (true after 300 steps), "episode" as of stable-baselines3's Monitor, and
+    "finished", a FinishedEpisode.
+
+    Args:
+        games: The games; closed with this.
+        payment: What the policy is paid.
+    """
+
+    def __init__(self, games: VectorGame, payment: Payment) -> None:
+        self.games = games
+        self.payment = payment
+        self._before: Rewards = np.zeros(games.n_games, np.float32)
+        self._returns = np.zeros(games.n_games, np.float64)
+        self._paid = np.zeros(games.n_games, np.float64)
+        self._steps = np.zeros(games.n_games, np.int64)
+        super().__init__(games.n_games, OBSERVATION_SPACE, ACTION_SPACE)
+
+    def reset(self) -> VecEnvObs:
+        """Begin all games; returns their observations, uint8 (N, 4, 84, 84)."""
+        observations = self.games.reset()
+        if self.payment.needs_before:
+            self._before[:] = self.payment.model.score(observations)
+        return observations
+
+    def step_async(self, actions: npt.NDArray[np.int64]) -> None:
+        """Begin a step of all games with actions (N,)."""
+        self.games.step_async(actions)
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Finish the step; see VecEnv. The observations are a view, see VectorStep."""
+        step = self.games.step_wait()
+        ended = np.flatnonzero(step.ended)
+        reached_states = step.observations
+        if len(ended):
+            reached_states = step.observations.copy()
+            reached_states[ended] = step.terminal_observations[ended]
+        reached = self.payment.model.score(reached_states)
+        died = np.array([reason in DEATHS for reason in step.reasons])
+        rewards = self.payment.pay(self._before, reached, died)
+        self._returns += reached
+        self._paid += rewards
+        self._steps += 1
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for one in step.finished:
+            infos[one.game] = self._finish(one, reached_states[one.game])
+        if self.payment.needs_before:
+            self._before = reached
+            if len(ended):
+                self._before[ended] = self.payment.model.score(step.observations[ended])
+        return step.observations, rewards, step.ended, infos
+
+    def _finish(self, one: FinishedGame, last_observation: npt.NDArray[np.uint8]) -> dict[str, Any]:
+        index = one.game
+        episode = FinishedEpisode(
+            one, int(self._steps[index]), float(self._returns[index]), float(self._paid[index])
+        )
+        self._returns[index] = self._paid[index] = self._steps[index] = 0
+        return {
+            "terminal_observation": last_observation,
+            "TimeLimit.truncated": one.end is EndReason.STEPS,
+            "episode": {"r": episode.paid, "l": episode.n_steps},
+            "finished": episode,
+        }
+
+    def save(self) -> dict[str, npt.NDArray[Any]]:
+        """Return all that the future of the games depends on, actions apart, as plain arrays."""
+        games = {f"games.{name}": a for name, a in self.games.snapshot().to_arrays().items()}
+        return games | {
+            "before": self._before,
+            "returns": self._returns,
+            "paid": self._paid,
+            "steps": self._steps,
+        }
+
+    def restore(self, arrays: dict[str, npt.NDArray[Any]]) -> npt.NDArray[np.uint8]:
+        """Go on from what ``save`` returned; returns the observations as they were."""
+        prefix = "games."
+        games = {
+            name[len(prefix) :]: array for name, array in arrays.items() if name.startswith(prefix)
+        }
+        self._before = arrays["before"].copy()
+        self._returns = arrays["returns"].copy()
+        self._paid = arrays["paid"].copy()
+        self._steps = arrays["steps"].copy()
+        return self.games.restore(VectorSnapshot.from_arrays(games))
+
+    def close(self) -> None:
+        """End the games."""
+        self.games.close()
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Return an attribute of this, once for each game; the games have none of their own."""
+        return [getattr(self, attr_name, None) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Refuse: the games share their attributes."""
+        raise AttributeError(f"The games of a TrilVecEnv have no attribute {attr_name!r} to set.")
+
+    def env_method(
+        self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any
+    ) -> list[Any]:
+        """Refuse: the games have no methods that could be called one by one."""
+        raise AttributeError(f"The games of a TrilVecEnv have no method {method_name!r}.")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
+        """Tell whether games are wrapped: they never are."""
+        return [False for _ in self._get_indices(indices)]
