@@ -1,7 +1,7 @@
 import json
 import multiprocessing
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from tril.behaviours import READY_MADE, Behaviour, Cell, score
 from tril.demonstrator import (
     Demonstration,
     DemonstrationFailed,
+    DemonstrationPlan,
     carry_out,
     demonstrate,
     example_plans,
@@ -227,8 +228,8 @@ def test_perfect_demonstrations_are_perfect_and_different_games(
         assert found is not None
         assert (found.targets, found.strays, found.order_errors) == (6, 0, 0)
     assert len({made.recording.start for made in games[slug]}) == len(games[slug])
-    assert len({made.recording.actions for made in perfect}) == len(perfect)
-    assert len({tuple(hit.frame for hit in made.replay.hits) for made in perfect}) == len(perfect)
+    for one, other in combinations([made.recording.actions for made in perfect], 2):
+        assert np.mean(np.frombuffer(one, np.uint8) == np.frombuffer(other, np.uint8)) < 0.95
 
 
 @pytest.mark.parametrize("slug", ["column-1", "column-2"])
@@ -240,14 +241,16 @@ def test_the_demonstrations_for_tests_are_what_the_demonstrator_makes(slug: str)
     assert again == [stored[2], stored[14]]
 
 
-def test_the_same_generator_gives_the_same_games_in_any_number_of_processes() -> None:
-    def played(seed: int, n_processes: int) -> list[Demonstration]:
-        rng = np.random.default_rng(seed)
-        return list(perfect_demonstrations(BY_SLUG["column-3"], 2, rng, n_processes))
-
-    alone = played(3, 1)
-    assert played(3, 2) == alone
-    assert played(4, 1) != alone
+def test_the_same_generator_gives_the_same_games_and_another_gives_others(
+    games: dict[str, list[Demonstration]],
+) -> None:
+    # The fixture's games were played in other processes; its generator is drawn from in turn.
+    rng = np.random.default_rng(1)
+    tasks = {slug: example_tasks(behaviour, rng, 2) for slug, behaviour in BY_SLUG.items()}
+    assert list(carry_out([tasks["column-3"][11], tasks["column-3"][12]])) == games["column-3"][1:3]
+    (again,) = perfect_demonstrations(BY_SLUG["column-3"], 1, np.random.default_rng(3))
+    (another,) = perfect_demonstrations(BY_SLUG["column-3"], 1, np.random.default_rng(4))
+    assert again.recording != another.recording
 
 
 def test_an_example_can_be_stopped_between_two_demonstrations() -> None:
@@ -258,11 +261,10 @@ def test_an_example_can_be_stopped_between_two_demonstrations() -> None:
 
 
 def test_a_game_that_does_not_come_off_says_why() -> None:
-    # Nobody can hit an alien that stands behind others.
-    plan = example_plans(BY_SLUG["column-1"])[0]
-    behind = type(plan)(1, "Behind", frozenset({(5, 0)}), 1, 1, sequence=((5, 0),))
-    with pytest.raises(DemonstrationFailed, match="hits 0 aliens instead of 1"):
-        demonstrate(behind, Start(0), np.random.default_rng(0))
+    twice = ((0, 0), (0, 0))
+    impossible = DemonstrationPlan(1, "One alien twice", frozenset(twice), 2, 2, sequence=twice)
+    with pytest.raises(DemonstrationFailed, match="hits 1 aliens instead of 2"):
+        demonstrate(impossible, Start(0), np.random.default_rng(0))
 
 
 def test_an_own_behaviour_is_shown_from_best_to_worst() -> None:

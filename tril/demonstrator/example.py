@@ -13,7 +13,7 @@ import numpy as np
 
 from tril.behaviours import Behaviour
 from tril.demonstrator.plans import DemonstrationPlan, draw_hits, example_plans, meets
-from tril.demonstrator.player import ScriptedPlayer, Style, draw_style
+from tril.demonstrator.player import ScriptedPlayer, Style, draw_brisk_style, draw_style
 from tril.errors import Unavailable
 from tril.exchange import to_exchange
 from tril.game.console import Console
@@ -192,8 +192,9 @@ def _carried_out(task: Task) -> Demonstration:
     reason = ""
     for attempt in range(MAX_ATTEMPTS):
         start = Start(task.idle_frames[attempt % len(task.idle_frames)])
+        style = draw_brisk_style(rng) if task.perfect else draw_style(rng)
         try:
-            made = demonstrate(task.plan, start, rng, _console())
+            made = demonstrate(task.plan, start, rng, _console(), style)
         except DemonstrationFailed as failure:
             reason = str(failure)
         else:

@@ -84,7 +84,7 @@ def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
     """The twelve demonstrations that exemplify a behaviour, best first.
 
     Raises:
-        Invalid: The behaviour has no target cells, or ones that no player can hit alone.
+        Invalid: The behaviour has no target cells, or ones behind aliens that are not to be hit.
     """
     target = _checked_target(behaviour)
     plans = [*_gradual(behaviour, target)]
@@ -147,8 +147,8 @@ def _checked_target(behaviour: Behaviour) -> tuple[Cell, ...]:
         if cell not in _open_cells([cell], hit):
             raise Invalid(
                 f"{_cells([cell])} of {behaviour.name} stands behind aliens that are not to be hit"
-                " before it, so no player can show it alone. Pick the cells below it too,"
-                f"{' in order from the bottom,' if behaviour.ordered else ''} or play its"
+                " before it, and the demonstrator doesn't shoot past those. Pick the cells below it"
+                f"{', in order from the bottom' if behaviour.ordered else ' too'}, or play its"
                 " demonstrations yourself."
             )
         hit.append(cell)

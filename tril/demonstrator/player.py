@@ -70,6 +70,16 @@ def draw_style(rng: np.random.Generator) -> Style:
     )
 
 
+def draw_brisk_style(rng: np.random.Generator) -> Style:
+    """Draw a style for a clone to learn from: whoever can't count time has to see when to shoot."""
+    return Style(
+        pace=rng.uniform(0.0, 0.15),
+        aim_px=rng.uniform(0.2, 1.0),
+        wander_px=rng.uniform(2.0, 8.0),
+        wait_steps=rng.uniform(3.0, 9.0),
+    )
+
+
 class ScriptedPlayer:
     """Plays one game in which it hits wanted aliens, one after the other, and nothing else."""
 
@@ -110,22 +120,17 @@ class ScriptedPlayer:
             times[: leaving[-1] + 1] = 0
         return [float(time) for time in times]
 
-    @property
-    def _pending(self) -> Cell | None:
-        """The alien to hit next, None when it isn't time yet or all have been hit."""
-        n_hits = len(self._episode.hits)
-        if n_hits == len(self._wanted) or self._episode.frame < self._due[n_hits]:
-            return None
-        return self._wanted[n_hits]
-
     def _next_actions(self) -> Sequence[int]:
-        cell = self._pending
-        if cell is not None and self._episode.frame >= self._next_try:
+        n_hits = len(self._episode.hits)
+        if n_hits == len(self._wanted):
+            return self._walk(_player_x(self._episode))
+        cell = self._wanted[n_hits]
+        if self._episode.frame >= max(self._due[n_hits], self._next_try):
             shot = self._shot(cell)
             if shot is not None:
                 return shot
             self._next_try = self._episode.frame + _RETRY_FRAMES
-        return self._walk(self._place_to_be(cell))
+        return self._walk(_alien_x(self._episode, cell) - game.MISSILE_OFFSET)
 
     def _execute(self, actions: Iterable[int]) -> None:
         for action in actions:
@@ -134,18 +139,16 @@ class ScriptedPlayer:
                     return
                 self._recorder.advance(action)
 
-    def _place_to_be(self, cell: Cell | None) -> float:
-        """Where to wait, as the player's x: near the next alien, or somewhere near."""
-        x = _player_x(self._episode)
-        if cell is not None:
-            x = _alien_x(self._episode, cell) - game.MISSILE_OFFSET
-        drawn = x + self._rng.uniform(-1, 1) * self._style.wander_px
-        return float(np.clip(drawn, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
-
     # Walking and waiting
 
-    def _walk(self, goal: float) -> Sequence[int]:
-        """Some steps towards a place and a rest, or what keeps the player from being hit."""
+    def _walk(self, place: float) -> Sequence[int]:
+        """Some steps to somewhere near a place and a rest, or what the player needs to survive.
+
+        Args:
+            place: The player's x.
+        """
+        drawn = place + self._rng.uniform(-1, 1) * self._style.wander_px
+        goal = float(np.clip(drawn, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
         way = goal - _player_x(self._episode)
         n_walk = min(round(abs(way) / _PX_PER_STEP), _MAX_STROLL_STEPS)
         n_rest = 1 + int(self._rng.poisson(self._style.wait_steps))
