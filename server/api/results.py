@@ -27,7 +27,6 @@ from tril.store import artifacts, evaluations, recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.summary import summarise, winner
 
-_POLICIES = ("imitator", "clone")
 _STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
 
 
@@ -74,6 +73,7 @@ def _check(
         pair_accuracy=check["pair_accuracy"],
         held_out_accuracy=check["held_out_accuracy"],
         passed=check["passed"],
+        advice=check["advice"],
         confused=[
             ConfusedTiers(
                 better_tier=pair["better"],
@@ -112,7 +112,7 @@ def _comparison(
     greedy = {(row.start_number, row.policy): row for row in games if row.choice == "greedy"}
     table = []
     for number in starts:
-        ours, theirs = (greedy.get((number, policy)) for policy in _POLICIES)
+        ours, theirs = (greedy.get((number, policy)) for policy in evaluations.POLICIES)
         if ours is None and theirs is None:
             continue
         table.append(

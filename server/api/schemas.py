@@ -345,12 +345,13 @@ class RankedReturn(Schema):
 
 
 class RankingCheck(Schema):
-    """How well the reward model agrees with the ranking."""
+    """How well the reward model agrees with the ranking; ``advice`` is empty if it passed."""
 
     tau: float
     pair_accuracy: float
     held_out_accuracy: float | None
     passed: bool
+    advice: str
     confused: list[ConfusedTiers]
     returns: list[RankedReturn]
 
