@@ -38,11 +38,11 @@ TINY = with_values(
         "policy.minibatches": 1,
         "policy.epochs": 1,
         "policy.critic_warm_up_steps": 0,
-        "policy.snapshot_steps": (128, 256),
+        "policy.snapshot_steps": (),
         "policy.snapshot_episodes": 2,
         "cloning.epochs": 2,
         "evaluation.start_numbers": (0,),
-        "evaluation.further_start_numbers": (1,),
+        "evaluation.further_start_numbers": (),
     },
 )
 """A whole run in seconds."""

@@ -76,6 +76,16 @@ class Pipeline:
         for data in list(self._at_work.values()):
             claims.beat(session, data.context.claim)
 
+    def sweep(self) -> None:
+        """Remove the scratch folders of runs that nothing will go on with."""
+        folders = self._settings.data / "runs"
+        if not folders.is_dir():
+            return
+        with self._database.reading() as session:
+            past = runs.past_resuming(session, [folder.name for folder in folders.iterdir()])
+        for run_id in past:
+            shutil.rmtree(folders / run_id, ignore_errors=True)
+
     def train(self, run_id: str, perform: Perform) -> str:
         """Claim a run and take it through its stages.
 

@@ -81,6 +81,7 @@ class Worker:
     def work(self) -> None:
         """Take runs from the queue until told to stop; the run at work goes back to the queue."""
         prepare_queue(self._settings)
+        self._pipeline.sweep()
         jobs = Jobs(self._database, self._settings)
         heartbeat = Heartbeat(
             self._database, self._name, "worker", self._details, self._pipeline.beat

@@ -267,7 +267,11 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
     Args:
         recording: A verified recording.
         console: The console to replay on; None loads one.
+
+    Raises:
+        RecordingRefused: It was played on another ROM, or the replay differs.
     """
+    _check_rom(recording)
     console = console or Console()
     view = AgentView()
     observations = np.empty((recording.n_steps + 1, *OBSERVATION_SHAPE), np.uint8)
@@ -281,6 +285,7 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
             view.observe(observations[episode.frame // game.FRAMES_PER_STEP])
 
     played = replay(recording, console, look)
+    _check_hashes(recording, played.ram_hashes)
     kept = replace(recording, actions=recording.actions[: played.n_frames], ram_hashes=())
     if played.n_frames % game.FRAMES_PER_STEP:
         view.finish_step(console, played.n_frames)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import signal
 import time
 from collections.abc import Callable
@@ -24,12 +23,16 @@ PATIENCE_S = 90.0
 LONG = 200_000
 """PPO steps that no test waits for."""
 
+CONFUSED = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9})
+"""Its reward model learns nothing and orders the demonstrations by chance."""
+
 
 def until(what: Callable[[], bool], worker: WorkerProcess | None = None) -> None:
     deadline = time.monotonic() + PATIENCE_S
     while not what():
-        said = worker.log.read_text()[-3000:] if worker else ""
-        assert time.monotonic() < deadline, f"It did not happen in time.\n{said}"
+        if time.monotonic() > deadline:
+            said = worker.log.read_text()[-3000:] if worker else ""
+            pytest.fail(f"It did not happen in time.\n{said}")
         time.sleep(0.02)
 
 
@@ -48,9 +51,11 @@ def test_a_run_goes_through_all_stages_and_leaves_its_results(
 ) -> None:
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
+    scratch = workplace.settings.data / "runs" / run_id
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, run_id, worker)
-    assert row.status == RunStatus.DONE, worker.log.read_text()
+        assert row.status == RunStatus.DONE, worker.log.read_text()
+        until(lambda: not scratch.exists(), worker)
     assert tuple(row.finished_stages) == STAGES[1:]
     assert row.epoch == 1
     assert overall_progress(row) == 1.0
@@ -58,7 +63,6 @@ def test_a_run_goes_through_all_stages_and_leaves_its_results(
     assert row.versions["torch"]
     assert row.versions["rom_md5"]
     check_results(workplace, row)
-    assert not (workplace.settings.data / "runs" / run_id).exists()
 
 
 def check_results(workplace: Workplace, row: RunRow) -> None:
@@ -68,12 +72,9 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
         _, curves = metrics.series(session, row.id)
         library = recordings.listing(session, workplace.behaviour_id)
     assert {(game.policy, game.choice, game.start_number) for game in games} == {
-        (policy, choice, number)
-        for policy in ("imitator", "clone")
-        for choice in ("greedy", "sampled")
-        for number in (0, 1)
+        (policy, choice, 0) for policy in ("imitator", "clone") for choice in ("greedy", "sampled")
     }
-    assert len(games) == 8
+    assert len(games) == 4
     for game in games:
         assert game.held_out
         assert game.recording.run_id == row.id
@@ -89,7 +90,7 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
     assert model.one > model.zero
     PPO.load(root / files["imitator.zip"].path)
     assert set(row.outcome["check"]["predicted_returns"]) == {str(n) for n in workplace.ranked}
-    assert row.outcome["headline"]["imitator"]["targets"]["n"] == 2
+    assert row.outcome["headline"]["imitator"]["targets"]["n"] == 1
     assert {"loss", "accuracy"} <= set(curves["reward"])
     assert curves["imitator"]["entropy"][-1][0] == row.steps
     steps = [step for step, _ in curves["imitator"]["entropy"]]
@@ -139,26 +140,23 @@ def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
 def test_two_workers_never_take_the_same_run(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    recipe = dataclasses.replace(TINY, name="smallest")
-    runs = [workplace.make_run(recipe, steps=64, training_seed=seed) for seed in range(4)]
+    runs = [workplace.make_run(CONFUSED, go_on_anyway=False) for _ in range(8)]
     for run_id in runs:
         jobs.enqueue(run_id)
     data = workplace.settings.data
     with zygote.running(data) as first, zygote.running(data) as second:
         rows = [until_over(workplace, run_id, first) for run_id in runs]
         assert second.is_alive
-    assert [row.status for row in rows] == [RunStatus.DONE] * 4
-    # Every run was claimed exactly once.
-    assert [row.epoch for row in rows] == [1] * 4
+    assert [row.status for row in rows] == [RunStatus.STOPPED] * 8
+    # Every run was claimed exactly once, and both workers had some.
+    assert [row.epoch for row in rows] == [1] * 8
     assert len({row.worker for row in rows}) == 2
 
 
 def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to_go_on(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    # A reward model that has learned nothing orders the demonstrations by chance.
-    recipe = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9})
-    run_id = workplace.make_run(recipe, go_on_anyway=False)
+    run_id = workplace.make_run(CONFUSED, go_on_anyway=False)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, run_id, worker)

@@ -65,6 +65,7 @@ class Zygote:
         """Start a worker for a data folder."""
         self._log_count += 1
         log = data / f"worker-{self._log_count}.log"
+        log.touch()
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(json.dumps({"data": str(data), "log": str(log)}) + "\n")
@@ -102,7 +103,7 @@ def _serve() -> None:
             continue
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         os.setsid()
-        log = os.open(order["log"], os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        log = os.open(order["log"], os.O_WRONLY | os.O_APPEND)
         null = os.open(os.devnull, os.O_RDONLY)
         for descriptor, place in ((null, 0), (log, 1), (log, 2)):
             os.dup2(descriptor, place)

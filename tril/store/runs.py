@@ -156,6 +156,15 @@ def not_over(session: Session) -> list[RunRow]:
     return list(session.scalars(query.order_by(RunRow.created_at, RunRow.id)))
 
 
+def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
+    """Return which of these runs are done or deleted, so that nothing will go on with them."""
+    query = select(RunRow.id).where(
+        RunRow.id.in_(list(run_ids)),
+        (RunRow.status == RunStatus.DONE) | RunRow.deleted_at.is_not(None),
+    )
+    return list(session.scalars(query))
+
+
 def latest_done(session: Session, recipe_name: str) -> RunRow | None:
     """Return the newest finished run of a recipe, whose times tell how fast this place is."""
     return session.scalar(
