@@ -1,0 +1,155 @@
+"""The registered Gymnasium environment: `tril/SpaceInvaders-v0`.
+
+import gymnasium
+import tril.game.env  # registers it
+
+env = gymnasium.make("tril/SpaceInvaders-v0", target=[(row, 4) for row in range(6)])
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from tril.game import space_invaders as game
+from tril.game.agent import AgentGame, StickyActions
+from tril.game.console import Console
+from tril.game.episode import Ending, EndReason, Start, draw_start
+from tril.game.observation import OBSERVATION_SHAPE, Observation
+
+ENV_ID = "tril/SpaceInvaders-v0"
+
+Cell = tuple[int, int]
+
+
+class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
+    """Space Invaders as Tril's agents see and end it.
+
+    A step is four frames of one action. Observations are uint8 (4, 84, 84), actions the six
+    minimal ones. An episode is terminated by the hit on the player, or when the aliens are gone or
+    have landed, and truncated after 300 steps.
+
+    The reward is the points of the aliens shot (5 to 30 by row), or always 0: a learned reward can
+    then be put on top by a wrapper. The bonus ship, which observations do not show, pays nothing.
+
+    `info` holds `hits` (list of (row from the bottom, column from the left), from 0, in order of
+    time), `frame`, `end` (why the episode ended, None while it goes on), `start` (its idle frames),
+    `executed_actions` (of the step's frames) and, where a target is given, `targets` and `strays`
+    (how many hits were inside and outside of it).
+
+    Args:
+        target: the cells of the behaviour that is taught, if hits describe it.
+        start: how every game begins; None draws one for each, never an evaluation start.
+        ending: which rule for the player's death ends an episode: "hit" or "life_counter".
+        reward: "points" or "none".
+        sticky_action_probability: of repeating, at any frame, the action of the frame before.
+        render_mode: None or "rgb_array".
+
+    `reset(options=...)` takes `target`, `start` and `ending` for the episodes from then on.
+    """
+
+    metadata = {  # noqa: RUF012 - as gymnasium declares it
+        "render_modes": ["rgb_array"],
+        "render_fps": game.FRAME_RATE_HZ // game.FRAMES_PER_STEP,
+    }
+
+    def __init__(
+        self,
+        target: Sequence[Cell] | None = None,
+        start: Start | None = None,
+        ending: Ending | str = Ending.HIT,
+        reward: Literal["points", "none"] = "points",
+        sticky_action_probability: float = 0.0,
+        render_mode: str | None = None,
+    ) -> None:
+        if reward not in ("points", "none"):
+            raise ValueError(f'Expected reward "points" or "none", got {reward!r}.')
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f'Expected render_mode None or "rgb_array", got {render_mode!r}.')
+        self.observation_space = gymnasium.spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)
+        self.action_space = gymnasium.spaces.Discrete(game.ACTION_COUNT)
+        self.render_mode = render_mode
+        self._target = _cells(target)
+        self._start = start
+        self._pays_points = reward == "points"
+        self._sticky_action_probability = sticky_action_probability
+        self._game = AgentGame(Console(), Ending(ending))
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode; see gymnasium.Env.
+
+        Raises:
+            ValueError: there is no such option.
+        """
+        super().reset(seed=seed)
+        given = dict(options or {})
+        if "target" in given:
+            self._target = _cells(given.pop("target"))
+        if "start" in given:
+            self._start = given.pop("start")
+        if "ending" in given:
+            self._game.ending = Ending(given.pop("ending"))
+        if given:
+            raise ValueError(f"Expected the options target, start and ending, got {list(given)}.")
+        self._game.sticky = StickyActions(self._sticky_action_probability, self.np_random)
+        self._game.reset(self._start or draw_start(self.np_random))
+        return self._game.observation, self._info(first_frame=0)
+
+    def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Play one step; see gymnasium.Env."""
+        episode = self._game.episode
+        first_frame, hits_before = episode.frame, len(episode.hits)
+        self._game.step(int(action))
+        points = sum(game.POINTS[hit.row] for hit in episode.hits[hits_before:])
+        end = self._game.end
+        return (
+            self._game.observation,
+            float(points) if self._pays_points else 0.0,
+            end is not None and end is not EndReason.STEPS,
+            end is EndReason.STEPS,
+            self._info(first_frame),
+        )
+
+    def _info(self, first_frame: int) -> dict[str, Any]:
+        episode = self._game.episode
+        hits = [(hit.row, hit.column) for hit in episode.hits]
+        info: dict[str, Any] = {
+            "hits": hits,
+            "frame": episode.frame,
+            "end": None if episode.end is None else str(episode.end),
+            "start": episode.start.idle_frames,
+            "executed_actions": tuple(episode.actions[first_frame:]),
+        }
+        if self._target is not None:
+            info["targets"] = sum(hit in self._target for hit in hits)
+            info["strays"] = len(hits) - info["targets"]
+        return info
+
+    def render(self) -> npt.NDArray[np.uint8] | None:
+        """Return the screen, uint8 (210, 160, 3) RGB, in render_mode "rgb_array"."""
+        return self._game.console.screen_rgb() if self.render_mode == "rgb_array" else None
+
+
+def _cells(target: Sequence[Cell] | None) -> frozenset[Cell] | None:
+    """Check and return target cells.
+
+    Raises:
+        ValueError: a cell lies outside of the grid.
+    """
+    if target is None:
+        return None
+    cells = frozenset((int(row), int(column)) for row, column in target)
+    for row, column in cells:
+        if not (0 <= row < game.ROWS and 0 <= column < game.COLUMNS):
+            raise ValueError(
+                f"Expected target cells with rows and columns from 0 to 5, got ({row}, {column})."
+            )
+    return cells
+
+
+if ENV_ID not in gymnasium.registry:
+    gymnasium.register(id=ENV_ID, entry_point=f"{__name__}:{SpaceInvadersEnv.__name__}")
