@@ -69,6 +69,9 @@ class Cache:
             os.utime(path)
         except FileNotFoundError:
             return None
+        except OSError as error:
+            _LOG.warning("The cached file %s can't be read: %s", name, error)
+            return None
         return content
 
     def _keep(self, name: str, content: bytes) -> None:
