@@ -1,0 +1,112 @@
+"""Who owns a game, and what its owner may write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+from sqlalchemy.orm import Session
+
+from tests.workplace import Workplace, make_workplace
+from tril.errors import NotFound
+from tril.game.console import Console
+from tril.game.episode import Episode, Start
+from tril.game.space_invaders import Action
+from tril.recording import Recorder
+from tril.store import games, recordings
+from tril.store.games import GameOver, Progress
+from tril.store.models import RecordingState, Verification, now
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Iterator[Session]:
+    made: Workplace = make_workplace(tmp_path / "data")
+    with made.database.writing() as session:
+        yield session
+    made.database.close()
+
+
+@pytest.fixture(scope="module")
+def recorder() -> Recorder:
+    recorder = Recorder(Episode(Console(), Start(4)))
+    for _ in range(61):
+        recorder.advance(Action.FIRE)
+    return recorder
+
+
+def progress(game_id: str, epoch: int, recorder: Recorder) -> Progress:
+    return Progress(game_id, epoch, recorder.recording(), recorder.replay())
+
+
+def test_an_owner_saves_and_an_earlier_one_is_refused(session: Session, recorder: Recorder) -> None:
+    game = games.create(session, 1, Start(4), None)
+    first = games.claim(session, game.id, "server-1", "tab-1").epoch
+    second = games.claim(session, game.id, "server-2", "tab-2").epoch
+    assert (first, second) == (1, 2)
+    assert not games.save(session, progress(game.id, first, recorder))
+    assert recordings.get(session, game.recording_id).n_frames == 0
+    assert games.save(session, progress(game.id, second, recorder))
+    row = recordings.get(session, game.recording_id)
+    assert recordings.as_recording(row) == recorder.recording()
+    assert row.state == RecordingState.PLAYING
+    assert not games.end(session, game.id, first, RecordingState.FINISHED, None)
+    assert games.end(session, game.id, second, RecordingState.FINISHED, None)
+    assert row.verification == Verification.VERIFIED
+    assert not games.save(session, progress(game.id, second, recorder)), "it is over"
+    with pytest.raises(GameOver):
+        games.claim(session, game.id, "server-1", "tab-1")
+
+
+def test_a_game_that_does_not_replay_says_why(session: Session, recorder: Recorder) -> None:
+    game = games.create(session, 1, Start(4), None)
+    epoch = games.claim(session, game.id, "server", "tab").epoch
+    games.save(session, progress(game.id, epoch, recorder))
+    games.end(session, game.id, epoch, RecordingState.FINISHED, "It differs.")
+    row = recordings.get(session, game.recording_id)
+    assert (row.verification, row.verification_note) == (Verification.FAILED, "It differs.")
+
+
+def test_a_game_in_which_nothing_was_played_leaves_nothing_in_the_library(session: Session) -> None:
+    game = games.create(session, 1, Start(4), None)
+    epoch = games.claim(session, game.id, "server", "tab").epoch
+    games.end(session, game.id, epoch, RecordingState.UNFINISHED, None)
+    assert game.recording_id not in [row.id for row in recordings.listing(session, 1)]
+
+
+def test_games_count_as_abandoned_once_nobody_owned_them_for_long_enough(session: Session) -> None:
+    left, played = (games.create(session, 1, Start(4), None) for _ in range(2))
+    epoch = games.claim(session, left.id, "server", "tab").epoch
+    games.claim(session, played.id, "server", "tab")
+    assert games.is_play_on(session)
+    games.release(session, left.id, epoch)
+    assert [row.id for row in games.abandoned(session, timedelta(0))] == [left.id]
+    assert games.abandoned(session, timedelta(minutes=1)) == []
+
+
+def test_play_is_on_only_while_somebody_holds_a_game(session: Session) -> None:
+    assert not games.is_play_on(session)
+    game = games.create(session, 1, Start(4), None)
+    epoch = games.claim(session, game.id, "server", "tab").epoch
+    assert games.is_play_on(session)
+    games.release(session, game.id, epoch)
+    assert not games.is_play_on(session)
+
+
+def test_undecided_games_are_kept_after_some_time(session: Session, recorder: Recorder) -> None:
+    game = games.create(session, 1, Start(4), None)
+    epoch = games.claim(session, game.id, "server", "tab").epoch
+    games.save(session, progress(game.id, epoch, recorder))
+    games.end(session, game.id, epoch, RecordingState.FINISHED, None)
+    row = recordings.get(session, game.recording_id)
+    games.keep_undecided(session, timedelta(hours=1))
+    assert row.state == RecordingState.FINISHED
+    row.finished_at = now() - timedelta(hours=2)
+    games.keep_undecided(session, timedelta(hours=1))
+    assert row.state == RecordingState.KEPT
+
+
+def test_an_unknown_game_is_named_so(session: Session) -> None:
+    with pytest.raises(NotFound):
+        games.claim(session, "nothing", "server", "tab")
