@@ -1,0 +1,41 @@
+"""A worker that is killed loses nothing but time."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from tests.trainer.kills import curves_of, finish, flaws, kill_and_finish
+from tests.trainer.worker_zygote import Zygote
+from tests.workplace import TINY, Workplace
+from tril.jobs import Jobs
+from tril.store import recordings
+
+N_KILLS = 20
+LONGEST_LIFE = 0.6
+"""Of a worker, as a share of what a run takes that nothing happens to."""
+
+
+@pytest.mark.timeout(400)
+def test_20_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    untouched = workplace.make_run(TINY, training_seed=0)
+    jobs.enqueue(untouched)
+    longest_life_s = LONGEST_LIFE * finish(workplace, zygote, [untouched])
+    rng = np.random.default_rng(20)
+    outcome = kill_and_finish(workplace, jobs, zygote, N_KILLS, longest_life_s, rng)
+    print(Counter(outcome.killed_in), f"{len(outcome.runs)} runs, {outcome.seconds:.0f} s")
+    assert len(outcome.killed_in) == N_KILLS
+    for run_id in outcome.runs:
+        assert flaws(workplace, run_id, untouched) == []
+    # The first of them had the same training seed, and so learned the very same.
+    ours, theirs = (curves_of(workplace, run_id) for run_id in (outcome.runs[0], untouched))
+    assert ours["reward"]["loss"] == theirs["reward"]["loss"]
+    assert ours["imitator"]["entropy"] == theirs["imitator"]["entropy"]
+    with workplace.database.reading() as session:
+        played = recordings.listing(session, workplace.behaviour_id, with_policies=True)
+    of_runs = Counter(row.run_id for row in played if row.run_id is not None)
+    assert set(of_runs.values()) == {4}, "A killed evaluation left a game twice."
