@@ -1,6 +1,6 @@
 """A player for the tests: it reads the RAM and looks ahead on saved consoles."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from tril.game import space_invaders as game
 from tril.game.aliens import missile_in_air, player_hit
@@ -12,19 +12,8 @@ FLIGHT_FRAMES = 60
 DANGER_FRAMES = 28
 
 
-def clear_columns(
-    episode: Episode, columns: Sequence[int], each_frame: Callable[[Episode], None]
-) -> None:
-    """Play until these columns are empty, one after the other, or the episode ends.
-
-    It calls each_frame after every frame.
-    """
-
-    def act(action: Action) -> None:
-        if episode.end is None:
-            episode.advance(action)
-            each_frame(episode)
-
+def clear_columns(episode: Episode, columns: Sequence[int]) -> None:
+    """Play until these columns are empty, one after the other, or the episode ends."""
     for column in columns:
         while episode.end is None and episode.aliens[:, column].any():
             aim = _aim(episode, column)
@@ -32,7 +21,8 @@ def clear_columns(
                 aim = Action.FIRE
             action = _safe(episode, aim)
             for _ in range(FRAMES_PER_DECISION):
-                act(action)
+                if episode.end is None:
+                    episode.advance(action)
 
 
 def _aim(episode: Episode, column: int) -> Action:

@@ -131,7 +131,7 @@ class Console:
 
     @property
     def lives(self) -> int:
-        """Lives by the emulator's count, which drops 129 to 131 frames after the hit."""
+        """Lives by the emulator's count, which drops 128 to 131 frames after the hit."""
         return int(self._ale.lives())
 
     def screen_palette(self, out: Screen | None = None) -> Screen:

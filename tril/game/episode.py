@@ -55,7 +55,7 @@ class Ending(StrEnum):
     """What of the player's death ends an episode.
 
     HIT: the frame in which the player is hit. LIFE_COUNTER: the frame in which the emulator counts
-    one life less, 129 to 131 frames later, as in the published work.
+    one life less, 128 to 131 frames later, as in the published work.
     """
 
     HIT = "hit"

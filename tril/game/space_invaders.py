@@ -43,8 +43,8 @@ BACKGROUND = 0
 """Value of the black background, in palette values as in grayscale."""
 
 SCORE_ROWS = 10
-"""Rows of the 84x84 observation, from the top, that are zeroed: they hold the score and the bonus
-ship. The topmost aliens start at row 12."""
+"""Rows of the 84x84 observation, from the top, that are zeroed: they hold the score, the bonus ship
+and the last of a missile's flight. The topmost aliens start at row 12."""
 
 
 class Action(IntEnum):

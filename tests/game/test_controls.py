@@ -1,0 +1,25 @@
+import pytest
+
+from tril.game.controls import DEFAULT_KEY_CODES, Keys, action_for
+from tril.game.space_invaders import Action
+
+
+@pytest.mark.parametrize(
+    ("keys", "action"),
+    [
+        (Keys(0), Action.NOOP),
+        (Keys.FIRE, Action.FIRE),
+        (Keys.LEFT, Action.LEFT),
+        (Keys.RIGHT, Action.RIGHT),
+        (Keys.LEFT | Keys.FIRE, Action.LEFTFIRE),
+        (Keys.RIGHT | Keys.FIRE, Action.RIGHTFIRE),
+        (Keys.LEFT | Keys.RIGHT, Action.NOOP),
+        (Keys.LEFT | Keys.RIGHT | Keys.FIRE, Action.FIRE),
+    ],
+)
+def test_every_set_of_held_keys_has_its_action(keys: Keys, action: Action) -> None:
+    assert action_for(keys) is action
+
+
+def test_every_key_can_be_held_from_the_keyboard() -> None:
+    assert set(DEFAULT_KEY_CODES.values()) == set(Keys)
