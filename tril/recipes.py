@@ -60,6 +60,8 @@ class PolicyRecipe:
             scaled so that the worst demonstrations' states pay 0 and the best ones' end 1;
             "difference" pays the change of that level, so that progress pays and waiting doesn't.
         death_penalty: Subtracted from the reward of the step in which the player is hit.
+        reward_scale: What all this is multiplied by, so that the critic's errors, which grow with
+            the rewards' squares, don't drown what the policy learns from.
         n_games: Games played side by side.
         rollout_steps: Steps per game between updates.
         minibatches: Minibatches per epoch.
@@ -89,6 +91,7 @@ class PolicyRecipe:
     network: Literal["nature", "small"] = "nature"
     reward: Literal["sigmoid", "level", "difference"] = "sigmoid"
     death_penalty: float = 0.0
+    reward_scale: float = 1.0
     n_games: int = 9
     rollout_steps: int = 128
     minibatches: int = 4
@@ -196,6 +199,7 @@ FAST = Recipe(
         network="small",
         reward="level",
         death_penalty=5.0,
+        reward_scale=0.05,
         n_games=24,
         epochs=3,
         best_share=0.25,

@@ -174,7 +174,7 @@ class ImitationPPO(PPO):
     @property
     def is_warming_up(self) -> bool:
         """Whether only the critic learns yet."""
-        return self.num_timesteps <= self.recipe.critic_warm_up_steps
+        return 0 < self.num_timesteps <= self.recipe.critic_warm_up_steps
 
     @property
     def pull(self) -> float:

@@ -31,16 +31,18 @@ class Payment:
         model: The reward model, for its levels.
         kind: "sigmoid", "level" or "difference".
         death_penalty: Subtracted in the step in which the player is hit.
+        scale: What all of it is multiplied by.
     """
 
     model: RewardModel
     kind: str
     death_penalty: float
+    scale: float = 1.0
 
     @classmethod
     def of(cls, model: RewardModel, recipe: PolicyRecipe) -> Payment:
         """The payment that a recipe asks for."""
-        return cls(model, recipe.reward, recipe.death_penalty)
+        return cls(model, recipe.reward, recipe.death_penalty, recipe.reward_scale)
 
     @property
     def needs_before(self) -> bool:
@@ -62,7 +64,7 @@ class Payment:
             paid = self.model.level(reached)
         else:
             paid = self.model.level(reached) - self.model.level(before)
-        return np.asarray(paid - self.death_penalty * died, np.float32)
+        return np.asarray(self.scale * (paid - self.death_penalty * died), np.float32)
 
     def total(self, states: Rewards, end: EndReason) -> float:
         """Return what a whole game is paid.

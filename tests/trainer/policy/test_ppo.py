@@ -1,0 +1,169 @@
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.buffers import RolloutBuffer
+
+from tests.trainer.policy.made_up import TINY, observations, random_model
+from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
+from trainer.policy.ppo import Draws, ImitationPPO
+from trainer.policy.rewards import Payment
+from trainer.policy.rollouts import ScreenRolloutBuffer
+from trainer.policy.vec_env import TrilVecEnv
+from trainer.progress import RunCancelled
+from tril.game.vector import TrainingStarts, VectorGame
+from tril.recipes import PolicyRecipe
+
+PLAIN = replace(TINY, critic_warm_up_steps=0, start_policy_pull=0.0, n_games=2, network="nature")
+
+
+@pytest.fixture
+def env() -> Iterator[TrilVecEnv]:
+    games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
+    made = TrilVecEnv(games, Payment(random_model(), "level", 5.0))
+    yield made
+    made.close()
+
+
+def make_ppo(env: TrilVecEnv, recipe: PolicyRecipe = PLAIN) -> ImitationPPO:
+    return ImitationPPO(env, recipe, 1000, Draws.of(3), lambda: None, lambda _: None)
+
+
+def fill(buffer: RolloutBuffer, policy_values: bool = True) -> None:
+    rng = np.random.default_rng(2)
+    screens = observations(buffer.buffer_size * 2, seed=8).reshape(-1, 2, 4, 84, 84)
+    for step in range(buffer.buffer_size):
+        action = rng.integers(0, 6, 2)
+        buffer.add(
+            screens[step],
+            action,
+            rng.normal(size=2).astype(np.float32),
+            rng.random(2) < 0.2,
+            torch.from_numpy(rng.normal(size=2).astype(np.float32)),
+            torch.full((2,), -np.log(6.0)),
+        )
+    buffer.compute_returns_and_advantage(torch.zeros(2), np.zeros(2, np.bool_))
+
+
+def test_the_buffer_holds_what_stable_baselines3s_holds() -> None:
+    ours = ScreenRolloutBuffer(8, OBSERVATION_SPACE, ACTION_SPACE, gae_lambda=0.9, n_envs=2)
+    theirs = RolloutBuffer(8, OBSERVATION_SPACE, ACTION_SPACE, "cpu", gae_lambda=0.9, n_envs=2)
+    fill(ours)
+    fill(theirs)
+    np.testing.assert_array_equal(ours.advantages, theirs.advantages)
+    np.testing.assert_array_equal(ours.returns, theirs.returns)
+    screens = ours.screens.numpy().reshape(8, 2, 4, 84, 84)
+    np.testing.assert_array_equal(screens, theirs.observations)
+    seen = []
+    for minibatch in ours.minibatches(6, np.random.default_rng(0)):
+        places = minibatch.indices.numpy()
+        flat = theirs.observations.reshape(-1, 4, 84, 84)
+        np.testing.assert_array_equal(minibatch.observations.numpy(), flat[places])
+        np.testing.assert_array_equal(minibatch.actions, theirs.actions.reshape(-1)[places])
+        np.testing.assert_array_equal(minibatch.advantages, theirs.advantages.reshape(-1)[places])
+        seen += places.tolist()
+    assert sorted(seen) == list(range(16))
+
+
+def test_the_buffer_keeps_its_memory() -> None:
+    buffer = ScreenRolloutBuffer(8, OBSERVATION_SPACE, ACTION_SPACE, n_envs=2)
+    fill(buffer)
+    before = buffer.screens.data_ptr(), buffer.rewards.ctypes.data
+    buffer.reset()
+    assert not buffer.full
+    with pytest.raises(RuntimeError, match="not complete"):
+        next(buffer.minibatches(4, np.random.default_rng(0)))
+    fill(buffer)
+    assert (buffer.screens.data_ptr(), buffer.rewards.ctypes.data) == before
+
+
+def test_an_update_is_that_of_stable_baselines3(env: TrilVecEnv) -> None:
+    # One minibatch of the whole rollout, so that its order doesn't matter.
+    recipe = replace(PLAIN, minibatches=1, epochs=3)
+    ours = make_ppo(env, recipe)
+    theirs = PPO(
+        "CnnPolicy",
+        env,
+        learning_rate=recipe.learning_rate,
+        n_steps=recipe.rollout_steps,
+        batch_size=2 * recipe.rollout_steps,
+        n_epochs=3,
+        gamma=recipe.discount,
+        gae_lambda=recipe.gae,
+        clip_range=recipe.clip,
+        ent_coef=recipe.entropy,
+        vf_coef=recipe.value,
+        max_grad_norm=recipe.gradient_norm,
+        device="cpu",
+    )
+    theirs.policy.load_state_dict(ours.policy.state_dict())
+    theirs._setup_learn(100)
+    for model in (ours, theirs):
+        fill(model.rollout_buffer)
+        model._current_progress_remaining = 1.0
+    before = {name: p.detach().clone() for name, p in ours.policy.named_parameters()}
+    ours._setup_learn(100, reset_num_timesteps=False)
+    ours.train()
+    theirs.train()
+    expected = dict(theirs.policy.named_parameters())
+    for name, parameter in ours.policy.named_parameters():
+        assert not torch.equal(parameter, before[name])
+        torch.testing.assert_close(parameter, expected[name], rtol=1e-3, atol=3e-5)
+
+
+def test_the_critics_warm_up_leaves_the_policy_as_it_is(env: TrilVecEnv) -> None:
+    ppo = make_ppo(env, replace(PLAIN, critic_warm_up_steps=16))
+    before = {name: p.detach().clone() for name, p in ppo.policy.named_parameters()}
+    ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
+    changed = {n for n, p in ppo.policy.named_parameters() if not torch.equal(p, before[n])}
+    assert changed == {"value_net.weight", "value_net.bias"}
+    ppo.learn(16, log_interval=None, reset_num_timesteps=False)  # type: ignore[arg-type]
+    changed = {n for n, p in ppo.policy.named_parameters() if not torch.equal(p, before[n])}
+    assert "action_net.weight" in changed
+
+
+def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
+    moved = {}
+    for pull in (0.0, 100.0):
+        env.games.close()
+        env.games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
+        ppo = make_ppo(env, replace(PLAIN, start_policy_pull=pull, learning_rate=1e-3))
+        start = make_ppo(env).policy
+        start.load_state_dict(ppo.policy.state_dict())
+        ppo.start_policy = start
+        ppo.learn(64, log_interval=None)  # type: ignore[arg-type]
+        inputs = torch.from_numpy(observations(20))
+        with torch.no_grad():
+            now = ppo.policy.logits_and_values(inputs)[0].log_softmax(1)
+            then = start.logits_and_values(inputs)[0].log_softmax(1)
+        moved[pull] = float((then.exp() * (then - now)).sum(1).mean())
+    assert moved[100.0] < 0.2 * moved[0.0]
+
+
+def test_the_pull_falls_to_zero(env: TrilVecEnv) -> None:
+    ppo = make_ppo(env, replace(PLAIN, start_policy_pull=0.4))
+    pulls = []
+    for steps in (0, 500, 1000, 1500):
+        ppo.num_timesteps = steps
+        pulls.append(ppo.pull)
+    assert pulls == pytest.approx([0.4, 0.2, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("ticks", [3, 8 + 2])
+def test_a_cancelled_run_stops_within_a_step_or_a_minibatch(env: TrilVecEnv, ticks: int) -> None:
+    count = 0
+
+    def tick() -> None:
+        nonlocal count
+        count += 1
+        if count == ticks:
+            raise RunCancelled
+
+    ppo = ImitationPPO(env, PLAIN, 1000, Draws.of(3), tick, lambda _: None)
+    with pytest.raises(RunCancelled):
+        ppo.learn(1000, log_interval=None)  # type: ignore[arg-type]
+    assert count == ticks
+    assert ppo.num_timesteps == min(ticks, 8) * 2
