@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tril.recipes import Recipe, recipe_from_dict
+from tril.errors import Invalid
+from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
 from tril.store.models import RunRow, RunStatus
 
 STAGES = (
@@ -17,7 +18,7 @@ STAGES = (
 )
 """In order. "demonstrations" is there in example runs only."""
 
-DEMONSTRATIONS_S = 60.0
+DEMONSTRATIONS_S = 30.0
 TRAJECTORIES_S = 6.0
 CHECK_S = 4.0
 ATTENTION_S = 8.0
@@ -25,8 +26,9 @@ N_DEMONSTRATIONS = 12
 MEAN_STEPS = 250
 """Steps of a typical demonstration or evaluation game."""
 
-REWARD_UPDATE_S = {"paper": 0.016, "fast": 0.4}
-"""Seconds per update: 75 observations of one pair, or all observations of all demonstrations."""
+REWARD_OBSERVATIONS_PER_S = 4_500.0
+REWARD_UPDATE_S = 0.003
+"""What an update of the reward model costs beside its observations."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 250.0, "small": 480.0}
 EVALUATION_STEPS_PER_S = 900.0
@@ -43,29 +45,44 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
 
     It is where an estimate begins before anything was measured on the machine at hand.
     """
-    reward, network = recipe.reward, recipe.policy.network
-    fits = reward.ensemble + reward.folds
+    reward, policy = recipe.reward, recipe.policy
+    update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
+    warm_start = policy.warm_start_epochs * policy.best_share if policy.warm_start else 0.0
     n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
     games = n_starts * N_POLICIES_BY_CHOICES
+    demonstrated = N_DEMONSTRATIONS * MEAN_STEPS
     return {
         "demonstrations": DEMONSTRATIONS_S,
         "trajectories": TRAJECTORIES_S,
-        "reward": reward.updates * REWARD_UPDATE_S[reward.method] * fits,
-        "check": CHECK_S,
-        "clone": recipe.cloning.epochs * N_DEMONSTRATIONS * MEAN_STEPS / cloning_rate,
-        "imitator": steps / IMITATOR_STEPS_PER_S[network],
-        "evaluation": 2.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
+        "reward": 1.0 + reward.updates * update_s * reward.ensemble,
+        "check": CHECK_S + reward.fold_updates * update_s * reward.folds,
+        "clone": 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
+        "imitator": 2.0
+        + warm_start * demonstrated / CLONING_OBSERVATIONS_PER_S[policy.network]
+        + steps / IMITATOR_STEPS_PER_S[policy.network],
+        "evaluation": 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
         "attention": ATTENTION_S,
     }
+
+
+def _observations_per_update(reward: RewardRecipe) -> float:
+    if reward.method == "fast":
+        return N_DEMONSTRATIONS * MEAN_STEPS / reward.observation_stride
+    snippet = (reward.snippet_min_steps + reward.snippet_max_steps) / 2
+    return 2 * reward.pairs_per_update * snippet / reward.observation_stride
 
 
 def overall_progress(run: RunRow) -> float:
     """Return how much of a run is done, 0..1, weighting its stages by the time they take."""
     if run.status == RunStatus.DONE:
         return 1.0
-    weights = expected_seconds(recipe_from_dict(run.recipe), run.steps)
     stages = stages_of(run)
+    try:
+        weights = expected_seconds(recipe_from_dict(run.recipe), run.steps)
+    except Invalid:
+        # A recipe of another version of Tril: the run is still listed.
+        weights = dict.fromkeys(stages, 1.0)
     done = sum(weights[stage] for stage in stages if stage in run.finished_stages)
     if run.stage in stages and run.stage not in run.finished_stages:
         done += weights[run.stage] * run.stage_done
