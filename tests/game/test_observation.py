@@ -81,8 +81,8 @@ def test_the_rows_left_out_hold_the_score_the_bonus_ship_and_missiles(console: C
     for _ in range(2000):
         console.act(1)
         screen = console.screen_palette()
-        masked |= set(screen[:masked_rows].flat)
-        below |= set(screen[masked_rows:150].flat)
+        masked |= set(np.unique(screen[:masked_rows]).tolist())
+        below |= set(np.unique(screen[masked_rows:150]).tolist())
     assert masked == {0, score, ground, missile, bonus_ship}
     assert below == {0, missile, alien}
 
