@@ -1,6 +1,6 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState, useSyncExternalStore } from "react";
-import { Link, Outlet, ScrollRestoration, useLocation } from "react-router";
+import { Link, NavLink, Outlet, ScrollRestoration, useLocation } from "react-router";
 
 import { listenToChanges } from "./event-stream";
 import { Invalidator } from "./invalidation";
@@ -32,10 +32,13 @@ export function Layout() {
       <header>
         {!reachable && <UnreachableBanner />}
         <div className={styles.bar}>
-          <Link to="/" className={styles.brand} aria-label="Tril, all behaviours">
+          <Link to="/" className={styles.brand}>
             <Alien row={2} scale={2} />
             Tril
           </Link>
+          <NavLink to="/" end className={styles.nav ?? ""}>
+            Behaviours
+          </NavLink>
           <div className={styles.right}>
             <Processes />
             <PlayerMenu />

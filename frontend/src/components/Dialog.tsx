@@ -5,7 +5,8 @@ import styles from "./Dialog.module.css";
 
 interface DialogProps {
   title: ReactNode;
-  onClose: () => void;
+  /** Left out where the person has to choose one of the buttons. */
+  onClose?: () => void;
   /** CSS width. */
   width?: string;
   children: ReactNode;
@@ -36,15 +37,15 @@ export function Dialog({ title, onClose, width, children }: DialogProps) {
       style={width ? ({ "--dialog-width": width } as CSSProperties) : undefined}
       onCancel={(event) => {
         event.preventDefault();
-        onClose();
+        onClose?.();
       }}
       onClick={(event) => {
-        if (event.target === event.currentTarget) onClose();
+        if (event.target === event.currentTarget) onClose?.();
       }}
     >
       <div className={styles.head}>
         <h2 id={titleId}>{title}</h2>
-        <IconButton icon="close" label="Close" onClick={onClose} />
+        {onClose && <IconButton icon="close" label="Close" onClick={onClose} />}
       </div>
       <div className={styles.body}>{children}</div>
     </dialog>

@@ -23,7 +23,7 @@ import type { Recording } from "@/api/types";
 import type { RecordedFrames } from "@/lib/codec";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
 import { Playback, SPEEDS } from "@/lib/playback";
-import { endInWords, lengthInWords, recordingName, scoreInWords, stepOf } from "@/lib/recordings";
+import { courseInWords, recordingName, scoreInWords, stepOf } from "@/lib/recordings";
 import type { ScreenPainter } from "@/lib/screen";
 import { useFittingScreenSize } from "@/lib/use-screen-size";
 
@@ -73,8 +73,7 @@ export function WatchDialog(props: WatchDialogProps) {
         )}
         <p className={styles.facts}>
           <span>{scoreInWords(recording, nTargets)}</span>
-          <span>{lengthInWords(recording)}</span>
-          <span>{endInWords(recording.end)}</span>
+          <span>{courseInWords(recording)}</span>
         </p>
       </div>
     </Dialog>
@@ -152,8 +151,8 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
           kind="secondary"
           onClick={() => playback.toggle()}
         />
-        <IconButton icon="undo" label="One frame back" onClick={() => playback.step(-1)} />
-        <IconButton icon="redo" label="One frame on" onClick={() => playback.step(1)} />
+        <IconButton icon="stepBack" label="One frame back" onClick={() => playback.step(-1)} />
+        <IconButton icon="stepOn" label="One frame on" onClick={() => playback.step(1)} />
         <label>
           <span className="visually-hidden">Speed</span>
           <select

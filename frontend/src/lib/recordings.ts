@@ -48,6 +48,13 @@ export function scoreInWords(recording: Played, nTargets: number | null): string
   return parts.join(", ");
 }
 
+/** "survived all 300 steps, 20.0 s" or "139 steps, 9.3 s, hit by a bomb". */
+export function courseInWords(recording: Pick<Played, "n_steps" | "end">): string {
+  const { n_steps: steps, end } = recording;
+  if (end === "steps") return `${endInWords(end)}, ${seconds(steps / STEPS_PER_S)}`;
+  return `${lengthInWords(recording)}, ${endInWords(end)}`;
+}
+
 /** "300 steps, 20.0 s". */
 export function lengthInWords({ n_steps }: Pick<Played, "n_steps">): string {
   return `${count(n_steps, "step")}, ${seconds(n_steps / STEPS_PER_S)}`;

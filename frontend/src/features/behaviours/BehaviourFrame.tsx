@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
-import { Link, NavLink } from "react-router";
+import { NavLink } from "react-router";
 
 import styles from "./BehaviourFrame.module.css";
 import { type PathStep, pathOf, type StepId } from "./path";
@@ -45,9 +45,6 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
       <div className={styles.head}>
         <AlienGrid target={behaviour.target} label="" />
         <div className={styles.words}>
-          <Link to="/" className={styles.back}>
-            All behaviours
-          </Link>
           <h1>{behaviour.name}</h1>
           <p>{behaviour.description}</p>
         </div>
@@ -72,7 +69,7 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
   const [play, ...others] = steps;
   if (!play) return null;
   return (
-    <nav className={styles.path} aria-label="Steps">
+    <nav className={styles.path} aria-label="Path">
       <ol className={styles.steps}>
         <li>
           <StepLink step={play} number={1} to={`${at}/play`} />

@@ -123,8 +123,8 @@ function countsOf(behaviour: Behaviour): string {
     count(behaviour.n_recordings, "recording"),
     `${behaviour.n_ranked} ranked`,
     `${behaviour.n_perfect} perfect`,
-    count(behaviour.n_runs, "run"),
-  ].join(" · ");
+    ...(behaviour.n_runs > 0 ? [count(behaviour.n_runs, "run")] : []),
+  ].join(", ");
 }
 
 function Latest({ run, behaviour }: { run: Run; behaviour: Behaviour }) {

@@ -3,11 +3,14 @@ import type { ReactNode } from "react";
 import type { GameState } from "./game-stream";
 import styles from "./PlayPage.module.css";
 
+import type { Behaviour } from "@/api/types";
+import { AlienGrid } from "@/components/AlienGrid";
 import { Button } from "@/components/Button";
 import { classes } from "@/lib/classes";
 
 interface StageOverlayProps {
   state: GameState | null;
+  target: Behaviour["target"];
   starting: boolean;
   error: string | null;
   onStart: () => void;
@@ -17,11 +20,12 @@ interface StageOverlayProps {
 
 /** What lies over the screen while nobody is playing on it. The end has its own card. */
 export function StageOverlay(props: StageOverlayProps) {
-  const { state, starting, error, onStart, onGoOn, onTakeBack } = props;
+  const { state, target, starting, error, onStart, onGoOn, onTakeBack } = props;
   if (!state || state.phase === "gone") {
     const gone = state?.phase === "gone";
     return (
       <Overlay opaque>
+        {!gone && <AlienGrid target={target} scale={2} label="" />}
         <span className={styles.big}>{gone ? "This game is over" : "Twenty seconds, one life"}</span>
         <p>
           {error ??

@@ -58,6 +58,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
           <StageOverlay
             state={state}
+            target={behaviour.target}
             starting={game.starting}
             error={game.error ? messageOf(game.error) : null}
             onStart={game.start}

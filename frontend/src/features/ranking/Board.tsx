@@ -15,6 +15,8 @@ export interface BoardProps {
   recordings: ReadonlyMap<number, Recording>;
   behaviour: Behaviour;
   looked: number | null;
+  /** Whether there is no room for a preview beside the board. */
+  narrow: boolean;
   onLook: (id: number) => void;
   onMove: (id: number, move: Move) => void;
   onPerfect: (recording: Recording) => void;
@@ -133,21 +135,23 @@ export function Tray(props: BoardProps & { unranked: readonly number[] }) {
 }
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
-  const { tiers, recordings, behaviour, looked, onLook, onMove, onPerfect } = props;
+  const { tiers, recordings, behaviour, looked, narrow, onLook, onMove, onPerfect } = props;
   const recording = recordings.get(id);
   if (!recording) return null;
   return (
-    <RankCard
-      key={id}
-      recording={recording}
-      behaviour={behaviour}
-      place={placeName}
-      ranked={placeName !== TRAY}
-      looked={looked === id}
-      possible={possibleMoves(tiers, id)}
-      onMove={(move) => onMove(id, move)}
-      onPerfect={() => onPerfect(recording)}
-      onLook={() => onLook(id)}
-    />
+    <div key={id}>
+      <RankCard
+        recording={recording}
+        behaviour={behaviour}
+        place={placeName}
+        ranked={placeName !== TRAY}
+        looked={looked === id}
+        unfolded={looked === id && narrow}
+        possible={possibleMoves(tiers, id)}
+        onMove={(move) => onMove(id, move)}
+        onPerfect={() => onPerfect(recording)}
+        onLook={() => onLook(id)}
+      />
+    </div>
   );
 }

@@ -15,16 +15,11 @@ interface ConflictDialogProps {
 export function ConflictDialog({ theirs, mine, onSettle }: ConflictDialogProps) {
   const moved = movedBetween(theirs, mine);
   return (
-    <Dialog
-      title="The order was changed elsewhere"
-      width="44rem"
-      onClose={() => onSettle("theirs")}
-    >
-      <p>
-        Another tab or person saved an order after you had loaded this one. Nothing is lost: the
-        order that you don&rsquo;t choose stays in the history and can be brought back by undo.
+    <Dialog title="The order was changed elsewhere" width="44rem">
+      <p className={styles.conflictWords}>
+        Another tab or person saved an order while you changed this one. Which one shall stand? If
+        you use yours, undo still brings theirs back.
       </p>
-      <br />
       <div className={styles.conflict}>
         <section aria-label="Saved elsewhere">
           <h3>Saved elsewhere</h3>

@@ -8,12 +8,11 @@ import { SourceBadge } from "@/components/Badges";
 import { IconButton } from "@/components/Button";
 import { useDragItem } from "@/components/DragBoard";
 import { Icon } from "@/components/Icon";
-import { useLookedAt } from "@/components/RecordingScreen";
+import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
 import { classes } from "@/lib/classes";
 import {
-  endInWords,
+  courseInWords,
   hitCells,
-  lengthInWords,
   recordingName,
   scoreInWords,
 } from "@/lib/recordings";
@@ -27,6 +26,8 @@ interface RankCardProps {
   place: string;
   ranked: boolean;
   looked: boolean;
+  /** Whether it plays in the card itself, where there is no room for a preview beside. */
+  unfolded: boolean;
   /** Moves that would change something. */
   possible: ReadonlySet<Move>;
   onMove: (move: Move) => void;
@@ -34,9 +35,11 @@ interface RankCardProps {
   onLook: () => void;
 }
 
+const SCREEN = { width: 320, height: 210 } as const;
+
 /** A recording on the board: dragged, or moved by its buttons. */
 export function RankCard(props: RankCardProps) {
-  const { recording, behaviour, place, looked, onLook } = props;
+  const { recording, behaviour, place, looked, unfolded, onLook } = props;
   const { setItem, setHandle, listeners, descriptionId, isDragging } = useDragItem(
     String(recording.id),
     place,
@@ -49,6 +52,7 @@ export function RankCard(props: RankCardProps) {
     <article
       ref={setItem}
       aria-label={name}
+      data-recording={recording.id}
       className={classes(styles.card, looked && styles.looked, isDragging && styles.lifted)}
       onClick={onLook}
       {...look}
@@ -67,6 +71,11 @@ export function RankCard(props: RankCardProps) {
       </button>
       <Facts recording={recording} behaviour={behaviour} />
       <Buttons {...props} name={name} />
+      {unfolded && (
+        <div className={styles.screen}>
+          <RecordingScreen recording={recording} playing {...SCREEN} />
+        </div>
+      )}
     </article>
   );
 }
@@ -88,14 +97,12 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
     <>
       <AlienGrid hits={hitCells(recording)} target={behaviour.target} label="" />
       <div className={styles.words}>
-        <h3>
-          {recordingName(recording)}
+        <div className={styles.title}>
+          <h3>{recordingName(recording)}</h3>
           <SourceBadge recording={recording} />
-        </h3>
+        </div>
         <span>{scoreInWords(recording, behaviour.target?.length ?? null)}</span>
-        <span className={styles.quiet}>
-          {lengthInWords(recording)}, {endInWords(recording.end)}
-        </span>
+        <span className={styles.quiet}>{courseInWords(recording)}</span>
       </div>
     </>
   );
@@ -135,6 +142,7 @@ function Buttons({
         <IconButton
           key={move}
           icon={icon}
+          data-move={move}
           label={`${label}: ${name}`}
           // Stays focusable when it has nothing more to do: the focus must not get lost.
           aria-disabled={!possible.has(move)}

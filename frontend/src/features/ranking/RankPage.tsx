@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { useCallback, useEffect, useMemo, useState } from "react";
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { applyMove, Board, Tray } from "./Board";
 import { ConflictDialog } from "./ConflictDialog";
@@ -22,6 +22,7 @@ import { Empty, Failed, Loading, Notice } from "@/components/States";
 import { useRecordingActions } from "@/components/use-recording-actions";
 import { WatchDialog } from "@/components/WatchDialog";
 import { recordingName, scoreInWords } from "@/lib/recordings";
+import { useMedia } from "@/lib/use-media";
 
 /** Puts a behaviour's recordings into tiers from best to worst. */
 export function RankPage({ behaviour }: { behaviour: Behaviour }) {
@@ -80,15 +81,18 @@ function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
   const [spoken, setSpoken] = useState("");
   const actions = useRecordingActions(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
+  const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
   const unranked = unrankedOf(state);
   useUndoKeys(saver);
+  const keepFocus = useKeptFocus(tiers);
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
   const nameOfPlace = useCallback((to: string) => placeInWords(to, tiers), [tiers]);
 
   function move(id: number, kind: Move) {
     const next = applyMove(tiers, id, kind);
+    keepFocus(id, kind);
     saver.change(next);
     setSpoken(`${recordingName({ id })}: ${standingInWords(next, id)}.`);
   }
@@ -98,6 +102,7 @@ function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
     recordings: byId,
     behaviour,
     looked,
+    narrow,
     onLook: setLooked,
     onMove: move,
     onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
@@ -120,7 +125,13 @@ function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
           <Board {...desk} />
         </section>
         <div className={styles.side}>
-          <Preview recording={looked === null ? undefined : byId.get(looked)} behaviour={behaviour} />
+          {!narrow && (
+            <Preview
+              recording={byId.get(looked ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
+              playing={looked !== null}
+              behaviour={behaviour}
+            />
+          )}
           <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
           <Tray {...desk} unranked={unranked} />
         </div>
@@ -189,20 +200,16 @@ const PREVIEW = { width: 352, height: 210 } as const;
 
 function Preview({
   recording,
+  playing,
   behaviour,
 }: {
   recording: Recording | undefined;
+  playing: boolean;
   behaviour: Behaviour;
 }) {
   const [watching, setWatching] = useState(false);
   const nTargets = behaviour.target?.length ?? null;
-  if (!recording) {
-    return (
-      <div className={styles.preview}>
-        <div className={styles.screen}>Point at a recording and it plays here.</div>
-      </div>
-    );
-  }
+  if (!recording) return null;
   return (
     <section className={styles.preview} aria-label="Preview">
       <button
@@ -211,11 +218,20 @@ function Preview({
         aria-label={`Watch ${recordingName(recording)}`}
         onClick={() => setWatching(true)}
       >
-        <RecordingScreen key={recording.id} recording={recording} playing {...PREVIEW} />
+        <RecordingScreen
+          key={recording.id}
+          recording={recording}
+          playing={playing}
+          {...PREVIEW}
+        />
       </button>
       <p className={styles.caption}>
         <strong>{recordingName(recording)}</strong>
-        <span>{scoreInWords(recording, nTargets)}</span>
+        <span>
+          {playing
+            ? scoreInWords(recording, nTargets)
+            : "Point at a recording and it plays here."}
+        </span>
       </p>
       {watching && (
         <WatchDialog
@@ -226,6 +242,22 @@ function Preview({
       )}
     </section>
   );
+}
+
+/** A card that moves into another tier is made anew: the button that moved it keeps the focus. */
+function useKeptFocus(tiers: Tiers): (id: number, move: Move) => void {
+  const wanted = useRef<{ id: number; move: Move } | null>(null);
+  useEffect(() => {
+    const { id, move } = wanted.current ?? {};
+    wanted.current = null;
+    if (id === undefined || document.activeElement !== document.body) return;
+    const card = document.querySelector(`[data-recording="${id}"]`);
+    const button = card?.querySelector<HTMLElement>(`[data-move="${move ?? ""}"]`);
+    (button ?? card?.querySelector<HTMLElement>("button"))?.focus();
+  }, [tiers]);
+  return useCallback((id, move) => {
+    wanted.current = { id, move };
+  }, []);
 }
 
 /** Ctrl+Z takes back, Ctrl+Shift+Z (or Ctrl+Y) makes it again. */

@@ -92,8 +92,28 @@ export function sameOrder(a: Tiers, b: Tiers): boolean {
   );
 }
 
-/** The recordings that one order puts into another tier than the other, or leaves out. */
+/**
+ * The recordings that were moved between two orders: the few without which both orders agree
+ * about all the others, and those that only one of them ranks.
+ */
 export function movedBetween(a: Tiers, b: Tiers): ReadonlySet<number> {
   const all = new Set([...a.flat(), ...b.flat()]);
-  return new Set([...all].filter((id) => tierOf(a, id) !== tierOf(b, id)));
+  const inBoth = [...all].filter((id) => tierOf(a, id) >= 0 && tierOf(b, id) >= 0);
+  const moved = new Set([...all].filter((id) => !inBoth.includes(id)));
+  let rest = inBoth;
+  for (;;) {
+    const disputes = rest.map(
+      (id) => rest.filter((other) => relation(a, id, other) !== relation(b, id, other)).length,
+    );
+    const most = Math.max(0, ...disputes);
+    if (most === 0) return moved;
+    const culprit = rest[disputes.indexOf(most)];
+    rest = rest.filter((id) => id !== culprit);
+    if (culprit !== undefined) moved.add(culprit);
+  }
+}
+
+/** -1: above, 0: tied, 1: below. */
+function relation(tiers: Tiers, id: number, other: number): number {
+  return Math.sign(tierOf(tiers, id) - tierOf(tiers, other));
 }

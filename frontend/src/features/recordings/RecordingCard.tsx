@@ -8,7 +8,7 @@ import { ColumnBars, SourceBadge, VerifiedBadge } from "@/components/Badges";
 import { IconButton } from "@/components/Button";
 import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
 import { useRecordingActions } from "@/components/use-recording-actions";
-import { endInWords, lengthInWords, recordingName, scoreInWords } from "@/lib/recordings";
+import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
 
 const SCREEN_WIDTH_PX = 320;
 const SCREEN_HEIGHT_PX = 210;
@@ -66,8 +66,7 @@ export function RecordingCard({ recording, behaviour, onWatch }: RecordingCardPr
         <div className={styles.row}>
           <div className={styles.words}>
             <strong>{scoreInWords(recording, behaviour.target?.length ?? null)}</strong>
-            <span>{lengthInWords(recording)}</span>
-            <span>{endInWords(recording.end)}</span>
+            <span>{courseInWords(recording)}</span>
           </div>
           <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
         </div>

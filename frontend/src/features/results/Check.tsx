@@ -62,9 +62,10 @@ function Confused({ check }: { check: RankingCheck }) {
       <h3>Tiers that it mixes up</h3>
       <ul>
         {check.confused.map((one) => (
-          <li key={`${one.better_tier}-${one.worse_tier}`}>
-            Tier {one.better_tier} ({names(one.better)}) should be above tier {one.worse_tier} (
-            {names(one.worse)}): {percent(one.accuracy)} of snippet pairs put right.
+          <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
+            Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t told from the worse tier{" "}
+            {one.worse_tier} ({names(one.worse)})
+            {one.held_out ? " when a recording of them is left out of the learning" : ""}.
           </li>
         ))}
       </ul>

@@ -254,10 +254,9 @@ function Steps({
         {PRESETS.map((steps) => (
           <Button
             key={steps}
-            kind="quiet"
             aria-pressed={readWhole(value) === steps}
             title={estimateInWords(recipe, steps)}
-            onClick={() => onChange(String(steps))}
+            onClick={() => onChange(whole(steps))}
           >
             {shortCount(steps)}
           </Button>

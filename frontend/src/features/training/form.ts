@@ -1,5 +1,6 @@
 /** The training form's values, and what is wrong with them. Pure. */
 import type { Recipe, RunNew } from "@/api/types";
+import { whole } from "@/lib/format";
 
 /** As typed, so that half-typed numbers stay as they are. */
 export interface FormValues {
@@ -23,7 +24,7 @@ const MOST_SEED = 2 ** 31 - 1;
 export function defaultsOf(recipe: Recipe): FormValues {
   return {
     recipe: recipe.name,
-    steps: String(recipe.default_steps),
+    steps: whole(recipe.default_steps),
     learningRate: String(recipe.learning_rate),
     trainingSeed: "0",
     goOnAnyway: false,
