@@ -46,11 +46,15 @@ class ChangeFeed:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._stopped = threading.Event()
         self._closed = False
+        self._last = 0
         self._thread = threading.Thread(target=self._watch, name="changes", daemon=True)
 
     def start(self) -> None:
         """Begin to watch; call it in the event loop that listeners will run in."""
         self._loop = asyncio.get_running_loop()
+        # Before anybody listens, so that nothing that they wait for is taken for old.
+        with self._database.reading() as session:
+            self._last = last_change(session)
         self._thread.start()
 
     def close(self) -> None:
@@ -87,11 +91,10 @@ class ChangeFeed:
             self._listeners.discard(listener)
 
     def _watch(self) -> None:
-        last: int | None = None
         polls = 0
         while not self._stopped.wait(self._poll_s):
             try:
-                last = self._look(last)
+                self._look()
                 polls += 1
                 if polls % PRUNE_EVERY_POLLS == 0:
                     with self._database.writing() as session:
@@ -99,15 +102,13 @@ class ChangeFeed:
             except SQLAlchemyError as error:
                 _LOG.warning("Changes could not be read and will be looked for again: %s", error)
 
-    def _look(self, last: int | None) -> int:
+    def _look(self) -> None:
         with self._database.reading() as session:
-            if last is None:
-                return last_change(session)
-            found = changes_after(session, last)
+            found = changes_after(session, self._last)
         if found and self._loop is not None:
+            self._last = found[-1].id
             told = [(change.topic, change.key) for change in found]
             self._loop.call_soon_threadsafe(self._tell, told)
-        return found[-1].id if found else last
 
     def _tell(self, changes: list[Change]) -> None:
         for listener in self._listeners:

@@ -43,7 +43,8 @@ LOGGING: dict[str, Any] = {
         }
     },
     "root": {"level": "INFO", "handlers": ["console"]},
-    "loggers": {"uvicorn.access": {"level": "INFO"}},
+    # Every request would push the address that was printed out of sight.
+    "loggers": {"uvicorn.access": {"level": "WARNING"}},
 }
 
 

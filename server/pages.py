@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import mimetypes
-from html import escape
 from pathlib import Path
+from urllib.parse import quote
 
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
@@ -146,7 +146,9 @@ def _keep_out(request: Request) -> Response:
     # Browsers keep a SameSite=Strict cookie back when a link on another site leads here; once this
     # page is shown, loading it again comes from here and brings the cookie.
     again = request.headers.get("sec-fetch-site") in {"cross-site", "same-site"}
-    head = f'\n<meta http-equiv="refresh" content="0; url={escape(request.url.path)}">' * again
+    # One slash at the start and everything quoted: the address stays one of this server.
+    here = quote("/" + request.url.path.lstrip("/"))
+    head = f'\n<meta http-equiv="refresh" content="0; url={here}">' * again
     return _small_page(
         401,
         "You are not signed in",

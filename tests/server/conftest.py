@@ -29,6 +29,16 @@ def client(workplace: Workplace, tmp_path: Path) -> Iterator[TestClient]:
 
 
 @pytest.fixture(scope="module")
+def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    """Return a client that a module's tests share, because they change nothing."""
+    folder = tmp_path_factory.mktemp("reader")
+    made = make_workplace(folder / "data")
+    with signed_in(made, build_frontend(folder)) as client:
+        yield client
+    made.database.close()
+
+
+@pytest.fixture(scope="module")
 def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveServer]:
     """Return a running server that a module's tests share."""
     made = make_workplace(tmp_path_factory.mktemp("live") / "data")

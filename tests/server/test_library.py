@@ -22,8 +22,8 @@ from tril.store import recordings
 from tril.store.models import RecordingRow, RecordingState, Verification
 
 
-def test_the_seven_behaviours_come_ready(client: TestClient) -> None:
-    behaviours = client.get("/api/behaviours").json()
+def test_the_seven_behaviours_come_ready(reader: TestClient) -> None:
+    behaviours = reader.get("/api/behaviours").json()
     assert [item["slug"] for item in behaviours] == [
         *(f"column-{n}" for n in range(1, 7)),
         "row-1",
@@ -91,9 +91,9 @@ def test_a_target_can_not_change_once_something_was_trained(
     ],
 )
 def test_a_senseless_behaviour_is_refused_with_a_reason(
-    client: TestClient, body: dict[str, object]
+    reader: TestClient, body: dict[str, object]
 ) -> None:
-    answer = client.post("/api/behaviours", json=body)
+    answer = reader.post("/api/behaviours", json=body)
     assert answer.status_code == 422
     assert answer.json()["detail"]
 
@@ -266,7 +266,7 @@ def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) 
         "/api/nothing",
     ],
 )
-def test_what_is_not_there_answers_404_with_a_problem(client: TestClient, path: str) -> None:
-    answer = client.get(path)
+def test_what_is_not_there_answers_404_with_a_problem(reader: TestClient, path: str) -> None:
+    answer = reader.get(path)
     assert answer.status_code == 404
     assert answer.json()["detail"]

@@ -124,6 +124,6 @@ def test_recordings_that_can_not_be_ranked_are_named(
 
 
 @pytest.mark.parametrize("tiers", [[[]], [[1, 1]], [[1], [1]], [[0]], [["x"]], "x"])
-def test_a_malformed_order_is_refused(client: TestClient, tiers: object) -> None:
-    answer = client.put(PATH, json={"base_revision": 1, "tiers": tiers})
+def test_a_malformed_order_is_refused(reader: TestClient, tiers: object) -> None:
+    answer = reader.put(PATH, json={"base_revision": 1, "tiers": tiers})
     assert answer.status_code == 422

@@ -18,8 +18,8 @@ from tril.store.models import RecordingRow, RunStatus, Source
 from tril.summary import summarise
 
 
-def test_the_recipes_say_what_they_cost(client: TestClient) -> None:
-    recipes = client.get("/api/recipes").json()
+def test_the_recipes_say_what_they_cost(reader: TestClient) -> None:
+    recipes = reader.get("/api/recipes").json()
     assert [recipe["name"] for recipe in recipes] == list(RECIPES)
     for recipe in recipes:
         assert recipe["steps_per_s"] > 0
@@ -239,5 +239,5 @@ def test_rewards_say_what_to_do_while_the_inference_process_is_away(
 
 
 @pytest.mark.parametrize("kind", ["", "/results", "/metrics", "/reward/1"])
-def test_an_unknown_run_answers_404(client: TestClient, kind: str) -> None:
-    assert client.get(f"/api/runs/{uuid.uuid4()}{kind}").status_code == 404
+def test_an_unknown_run_answers_404(reader: TestClient, kind: str) -> None:
+    assert reader.get(f"/api/runs/{uuid.uuid4()}{kind}").status_code == 404

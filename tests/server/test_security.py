@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import stat
 import threading
 from collections.abc import Iterator
@@ -82,6 +83,17 @@ def test_a_page_without_cookie_says_to_open_the_printed_address(stranger: TestCl
     # Browsers keep the strict cookie back when another site's link leads here.
     from_link = stranger.get("/runs/1", headers={"Sec-Fetch-Site": "cross-site"})
     assert 'content="0; url=/runs/1"' in from_link.text
+
+
+@pytest.mark.parametrize("path", ["//evil.example/", "/%5Cevil.example/", "/%22%3E%3Cscript%3E"])
+def test_the_page_that_loads_itself_again_leads_nowhere_else(
+    stranger: TestClient, path: str
+) -> None:
+    url = f"{stranger.base_url}".rstrip("/") + path
+    answer = stranger.get(url, headers={"Sec-Fetch-Site": "cross-site"})
+    (target,) = re.findall(r"url=([^\"]*)\"", answer.text)
+    assert re.match(r"/[^/\\]", target)
+    assert "<script" not in answer.text
 
 
 @pytest.mark.parametrize("forge", ["", "x", "1.2", "{issued}.{zeros}", "9999999999.{signature}"])
