@@ -56,6 +56,10 @@ _TILE_OF_WORD = np.empty(_TILE_WORDS.size, np.intp)
 _TILE_OF_WORD[_TILE_WORDS - _SCORE_WORDS] = np.arange(_TILES)[:, None]
 
 
+_FRAME_WORDS = game.SCREEN_SHAPE[0] * game.SCREEN_SHAPE[1] // _WORD.itemsize
+_BOTH_FRAMES_WORDS = np.concatenate((_TILE_WORDS, _TILE_WORDS + _FRAME_WORDS), axis=1)
+
+
 def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
     """Return the screen of a step, uint8 (84, 84), from its last two frames.
 
@@ -64,21 +68,24 @@ def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
         second: the last frame, uint8 (210, 160) grayscale.
     """
     reduced = np.zeros(SIZE * SIZE, np.uint8)
-    frames = np.stack((first, second)).reshape(2, -1).view(_WORD)
-    tiles = frames.take(_TILE_WORDS, axis=1).view(np.uint8)
-    reduced[_TILE_PIXELS] = _reduce(tiles[0], tiles[1])
+    frames = np.stack((first, second)).reshape(-1).view(_WORD)
+    reduced[_TILE_PIXELS] = _reduce(frames.take(_BOTH_FRAMES_WORDS).view(np.uint8))
     return reduced.reshape(SIZE, SIZE)
 
 
-def _reduce(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Reduce tiles of two grayscale frames, (tiles, 200) each, to tiles (tiles, 42)."""
-    brightest = np.maximum(first, second)
-    count = len(brightest)
-    reduced = cv2.resize(
-        brightest.reshape(-1, _TILE_COLUMNS),
-        (_REDUCED_COLUMNS, count * _REDUCED_ROWS),
-        interpolation=cv2.INTER_AREA,
-    )
+def _reduce(tiles: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Reduce tiles in grayscale to tiles of an observation.
+
+    Args:
+        tiles: uint8 (tiles, 400): the 5 x 40 pixels of the first frame, then of the second.
+
+    Returns:
+        uint8 (tiles, 42).
+    """
+    count, half = len(tiles), tiles.shape[1] // 2
+    brightest = np.maximum(tiles[:, :half], tiles[:, half:]).reshape(-1, _TILE_COLUMNS)
+    size = (_REDUCED_COLUMNS, count * _REDUCED_ROWS)
+    reduced = cv2.resize(brightest, size, interpolation=cv2.INTER_AREA)
     return np.asarray(reduced.reshape(count, -1), np.uint8)
 
 
@@ -110,19 +117,30 @@ class AgentViews:
 
     def __init__(self, n_games: int) -> None:
         """Make views that see nothing yet: call begin on each."""
+        games = np.arange(n_games)[:, None, None]
         self.stacks = np.zeros((n_games, *OBSERVATION_SHAPE), np.uint8)
+        self._pixels = self.stacks.reshape(-1)
+        newest = games * self.stacks[0].size + self.stacks[0, :-1].size
+        self._tile_pixels = (_TILE_PIXELS + newest).reshape(-1, _TILE_PIXELS.shape[1])
         self.frames = np.zeros((n_games, 2, *game.SCREEN_SHAPE), np.uint8)
-        self._before = np.zeros_like(self.frames)
-        self._words, self._words_before = (
-            frames.reshape(n_games, 2, -1).view(_WORD) for frames in (self.frames, self._before)
+        self._words = self.frames.reshape(-1).view(_WORD)
+        self._words_before = np.zeros_like(self._words)
+        by_game = games * 2 * _FRAME_WORDS + _BOTH_FRAMES_WORDS
+        self._tile_words = by_game.reshape(-1, _BOTH_FRAMES_WORDS.shape[1])
+        # Of every frame what is below the score.
+        self._below, self._below_before = (
+            words.reshape(n_games, 2, -1)[:, :, _SCORE_WORDS:]
+            for words in (self._words, self._words_before)
         )
-        self._unequal = np.empty(self._words[:, :, _SCORE_WORDS:].shape, np.bool_)
+        self._unequal = np.empty(self._below.shape, np.bool_)
         self._changed = np.empty((n_games, _TILES), np.bool_)
-        self._tile_of_word = (_TILE_OF_WORD + _TILES * np.arange(n_games)[:, None]).reshape(-1)
+        self._tile_of_word = (games[:, 0] * _TILES + _TILE_OF_WORD).reshape(-1)
+        self._grays = palette_grayscale()
         # Which games have a whole step to be pushed, and which were not seen a step before.
         self._to_push = np.zeros(n_games, np.bool_)
-        self._unknown = np.ones(n_games, np.bool_)
         self._is_complete = True
+        self._unknown = np.ones(n_games, np.bool_)
+        self._any_unknown = True
 
     def __iter__(self) -> Iterator["AgentView"]:
         """Return the views of the games one by one."""
@@ -136,6 +154,7 @@ class AgentViews:
     def forget(self, index: int) -> None:
         """Note that a game's screen of a step before says nothing about the next one."""
         self._unknown[index] = True
+        self._any_unknown = True
 
     def complete_of(self, index: int) -> None:
         """Complete at least this game's step, if it is whole and has not been pushed."""
@@ -146,43 +165,34 @@ class AgentViews:
         """Push the screens of all whole steps that have not been pushed onto their stacks."""
         if self._is_complete:
             return
-        if self._to_push.all():
-            self.stacks[:, :-1] = self.stacks[:, 1:]
-        else:
-            self.stacks[self._to_push, :-1] = self.stacks[self._to_push, 1:]
-        self._reduce_tiles(self._changed_tiles())
-        self._unknown &= ~self._to_push
+        # No mask where none is needed: copying by slices is faster.
+        pushed = slice(None) if self._to_push.all() else self._to_push
+        self.stacks[pushed, :-1] = self.stacks[pushed, 1:]
+        tiles = self._changed_tiles()
+        if len(tiles):
+            words = self._tile_words.take(tiles, axis=0)
+            changed = self._words.take(words)
+            self._words_before[words] = changed
+            grays = cv2.LUT(changed.view(np.uint8), self._grays)
+            self._pixels[self._tile_pixels.take(tiles, axis=0)] = _reduce(np.asarray(grays))
         self._to_push[:] = False
         self._is_complete = True
 
     def _changed_tiles(self) -> Indices:
         """Return the indices of the tiles to reduce, _TILES for each game."""
-        words, before = (all_[:, :, _SCORE_WORDS:] for all_ in (self._words, self._words_before))
-        np.not_equal(words, before, out=self._unequal)
+        np.not_equal(self._below, self._below_before, out=self._unequal)
         unequal = np.logical_or(self._unequal[:, 0], self._unequal[:, 1])
         changed: npt.NDArray[np.bool_] = self._changed.reshape(-1)
         changed[:] = False
         changed[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
-        self._changed[self._unknown] = True
-        self._changed[~self._to_push] = False
+        if self._any_unknown:
+            self._changed[self._unknown] = True
+            self._unknown &= ~self._to_push
+            self._any_unknown = bool(self._unknown.any())
+        if not self._to_push.all():
+            self._changed[~self._to_push] = False
         indices: Indices = changed.nonzero()[0]
         return indices
-
-    def _reduce_tiles(self, indices: Indices) -> None:
-        """Reduce these tiles into the newest screens of the stacks."""
-        if not len(indices):
-            return
-        games, tiles = np.divmod(indices, _TILES)
-        frames, frames_before = self._words.reshape(-1), self._words_before.reshape(-1)
-        first = _TILE_WORDS.take(tiles, axis=0) + (games * self._words[0].size)[:, None]
-        grays = []
-        for words in (first, first + self._words.shape[2]):
-            tile = frames.take(words)
-            frames_before[words] = tile
-            grays.append(np.asarray(cv2.LUT(tile.view(np.uint8), palette_grayscale()), np.uint8))
-        newest = games * self.stacks[0].size + (STACK - 1) * SIZE * SIZE
-        pixels = _TILE_PIXELS.take(tiles, axis=0) + newest[:, None]
-        self.stacks.reshape(-1)[pixels] = _reduce(*grays)
 
 
 class AgentView:
