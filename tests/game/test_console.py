@@ -94,6 +94,16 @@ def test_a_restored_console_goes_on_as_it_did(console: Console) -> None:
         assert play(restored, random_actions(seed=6, frames=FRAMES)) == after
 
 
+def test_a_game_can_begin_after_one_that_was_lost(console: Console) -> None:
+    console.start(Start(6))
+    expected = play(console, random_actions(seed=9, frames=60))
+    while not console._ale.game_over():
+        console.act(0)
+    console.start(Start(6))
+    assert console.lives == 3
+    assert play(console, random_actions(seed=9, frames=60)) == expected
+
+
 def test_a_state_of_another_version_is_refused(console: Console) -> None:
     console.start(Start(0))
     data = bytearray(console.save().to_bytes())
