@@ -11,8 +11,7 @@ import logging
 import shutil
 import threading
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -37,6 +36,7 @@ from tril.store.models import RunRow, RunStatus
 log = logging.getLogger(__name__)
 
 FINISHED = "finished"
+TAKEN_OVER = "taken over by another worker"
 Perform = Callable[[str, str], str]
 """(run id, stage) -> FINISHED, or how the run ended or left this worker."""
 
@@ -103,15 +103,33 @@ class Pipeline:
         if claim is None:
             log.info("Run %s: nothing to do.", run_id)
             return "nothing to do"
-        with self._working_on(claim) as stages:
-            for stage in stages:
-                how = perform(run_id, stage)
-                if how != FINISHED:
-                    log.info("Run %s: %s in stage %s.", run_id, how, stage)
-                    return how
-            how = self._conclude(claim, stages)
-            log.info("Run %s: %s.", run_id, how)
-            return how
+        try:
+            data, stages = self._prepare(claim)
+        except Exception as problem:
+            # E.g. a recipe of another version, or the behaviour was deleted.
+            log.exception("Run %s can't be begun.", run_id)
+            return self._end(claim, RunStatus.FAILED, explain("start", problem, run_id))
+        self._at_work[run_id] = data
+        try:
+            how = self._go_through(data, stages, perform)
+        finally:
+            del self._at_work[run_id]
+        log.info("Run %s: %s.", run_id, how)
+        return how
+
+    def _go_through(self, data: RunData, stages: tuple[str, ...], perform: Perform) -> str:
+        context = data.context
+        for stage in stages:
+            how = perform(context.run_id, stage)
+            if how != FINISHED:
+                return how
+        if any(stage not in context.finished for stage in stages):
+            # The queue remembers a stage as done that the row does not: the row is the truth.
+            return self._leave(context.claim, claims.release, "given back to the queue")
+        how = self._end(context.claim, RunStatus.DONE, "")
+        if how == RunStatus.DONE:
+            shutil.rmtree(scratch_folder(self._settings, context.run_id), ignore_errors=True)
+        return how
 
     def perform(self, run_id: str, stage: str) -> str:
         """Do one stage of the run at work; every way it can end is noted on the run."""
@@ -123,18 +141,20 @@ class Pipeline:
                 stop_if_confused(data.context)
             return FINISHED
         except RunLost:
-            return "taken over by another worker"
+            # The queue's record of this stage will be refused, too, and end the job here.
+            log.info("Run %s: %s.", run_id, TAKEN_OVER)
+            return TAKEN_OVER
         except WorkerStopping:
-            return self._leave(data.context, claims.release, "given back to the queue")
+            return self._leave(data.context.claim, claims.release, "given back to the queue")
         except RunCancelled:
-            return self._end(data.context, RunStatus.CANCELLED, "")
+            return self._end(data.context.claim, RunStatus.CANCELLED, "")
         except RunStopped as stopped:
-            return self._end(data.context, RunStatus.STOPPED, str(stopped))
+            return self._end(data.context.claim, RunStatus.STOPPED, str(stopped))
         except Exception as problem:
             # The one catch-all: whatever it is, the person is told and the worker lives on.
             self._write_log(run_id, stage)
             log.exception("Run %s: stage %s failed.", run_id, stage)
-            return self._end(data.context, RunStatus.FAILED, explain(stage, problem, run_id))
+            return self._end(data.context.claim, RunStatus.FAILED, explain(stage, problem, run_id))
 
     def _do(self, data: RunData, stage: str) -> None:
         context = data.context
@@ -148,16 +168,10 @@ class Pipeline:
         context.finish_stage(stage, seconds, outcome)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
-    @contextmanager
-    def _working_on(self, claim: Claim) -> Iterator[tuple[str, ...]]:
+    def _prepare(self, claim: Claim) -> tuple[RunData, tuple[str, ...]]:
         with self._database.reading() as session:
             row = runs.get(session, claim.run_id)
-            context = self._context(session, row, claim)
-        self._at_work[claim.run_id] = RunData(context)
-        try:
-            yield stages_of(row)
-        finally:
-            del self._at_work[claim.run_id]
+            return RunData(self._context(session, row, claim)), stages_of(row)
 
     def _context(self, session: Session, row: RunRow, claim: Claim) -> RunContext:
         return RunContext(
@@ -180,28 +194,18 @@ class Pipeline:
             stopping=self._stopping,
         )
 
-    def _conclude(self, claim: Claim, stages: tuple[str, ...]) -> str:
-        context = self._at_work[claim.run_id].context
-        if any(stage not in context.finished for stage in stages):
-            # The queue remembers a stage as done that the row does not: the row is the truth.
-            return self._leave(context, claims.release, "given back to the queue")
-        how = self._end(context, RunStatus.DONE, "")
-        if how == RunStatus.DONE:
-            shutil.rmtree(scratch_folder(self._settings, claim.run_id), ignore_errors=True)
-        return how
-
-    def _end(self, context: RunContext, status: RunStatus, message: str) -> str:
+    def _end(self, claim: Claim, status: RunStatus, message: str) -> str:
         def end(session: Session, claim: Claim) -> None:
             claims.end(session, claim, status, message)
 
-        return self._leave(context, end, str(status))
+        return self._leave(claim, end, str(status))
 
-    def _leave(self, context: RunContext, write: Callable[[Session, Claim], None], how: str) -> str:
+    def _leave(self, claim: Claim, write: Callable[[Session, Claim], None], how: str) -> str:
         try:
             with self._database.writing() as session:
-                write(session, context.claim)
+                write(session, claim)
         except RunLost:
-            return "taken over by another worker"
+            return TAKEN_OVER
         return how
 
     def _write_log(self, run_id: str, stage: str) -> None:

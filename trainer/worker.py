@@ -22,6 +22,7 @@ from tril.artifacts import write_whole
 from tril.errors import Unavailable
 from tril.heartbeat import Heartbeat
 from tril.jobs import APPLICATION, QUEUE, VERSION, WORKFLOW, Jobs, prepare_queue
+from tril.jobs.delivery import LOST_AFTER_S
 from tril.jobs.queue import serializer
 from tril.settings import Settings
 from tril.store.database import Database, create_database
@@ -37,8 +38,12 @@ MOST_DELIVERIES = 50
 MOST_WORKERS = 64
 
 
-def run_worker(settings: Settings) -> None:
+def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
     """Run a worker until it is told to stop (SIGTERM or Ctrl-C).
+
+    Args:
+        settings: Settings of the process.
+        lost_after_s: Seconds without a sign of life after which another worker is given up.
 
     Raises:
         Unavailable: The databases are not of this version.
@@ -54,7 +59,7 @@ def run_worker(settings: Settings) -> None:
     try:
         check_schema(database)
         with WorkerName(settings.data) as name:
-            Worker(settings, database, name.value, stopping).work()
+            Worker(settings, database, name.value, stopping).work(lost_after_s)
     finally:
         database.close()
 
@@ -78,11 +83,11 @@ class Worker:
         self._stopping = stopping
         self._pipeline = Pipeline(database, settings, name, stopping)
 
-    def work(self) -> None:
+    def work(self, lost_after_s: float = LOST_AFTER_S) -> None:
         """Take runs from the queue until told to stop; the run at work goes back to the queue."""
         prepare_queue(self._settings)
         self._pipeline.sweep()
-        jobs = Jobs(self._database, self._settings)
+        jobs = Jobs(self._database, self._settings, lost_after_s)
         heartbeat = Heartbeat(
             self._database, self._name, "worker", self._details, self._pipeline.beat
         )

@@ -13,9 +13,10 @@ from trainer.context import RunContext, StageProgress, WorkerStopping
 from trainer.courtesy import Courtesy
 from trainer.progress import RunCancelled
 from tril.artifacts import ArtifactStore
+from tril.game.starts import Start
 from tril.jobs import Forecast
 from tril.recipes import recipe_from_dict
-from tril.store import behaviours, claims, metrics, runs
+from tril.store import behaviours, claims, games, metrics, runs
 from tril.store.claims import RunLost
 
 STAGE = "imitator"
@@ -173,6 +174,23 @@ def test_a_worker_that_lost_its_run_writes_nothing_more(workplace: Workplace, ru
         lost.finish_stage(STAGE, 1.0)
     assert curve(workplace, run_id) == [(100, 1.0)]
     assert not lost.artifacts.exists(f"runs/{run_id}/x.png")
+
+
+def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> None:
+    context = claimed(workplace, run_id)
+    context.check_cancelled()
+    assert not context.courtesy.play_is_on
+    with workplace.database.writing() as session:
+        game = games.create(session, workplace.behaviour_id, Start(1), None)
+        epoch = games.claim(session, game.id, "server", "tab").epoch
+    again = claimed(workplace, run_id)
+    again.check_cancelled()
+    assert again.courtesy.play_is_on
+    with workplace.database.writing() as session:
+        games.release(session, game.id, epoch)
+    last = claimed(workplace, run_id)
+    last.check_cancelled()
+    assert not last.courtesy.play_is_on
 
 
 def test_learning_makes_way_while_somebody_plays() -> None:

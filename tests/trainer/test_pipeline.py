@@ -80,6 +80,16 @@ def test_a_crash_between_the_check_and_the_stop_still_stops_the_run(
     assert workplace.run(run_id).message == "Confused."
 
 
+def test_a_run_that_cannot_be_begun_fails_with_a_reason(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.get(session, run_id).recipe = {"name": "of another version"}
+    assert pipeline.train(run_id, pipeline.perform) == RunStatus.FAILED
+    assert "not a recipe of this version" in workplace.run(run_id).message
+
+
 def test_a_run_that_passes_to_another_worker_in_the_middle_is_dropped(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from stable_baselines3 import PPO
 
 from tests.trainer.worker_zygote import WorkerProcess, Zygote
 from tests.workplace import TINY, Workplace
+from trainer.pipeline import TAKEN_OVER
 from trainer.reward.model import RewardModel
 from tril.jobs import STAGES, Jobs, overall_progress
 from tril.recipes import with_values
@@ -20,8 +23,8 @@ from tril.store import artifacts, evaluations, metrics, processes, recordings
 from tril.store.models import RunRow, RunStatus
 
 PATIENCE_S = 90.0
-LONG = 200_000
-"""PPO steps that no test waits for."""
+SOON_S = 3.0
+"""Seconds after which a test's worker gives another one up."""
 
 CONFUSED = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9})
 """Its reward model learns nothing and orders the demonstrations by chance."""
@@ -41,9 +44,9 @@ def until_over(workplace: Workplace, run_id: str, worker: WorkerProcess) -> RunR
     return workplace.run(run_id)
 
 
-def is_in_ppo(workplace: Workplace, run_id: str) -> bool:
+def is_in(workplace: Workplace, run_id: str, stage: str) -> bool:
     row = workplace.run(run_id)
-    return row.stage == "imitator" and row.stage_done > 0
+    return row.status == RunStatus.RUNNING and row.stage == stage and row.stage_done > 0
 
 
 def test_a_run_goes_through_all_stages_and_leaves_its_results(
@@ -97,34 +100,77 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
     assert steps == sorted(set(steps))
 
 
-def test_cancelling_in_the_middle_of_ppo_takes_effect_within_5_s_and_resuming_goes_on(
-    workplace: Workplace, jobs: Jobs, zygote: Zygote
+ENDLESS = 1_000_000
+
+NEVER_ENDING: dict[str, dict[str, Any]] = {
+    "reward": {"reward.updates": ENDLESS},
+    "check": {"reward.folds": 2, "reward.fold_updates": ENDLESS},
+    "clone": {
+        "cloning.epochs": ENDLESS,
+        "cloning.patience": ENDLESS,
+        "cloning.left_out_share": 0.0,
+    },
+    "imitator": {},
+}
+"""What makes each stage one that no test waits for."""
+
+
+@pytest.mark.parametrize("stage", NEVER_ENDING)
+def test_cancelling_takes_effect_within_5_s_in_every_stage_that_learns(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote, stage: str
 ) -> None:
-    run_id = workplace.make_run(steps=LONG)
+    run_id = workplace.make_run(with_values(TINY, NEVER_ENDING[stage]), steps=ENDLESS)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
-        until(lambda: is_in_ppo(workplace, run_id), worker)
+        until(lambda: is_in(workplace, run_id, stage), worker)
         asked_at = time.monotonic()
         jobs.cancel(run_id)
         row = until_over(workplace, run_id, worker)
         assert time.monotonic() - asked_at < 5.0
-        assert row.status == RunStatus.CANCELLED
-        assert set(row.finished_stages) == {"trajectories", "reward", "check", "clone"}
+    assert row.status == RunStatus.CANCELLED
+    assert set(row.finished_stages) == set(STAGES[1 : STAGES.index(stage)])
+
+
+def test_resuming_a_cancelled_run_goes_on_with_the_stage_that_was_left(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(steps=ENDLESS)
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
+        jobs.cancel(run_id)
+        until_over(workplace, run_id, worker)
         jobs.resume(run_id)
-        until(lambda: workplace.run(run_id).status == RunStatus.RUNNING, worker)
-        until(lambda: is_in_ppo(workplace, run_id), worker)
-        assert workplace.run(run_id).epoch == 2
-        # The stages that were finished are not done again.
+        until(lambda: workplace.run(run_id).epoch == 2, worker)
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
         assert worker.log.read_text().count("stage reward begins") == 1
+
+
+def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(steps=ENDLESS)
+    jobs.enqueue(run_id)
+    data = workplace.settings.data
+    with zygote.running(data) as sleeper:
+        until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
+        os.kill(sleeper.pid, signal.SIGSTOP)
+        with zygote.running(data, lost_after_s=SOON_S) as other:
+            until(lambda: workplace.run(run_id).epoch > 1, other)
+            os.kill(sleeper.pid, signal.SIGCONT)
+            until(lambda: TAKEN_OVER in sleeper.log.read_text(), sleeper)
+            until(lambda: is_in(workplace, run_id, "imitator"), other)
+            assert workplace.run(run_id).worker.startswith("worker-1")
+            assert "Traceback" not in sleeper.log.read_text()
 
 
 def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    run_id = workplace.make_run(steps=LONG)
+    run_id = workplace.make_run(steps=ENDLESS)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
-        until(lambda: is_in_ppo(workplace, run_id), worker)
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
         asked_at = time.monotonic()
         worker.send(signal.SIGTERM)
         assert time.monotonic() - asked_at < 10.0
@@ -134,7 +180,7 @@ def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
             assert not processes.is_kind_alive(session, "worker")
     with zygote.running(workplace.settings.data) as worker:
         until(lambda: workplace.run(run_id).epoch > row.epoch, worker)
-        until(lambda: is_in_ppo(workplace, run_id), worker)
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
 
 
 def test_two_workers_never_take_the_same_run(

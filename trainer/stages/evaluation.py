@@ -57,7 +57,10 @@ def keep_games(
     context = data.context
     console = Console()
     seen = starts_seen(data)
-    verified = [verify(game.recording, console=console) for game in games]
+    verified = []
+    for game in games:
+        verified.append(verify(game.recording, console=console))
+        context.check_cancelled()
     with context.database.writing() as session:
         claims.owned(session, context.claim)
         for number, game, confirmed in zip(numbers, games, verified, strict=True):

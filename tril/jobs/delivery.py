@@ -126,7 +126,11 @@ class Jobs:
             rows = [row for row in runs.not_over(session) if row.id in set(candidates)]
         self._sightings = {row.id: self._look(row, jobs.get(row.id)) for row in rows}
         for row in rows:
-            self._heal(row, jobs.get(row.id))
+            try:
+                self._heal(row, jobs.get(row.id))
+            except error.DBOSException as problem:
+                # Somebody else was at it at the same moment; the next look tells.
+                log.warning("The job of run %s could not be healed yet: %s", row.id, problem)
 
     def close(self) -> None:
         """Close the connection to the queue."""

@@ -116,6 +116,7 @@ def report(
     """
     row = owned(session, claim)
     row.stage, row.stage_done, row.remaining_s = stage, min(1.0, max(0.0, done)), remaining_s
+    row.heartbeat_at = now()
 
 
 def finish_stage(session: Session, claim: Claim, stage: str, seconds: float) -> RunRow:
