@@ -55,7 +55,7 @@ class Frontend:
         path = self._folder / "index.html"
         if not path.is_file():
             raise Unavailable(
-                f"The page has not been built: {path} is missing. Run `make build`, then reload."
+                f"The page has not been built: {path} is missing. Run `make frontend`, then reload."
             )
         return path
 

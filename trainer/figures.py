@@ -22,14 +22,14 @@ MAP_SCALE = 4
 FRAME_SCALE = 2
 
 COLOURS = {
-    "imitator": "#0072b2",
-    "clone": "#e69f00",
-    "person": "#009e73",
-    "demonstrator": "#7a7f87",
+    "imitator": "#0067b0",
+    "clone": "#b65800",
+    "person": "#007d5a",
+    "demonstrator": "#a8457f",
 }
-"""One colour per thing, of the palette of Okabe and Ito, which colour-blind people tell apart."""
+"""One colour per thing, those of the pages (frontend/src/styles/tokens.css): after Okabe and Ito."""
 
-_INK, _FAINT, _STRAY = "#20242b", "#c9ced6", "#d55e00"
+_INK, _FAINT, _STRAY = "#20242b", "#c9ced6", "#b3261e"
 
 ColourMap = Literal["perceptual", "red-blue"]
 _COLOUR_MAPS: dict[ColourMap, str] = {"perceptual": "inferno", "red-blue": "RdBu_r"}

@@ -44,16 +44,16 @@ class Part:
         whole: Where the stage reports to.
         first: The share of the stage that is finished when the part begins, 0 to 1.
         last: The share that is finished when the part ends.
+        units: Units in the whole stage, which points of curves are counted in.
     """
 
-    _RESOLUTION = 1_000_000
-
-    def __init__(self, whole: Progress, first: float, last: float) -> None:
+    def __init__(self, whole: Progress, first: float, last: float, units: int = 1_000_000) -> None:
         self._whole = whole
+        self._units = units
         self._first = first
         self._span = last - first
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Report the part's progress as the stage's."""
         share = self._first + self._span * (done / total if total else 1.0)
-        self._whole.advance(round(share * self._RESOLUTION), self._RESOLUTION, values)
+        self._whole.advance(round(share * self._units), self._units, values)

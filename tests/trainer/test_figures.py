@@ -60,7 +60,7 @@ def test_strays_are_drawn_in_a_colour_of_their_own() -> None:
 
     def has_stray_colour(column: PlayedColumn) -> bool:
         pixels = _pixels(comparison_figure(column_1, ["start 0"], [column]))
-        return bool((np.abs(pixels.astype(int) - [0xD5, 0x5E, 0x00]).sum(axis=2) < 12).any())
+        return bool((np.abs(pixels.astype(int) - [0xB3, 0x26, 0x1E]).sum(axis=2) < 12).any())
 
     assert has_stray_colour(stray)
     assert not has_stray_colour(clean)

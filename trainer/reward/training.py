@@ -55,7 +55,12 @@ def train_reward(
     """
     networks = []
     for member in range(recipe.ensemble):
-        part = Part(progress, member / recipe.ensemble, (member + 1) / recipe.ensemble)
+        part = Part(
+            progress,
+            member / recipe.ensemble,
+            (member + 1) / recipe.ensemble,
+            units=recipe.ensemble * recipe.updates,
+        )
         rng = np.random.default_rng([training_seed, member])
         networks.append(train_network(trajectories, tiers, recipe, recipe.updates, rng, part))
     return calibrate(networks, trajectories, tiers, standardise=recipe.method == "fast")
