@@ -77,11 +77,9 @@ def health(service: Service) -> None:
         if service is Service.SERVER:
             ask_server(settings)
         elif service is Service.INFERENCE:
-            from tril.inference import InferenceClient
-
-            InferenceClient(settings.inference_socket).ping()
+            ask_inference(settings)
         else:
-            _ask_worker(settings)
+            ask_worker(settings)
     typer.echo("ok")
 
 
@@ -114,7 +112,15 @@ def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
     raise Unavailable(f"The server at {server_url(settings)} is not well.")
 
 
-def _ask_worker(settings: Settings) -> None:
+def ask_inference(settings: Settings) -> None:
+    """Raise Unavailable unless the inference process answers."""
+    from tril.inference import InferenceClient
+
+    InferenceClient(settings.inference_socket).ping()
+
+
+def ask_worker(settings: Settings) -> None:
+    """Raise Unavailable unless a worker was heard of lately."""
     from tril.store import processes
     from tril.store.database import create_database
 

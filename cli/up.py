@@ -7,13 +7,20 @@ import socket
 import threading
 import time
 import webbrowser
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
 
 from cli.output import console, plain_errors
-from cli.services import ask_server, bring_up_to_date, server_url
+from cli.services import (
+    ask_inference,
+    ask_server,
+    ask_worker,
+    bring_up_to_date,
+    server_url,
+)
 from cli.supervisor import Child, Supervisor, tril_command
 from tril.errors import TrilError, Unavailable
 from tril.settings import Settings
@@ -58,7 +65,7 @@ def _supervise(settings: Settings, workers: int, browser: bool) -> None:
     try:
         supervisor.start()
         threading.Thread(
-            target=_announce_when_ready, args=(settings, supervisor, browser), daemon=True
+            target=_announce_when_ready, args=(settings, supervisor, workers, browser), daemon=True
         ).start()
         supervisor.watch()
         console.print("Stopping…")
@@ -67,20 +74,28 @@ def _supervise(settings: Settings, workers: int, browser: bool) -> None:
     console.print("Stopped. Everything is saved.")
 
 
-def _announce_when_ready(settings: Settings, supervisor: Supervisor, browser: bool) -> None:
+def _announce_when_ready(
+    settings: Settings, supervisor: Supervisor, workers: int, browser: bool
+) -> None:
     from server.security import address_with_token
 
     deadline = time.monotonic() + READY_TIMEOUT_S
-    while not supervisor.stop_requested:
+    checks: list[Callable[[], None]] = [
+        lambda: ask_server(settings, timeout_s=1.0),
+        lambda: ask_inference(settings),
+    ]
+    if workers:
+        checks.append(lambda: ask_worker(settings))
+    while checks and not supervisor.stop_requested:
         try:
-            ask_server(settings, timeout_s=1.0)
-            break
+            checks[0]()
+            checks.pop(0)
         except TrilError as error:
             if time.monotonic() > deadline:
                 _say("tril", f"{error} It goes on trying.")
                 deadline = float("inf")
-        time.sleep(0.1)
-    else:
+            time.sleep(0.1)
+    if supervisor.stop_requested:
         return
     url = address_with_token(settings, server_url(settings))
     if browser and _has_browser():
@@ -121,7 +136,7 @@ def _free_port(host: str) -> int:
 
 
 def _check_frontend() -> None:
-    from server.app import check_frontend
+    from server.pages import check_frontend
 
     check_frontend()
 

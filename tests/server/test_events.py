@@ -107,12 +107,12 @@ def test_pages_and_files_of_the_build_are_served(client: TestClient) -> None:
 
 
 def test_a_missing_build_says_what_to_do(workplace: Workplace, tmp_path: Path) -> None:
-    with pytest.raises(Unavailable, match="make build"):
+    with pytest.raises(Unavailable, match="make frontend"):
         check_frontend(tmp_path / "nothing")
     with signed_in(workplace, tmp_path / "nothing") as client:
         answer = client.get("/")
         assert answer.status_code == 503
-        assert "make build" in answer.text
+        assert "make frontend" in answer.text
 
 
 def test_a_new_build_is_served_without_a_restart(workplace: Workplace, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from alembic import command
@@ -58,6 +59,8 @@ def check_schema(database: Database) -> None:
 
 def alembic_config() -> Config:
     """Return the configuration that Alembic works with."""
+    # It announces at every look that nothing is to be done.
+    logging.getLogger("alembic.runtime.migration").setLevel(logging.WARNING)
     config = Config()
     config.set_main_option("script_location", str(_MIGRATIONS))
     return config
