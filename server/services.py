@@ -110,6 +110,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         await asyncio.to_thread(heartbeat.start)
         services.changes.start()
         services.games.start()
+        jobs.start_reconciling()
         yield services
     finally:
         await services.games.stop()

@@ -14,7 +14,6 @@ from types import TracebackType
 from typing import Any, Self, TextIO
 
 from dbos import DBOS
-from sqlalchemy.exc import SQLAlchemyError
 
 from trainer.courtesy import lower_priority
 from trainer.pipeline import Pipeline
@@ -30,7 +29,6 @@ from tril.store.schema import check_schema
 
 log = logging.getLogger(__name__)
 
-RECONCILE_EVERY_S = 5.0
 STOP_TIMEOUT_S = 8
 MOST_DELIVERIES = 50
 """Times that the queue brings one run anew after its worker died before it is given up."""
@@ -95,7 +93,8 @@ class Worker:
             with heartbeat:
                 self._take_from_queue()
                 log.info("Worker %s waits for runs.", self._name)
-                self._keep_in_step(jobs)
+                jobs.start_reconciling()
+                self._stopping.wait()
                 log.info("Worker %s is stopping.", self._name)
                 DBOS.destroy(workflow_completion_timeout_sec=STOP_TIMEOUT_S)
         finally:
@@ -124,15 +123,6 @@ class Worker:
 
         DBOS.listen_queues([QUEUE])
         DBOS.launch()
-
-    def _keep_in_step(self, jobs: Jobs) -> None:
-        while True:
-            try:
-                jobs.reconcile()
-            except SQLAlchemyError as problem:
-                log.warning("The queue could not be compared with the runs: %s", problem)
-            if self._stopping.wait(RECONCILE_EVERY_S):
-                return
 
     def _details(self) -> dict[str, Any]:
         return {"runs": self._pipeline.run_ids, "pid": os.getpid()}

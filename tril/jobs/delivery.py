@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ log = logging.getLogger(__name__)
 
 LOST_AFTER_S = 30.0
 """A worker is given up once its run did not move for this long, by the watcher's own clock."""
+
+RECONCILE_EVERY_S = 5.0
 
 ACTIVE = frozenset({"ENQUEUED", "DELAYED", "PENDING"})
 GIVEN_UP = "MAX_RECOVERY_ATTEMPTS_EXCEEDED"
@@ -59,6 +62,8 @@ class Jobs:
         self._client = open_client(settings)
         self._lost_after_s = lost_after_s
         self._sightings: dict[str, _Sighting] = {}
+        self._closing = threading.Event()
+        self._reconciling: threading.Thread | None = None
 
     def enqueue(self, run_id: str) -> None:
         """Bring a queued run to the workers; if the queue can't be reached, ``reconcile`` will."""
@@ -132,8 +137,27 @@ class Jobs:
                 # Somebody else was at it at the same moment; the next look tells.
                 log.warning("The job of run %s could not be healed yet: %s", row.id, problem)
 
+    def start_reconciling(self, every_s: float = RECONCILE_EVERY_S) -> None:
+        """Reconcile now and then every few seconds, in a thread that ``close`` ends."""
+        self._reconciling = threading.Thread(
+            target=self._reconcile_for_ever, args=(every_s,), name="reconcile", daemon=True
+        )
+        self._reconciling.start()
+
+    def _reconcile_for_ever(self, every_s: float) -> None:
+        while True:
+            try:
+                self.reconcile()
+            except SQLAlchemyError as problem:
+                log.warning("The queue could not be compared with the runs: %s", problem)
+            if self._closing.wait(every_s):
+                return
+
     def close(self) -> None:
         """Close the connection to the queue."""
+        self._closing.set()
+        if self._reconciling is not None:
+            self._reconciling.join()
         self._client.destroy()
 
     def _look(self, row: RunRow, job: WorkflowStatus | None) -> _Sighting:

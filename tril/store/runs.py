@@ -183,11 +183,11 @@ def request_cancel(session: Session, run_id: str) -> RunRow:
     """
     row = _for_change(session, run_id)
     status = RunStatus(row.status)
-    if status in {RunStatus.CANCELLED, RunStatus.CANCELLING}:
+    if status is RunStatus.CANCELLED:
         return row
     if status.is_over:
         raise Conflict(f"This training is already over ({status}); nothing is left to cancel.")
-    if status is RunStatus.RUNNING and is_fresh(row.heartbeat_at):
+    if status is not RunStatus.QUEUED and is_fresh(row.heartbeat_at):
         row.status = RunStatus.CANCELLING
     else:
         row.status, row.finished_at, row.message = RunStatus.CANCELLED, now(), CANCELLED_MESSAGE
