@@ -7,8 +7,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from server.api.run_views import run_view
-from server.api.schemas import (
+from server.api.run_schemas import (
     Artifact,
     AttentionMap,
     ComparisonRow,
@@ -18,9 +17,10 @@ from server.api.schemas import (
     PolicySummary,
     RankedReturn,
     RankingCheck,
-    Recording,
     RunResults,
 )
+from server.api.run_views import run_view
+from server.api.schemas import Recording
 from server.api.views import RecordingViews
 from tril.recipes import recipe_from_dict
 from tril.store import artifacts, evaluations, recordings

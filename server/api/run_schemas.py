@@ -1,0 +1,221 @@
+"""What of trainings and their results goes over HTTP. The frontend's types come from these."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import Field, StrictBool
+
+from server.api.schemas import Id, Recording, Schema
+
+
+class Recipe(Schema):
+    """A way of learning; ``values`` is all of it.
+
+    ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+    """
+
+    name: str
+    summary: str
+    default_steps: int
+    learning_rate: float
+    values: dict[str, Any]
+    steps_per_s: float
+    steps_per_s_measured: bool
+    overhead_s: float
+
+
+class RunNew(Schema):
+    """``example`` makes and ranks the scripted demonstrations first where they are missing."""
+
+    behaviour_id: Id
+    recipe: str = "fast"
+    steps: int = Field(default=300_000, strict=True, ge=1, le=100_000_000)
+    learning_rate: float | None = Field(default=None, strict=True, gt=0, le=1)
+    training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
+    go_on_anyway: StrictBool = False
+    example: StrictBool = False
+
+
+RunStatus = Literal["queued", "running", "cancelling", "cancelled", "stopped", "failed", "done"]
+
+
+class Run(Schema):
+    """One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order."""
+
+    id: str
+    behaviour_id: int
+    behaviour_name: str
+    example: bool
+    recipe: str
+    recipe_values: dict[str, Any]
+    steps: int
+    training_seed: int
+    learning_rate: float
+    go_on_anyway: bool
+    ranking_revision: int | None
+    n_ranked: int | None
+    n_perfect: int | None
+    status: RunStatus
+    stages: list[str]
+    stage: str
+    stage_progress: float
+    progress: float
+    remaining_s: float | None
+    message: str
+    worker_alive: bool
+    versions: dict[str, str]
+    headline: Headline | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+class Headline(Schema):
+    """Greedy games from held-out evaluation starts: means with 95% bootstrap intervals."""
+
+    imitator: PolicySummary | None
+    clone: PolicySummary | None
+    tau: float | None
+    pair_accuracy: float | None
+    held_out_accuracy: float | None
+
+
+class Interval(Schema):
+    """A mean over n games with its 95% interval."""
+
+    mean: float
+    low: float
+    high: float
+    n: int
+
+
+class PolicySummary(Schema):
+    """None where the behaviour has no target."""
+
+    targets: Interval | None
+    strays: Interval | None
+    order_errors: Interval | None
+    steps: Interval
+    hit_share: Interval
+    predicted_return: Interval | None
+
+
+class Metrics(Schema):
+    """Points after ``after``; each series is [[step, value], ...]. Pass ``last`` as next after."""
+
+    last: int
+    series: dict[str, dict[str, list[tuple[int, float]]]]
+
+
+class ConfusedTiers(Schema):
+    """Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+
+    ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
+    learning; ``better`` and ``worse`` are the recordings of the two tiers.
+    """
+
+    better_tier: int
+    worse_tier: int
+    held_out: bool
+    better: list[int]
+    worse: list[int]
+
+
+class RankedReturn(Schema):
+    """A demonstration's predicted return (sum of R over its observations) by its tier, from 1."""
+
+    tier: int
+    recording: Recording
+    predicted_return: float
+
+
+class RankingCheck(Schema):
+    """How well the reward model agrees with the ranking; ``advice`` is empty if it passed."""
+
+    tau: float
+    pair_accuracy: float
+    held_out_accuracy: float | None
+    passed: bool
+    advice: str
+    confused: list[ConfusedTiers]
+    returns: list[RankedReturn]
+
+
+class AttentionMap(Schema):
+    """Attention of the reward model at one state; pictures are PNG artifacts."""
+
+    state: Literal["minimum", "90th percentile", "95th percentile", "maximum"]
+    reward: float
+    recording_id: int
+    step: int
+    frame_url: str
+    map_url: str
+    red_blue_url: str
+
+
+class EvaluationGame(Schema):
+    """One game that a trained policy played."""
+
+    policy: Literal["imitator", "clone"]
+    choice: Literal["greedy", "sampled"]
+    start_number: int
+    held_out: bool
+    predicted_return: float | None
+    recording: Recording
+
+
+class ComparisonRow(Schema):
+    """One start of the thesis' table: who hit what, and who won."""
+
+    start_number: int
+    held_out: bool
+    imitator: EvaluationGame | None
+    clone: EvaluationGame | None
+    winner: Literal["imitator", "clone", "tie"] | None
+
+
+class PolicyChoiceSummary(Schema):
+    """Means over a policy's games from held-out starts."""
+
+    policy: Literal["imitator", "clone"]
+    choice: Literal["greedy", "sampled"]
+    summary: PolicySummary
+
+
+class RunResults(Schema):
+    """Everything the results page shows; parts that are not there yet are None or empty."""
+
+    run: Run
+    check: RankingCheck | None
+    comparison: list[ComparisonRow]
+    games: list[EvaluationGame]
+    summaries: list[PolicyChoiceSummary]
+    best_demonstration: Recording | None
+    attention: list[AttentionMap]
+    artifacts: list[Artifact]
+
+
+class Artifact(Schema):
+    """A file of a training."""
+
+    id: int
+    kind: str
+    name: str
+    media_type: str
+    size_bytes: int
+    url: str
+
+
+class RewardTrace(Schema):
+    """R (raw output) of every observation of a recording, by step, from the start's."""
+
+    run_id: str
+    recording_id: int
+    rewards: list[float]
+
+
+Run.model_rebuild()
+Headline.model_rebuild()
+RunResults.model_rebuild()
