@@ -136,10 +136,12 @@ class AgentViews:
         self._changed = np.empty((n_games, _TILES), np.bool_)
         self._tile_of_word = (games[:, 0] * _TILES + _TILE_OF_WORD).reshape(-1)
         self._grays = palette_grayscale()
-        # Which games have a whole step to be pushed, and which were not seen a step before.
+        # Which games have a whole step to be pushed, and of which the frames before it are not
+        # known, and which are at their start.
         self._to_push = np.zeros(n_games, np.bool_)
         self._is_complete = True
         self._unknown = np.ones(n_games, np.bool_)
+        self._at_start = np.zeros(n_games, np.bool_)
         self._any_unknown = True
 
     def __iter__(self) -> Iterator["AgentView"]:
@@ -151,10 +153,16 @@ class AgentViews:
         self._to_push[index] = True
         self._is_complete = False
 
+    def begin(self, index: int) -> None:
+        """Note that both frames of a game are its start's."""
+        self.forget(index)
+        self._at_start[index] = True
+        self.push(index)
+
     def forget(self, index: int) -> None:
-        """Note that a game's screen of a step before says nothing about the next one."""
-        self._unknown[index] = True
-        self._any_unknown = True
+        """Note that what was seen of a game says nothing about what comes."""
+        self._to_push[index] = self._at_start[index] = False
+        self._unknown[index] = self._any_unknown = True
 
     def complete_of(self, index: int) -> None:
         """Complete at least this game's step, if it is whole and has not been pushed."""
@@ -175,6 +183,12 @@ class AgentViews:
             self._words_before[words] = changed
             grays = cv2.LUT(changed.view(np.uint8), self._grays)
             self._pixels[self._tile_pixels.take(tiles, axis=0)] = _reduce(np.asarray(grays))
+        if self._any_unknown:
+            starts = self._at_start
+            self.stacks[starts, :-1] = self.stacks[starts, -1:]
+            starts[:] = False
+            self._unknown &= ~self._to_push
+            self._any_unknown = bool(self._unknown.any())
         self._to_push[:] = False
         self._is_complete = True
 
@@ -187,8 +201,6 @@ class AgentViews:
         changed[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
         if self._any_unknown:
             self._changed[self._unknown] = True
-            self._unknown &= ~self._to_push
-            self._any_unknown = bool(self._unknown.any())
         if not self._to_push.all():
             self._changed[~self._to_push] = False
         indices: Indices = changed.nonzero()[0]
@@ -213,14 +225,10 @@ class AgentView:
 
     def begin(self, console: Console) -> None:
         """Begin a game: the stack holds the start's screen four times."""
-        self._views.complete_of(self._index)
         console.screen_palette(self._first)
         self._second[:] = self._first
         self._has_first = False
-        self._views.forget(self._index)
-        self._views.push(self._index)
-        self._views.complete()
-        self._stack[:-1] = self._stack[-1]
+        self._views.begin(self._index)
 
     def watch(self, console: Console, frame: int) -> None:
         """Look at the console after a frame; call it after every frame.
@@ -273,7 +281,6 @@ class AgentView:
 
     def restore(self, state: AgentViewState) -> None:
         """Take up a saved state."""
-        self._views.complete_of(self._index)
         self._stack[:] = np.frombuffer(state.observation, np.uint8).reshape(OBSERVATION_SHAPE)
         self._has_first = state.first is not None
         if state.first is not None:

@@ -197,27 +197,31 @@ class GameSlot:
         else:
             self._game.reset(beginning)
 
-    def step(self) -> FinishedGame | None:
-        """Play the step whose action is in the shared memory; begin anew after an end."""
+    def step(self) -> bool:
+        """Play the step whose action is in the shared memory; tell whether it ended the game."""
         shared, index = self._shared, self._index
         if shared.resting[index]:
             shared.ended[index] = False
-            return None
+            return False
         self._game.step(int(shared.actions[index]))
-        end = self._game.end
-        shared.ended[index] = end is not None
+        ended = self._game.end is not None
+        shared.ended[index] = ended
         shared.steps[index] = self._game.steps
-        if end is None:
-            return None
-        self._game.observe(shared.terminal_observations[index])
+        return ended
+
+    def finish(self) -> FinishedGame:
+        """Hand over the episode that has ended and begin the next one."""
+        self._game.observe(self._shared.terminal_observations[self._index])
         episode = self._game.episode
+        if episode.end is None:
+            raise RuntimeError(f"Game {self._index} has not ended.")
         finished = FinishedGame(
-            game=index,
+            game=self._index,
             start=episode.start,
             actions=episode.actions,
             first_step=self._first_step,
             hits=episode.hits,
-            end=end,
+            end=episode.end,
             shots=episode.shots,
         )
         self._games_before += 1
@@ -269,8 +273,10 @@ class GameProcess:
         """Carry out a command and return the reply."""
         command, argument = message[:1], message[1:]
         if command == COMMAND_STEP:
-            # First all steps, then all observations: see AgentViews.
-            finished = [one for slot in self._slots if (one := slot.step()) is not None]
+            # First all steps, then all observations, then all new games: see AgentViews.
+            ended = [slot for slot in self._slots if slot.step()]
+            self._views.complete()
+            finished = [slot.finish() for slot in ended]
             self._observe(argument[0])
             return REPLY_VALUE + pickle.dumps(finished) if finished else REPLY_DONE
         if command == COMMAND_RESET:
