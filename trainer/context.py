@@ -120,6 +120,7 @@ class RunContext:
     ) -> None:
         """Put a file into the artifact store and note it on the run, replacing an earlier one."""
         with self.database.reading() as session:
+            # A worker that has lost the run must not replace the file of the one that has it.
             claims.is_cancelling(session, self.claim)
         size = self.artifacts.put(artifact_rows.path_of(self.run_id, name), content)
         with self.database.writing() as session:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import subprocess
 import sys
 import threading
@@ -192,6 +193,36 @@ def test_a_done_run_is_neither_cancelled_nor_resumed(workplace: Workplace, jobs:
         jobs.cancel(run_id)
     with pytest.raises(Conflict):
         jobs.resume(run_id)
+
+
+def test_a_run_that_the_queue_has_given_up_fails_with_a_reason_and_can_be_resumed(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with workplace.database.writing() as session:
+        claims.claim(session, run_id, "worker-0", {})
+    with sqlite3.connect(workplace.settings.data / "jobs.sqlite") as connection:
+        connection.execute(
+            "UPDATE workflow_status SET status = 'MAX_RECOVERY_ATTEMPTS_EXCEEDED', queue_name = NULL"
+        )
+    connection.close()
+    jobs.reconcile()
+    row = workplace.run(run_id)
+    assert row.status == RunStatus.FAILED
+    assert "ended without a word" in row.message
+    jobs.resume(run_id)
+    assert job_status(queue, run_id) == "ENQUEUED"
+
+
+def test_reconciling_in_the_background_heals_without_being_asked(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    jobs.start_reconciling(every_s=0.05)
+    run_id = workplace.make_run()
+    deadline = time.monotonic() + PATIENCE_S
+    while job_status(queue, run_id) != "ENQUEUED":
+        assert time.monotonic() < deadline
 
 
 def test_following_a_run_shows_every_change_until_it_is_over(
