@@ -17,6 +17,7 @@ from dbos import DBOSClient
 from tests.workplace import Workplace, make_workplace
 from tril.errors import Conflict
 from tril.jobs import Jobs
+from tril.jobs.delivery import GIVEN_UP
 from tril.jobs.queue import open_client
 from tril.store import claims, runs
 from tril.store.models import RunRow, RunStatus
@@ -203,9 +204,7 @@ def test_a_run_that_the_queue_has_given_up_fails_with_a_reason_and_can_be_resume
     with workplace.database.writing() as session:
         claims.claim(session, run_id, "worker-0", {})
     with sqlite3.connect(workplace.settings.data / "jobs.sqlite") as connection:
-        connection.execute(
-            "UPDATE workflow_status SET status = 'MAX_RECOVERY_ATTEMPTS_EXCEEDED', queue_name = NULL"
-        )
+        connection.execute("UPDATE workflow_status SET status = ?, queue_name = NULL", (GIVEN_UP,))
     connection.close()
     jobs.reconcile()
     row = workplace.run(run_id)
