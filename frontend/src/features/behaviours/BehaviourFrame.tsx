@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
-import { NavLink } from "react-router";
+import { Link, NavLink } from "react-router";
 
 import styles from "./BehaviourFrame.module.css";
 import { type PathStep, pathOf, type StepId } from "./path";
@@ -109,12 +109,9 @@ function StepLink({
   to: string;
   current?: boolean;
 }) {
-  return (
-    <NavLink
-      to={to}
-      className={classes(styles.step, step.done && styles.done, step.next && styles.next)}
-      {...(current ? { "aria-current": "page" as const } : {})}
-    >
+  const look = classes(styles.step, step.done && styles.done, step.next && styles.next);
+  const content = (
+    <>
       <span className={styles.marker} aria-hidden="true">
         {step.done ? <Icon name="check" /> : number}
       </span>
@@ -127,6 +124,16 @@ function StepLink({
         {step.next && <span className={styles.nextWord}>next </span>}
         {step.caption}
       </span>
+    </>
+  );
+  // A NavLink is current only on its own page; a run's page belongs to the last step, too.
+  return current ? (
+    <Link to={to} className={look} aria-current="page">
+      {content}
+    </Link>
+  ) : (
+    <NavLink to={to} className={look}>
+      {content}
     </NavLink>
   );
 }

@@ -4,7 +4,6 @@ import { Scatter } from "./Scatter";
 
 import type { Behaviour, RankingCheck } from "@/api/types";
 import { SourceBadge } from "@/components/Badges";
-import { Notice } from "@/components/States";
 import { fixed, measured, percent } from "@/lib/format";
 import { recordingName, scoreInWords } from "@/lib/recordings";
 
@@ -19,14 +18,12 @@ export function Check({ check, behaviour, onWatch }: CheckProps) {
   return (
     <>
       <Numbers check={check} />
-      <Notice tone={check.passed ? "calm" : "warn"} icon={check.passed ? "check" : "alert"}>
-        <p>
-          {check.passed
-            ? "The learned reward puts the recordings into the order that they were given."
-            : "The learned reward doesn’t agree with the order well enough to train on. Recordings that differ more between the tiers named below, or another order, would help."}
-        </p>
-      </Notice>
-      {check.confused.length > 0 && <Confused check={check} />}
+      <p className={styles.verdict}>
+        {check.passed
+          ? "The learned reward puts the recordings into the order that they were given."
+          : "The learned reward doesn’t agree with the order well enough to train on. Recordings that differ more between the tiers named below, or another order, would help."}
+      </p>
+      {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
         <Scatter returns={check.returns} />
@@ -56,20 +53,37 @@ function Numbers({ check }: { check: RankingCheck }) {
   );
 }
 
-function Confused({ check }: { check: RankingCheck }) {
+/** More are folded away: a list of every pair of tiers helps nobody. */
+const SHOWN = 6;
+
+function Confused({ confused }: { confused: RankingCheck["confused"] }) {
+  const sorted = [...confused].sort((a, b) => Number(a.held_out) - Number(b.held_out));
+  const more = sorted.slice(SHOWN);
   return (
     <section aria-label="Confused tiers" className={styles.confused}>
       <h3>Tiers that it mixes up</h3>
-      <ul>
-        {check.confused.map((one) => (
-          <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
-            Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t told from the worse tier{" "}
-            {one.worse_tier} ({names(one.worse)})
-            {one.held_out ? " when a recording of them is left out of the learning" : ""}.
-          </li>
-        ))}
-      </ul>
+      <ConfusedList confused={sorted.slice(0, SHOWN)} />
+      {more.length > 0 && (
+        <details>
+          <summary>{more.length} more</summary>
+          <ConfusedList confused={more} />
+        </details>
+      )}
     </section>
+  );
+}
+
+function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
+  return (
+    <ul>
+      {confused.map((one) => (
+        <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
+          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t told from the worse tier{" "}
+          {one.worse_tier} ({names(one.worse)})
+          {one.held_out ? " when a recording of them is left out of the learning" : ""}.
+        </li>
+      ))}
+    </ul>
   );
 }
 

@@ -67,9 +67,12 @@ export function Parameters({ run }: { run: Run }) {
   ];
   const recipe = valueRows(run.recipe_values).filter(({ section }) => section !== "");
   return (
-    <div className={comparison.check}>
+    <div className={styles.parameters}>
       <ValueTable rows={rows} label="Parameters and versions" />
-      <ValueTable rows={recipe} label="Values of the recipe" />
+      <details>
+        <summary className={styles.note}>All values of the recipe</summary>
+        <ValueTable rows={recipe} label="Values of the recipe" />
+      </details>
     </div>
   );
 }

@@ -1,0 +1,217 @@
+import { zlibSync } from "fflate";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+
+import { type GameScreen, GameStream } from "@/features/play/game-stream";
+import { CLOSE } from "@/features/play/messages";
+import { SCREEN_BYTES } from "@/lib/codec";
+
+/** The server's end of a WebSocket, in a test's hands. */
+class FakeSocket extends EventTarget {
+  static readonly OPEN = 1;
+  static readonly opened: FakeSocket[] = [];
+
+  readonly url: string;
+  readyState = FakeSocket.OPEN;
+  binaryType = "blob";
+  readonly sent: (string | ArrayBuffer)[] = [];
+
+  constructor(url: string) {
+    super();
+    this.url = url;
+    FakeSocket.opened.push(this);
+  }
+
+  send(data: string | ArrayBuffer): void {
+    this.sent.push(data);
+  }
+
+  close(code = 1000): void {
+    if (this.readyState === 3) return;
+    this.readyState = 3;
+    this.dispatchEvent(Object.assign(new Event("close"), { code }));
+  }
+
+  tell(message: object): void {
+    this.dispatchEvent(new MessageEvent("message", { data: JSON.stringify(message) }));
+  }
+
+  show(sequence: number, frame: number, payload: Uint8Array = zlibSync(new Uint8Array(SCREEN_BYTES))) {
+    const data = new Uint8Array(16 + payload.length);
+    const view = new DataView(data.buffer);
+    view.setUint8(0, 1);
+    view.setUint8(1, 1);
+    view.setUint32(4, sequence, true);
+    view.setUint32(8, frame, true);
+    data.set(payload, 16);
+    this.dispatchEvent(new MessageEvent("message", { data: data.buffer }));
+  }
+
+  get binarySent(): number[][] {
+    return this.sent.filter((one) => typeof one !== "string").map((one) => [...new Uint8Array(one)]);
+  }
+
+  get commandsSent(): string[] {
+    return this.sent
+      .filter((one) => typeof one === "string")
+      .map((one) => (JSON.parse(one) as { type: string }).type);
+  }
+}
+
+const HELLO = { type: "hello", palette: [], max_frames: 1200, frame: 0, resumed: false, hits: [] };
+const ENDED = {
+  type: "ended",
+  reason: "hit",
+  frame: 400,
+  hits: [],
+  targets: 0,
+  strays: 0,
+  order_errors: null,
+  recording_id: 7,
+  verification: "verified",
+  verification_note: "",
+};
+
+function begin() {
+  const screen = { setPalette: vi.fn(), show: vi.fn() } satisfies GameScreen;
+  const stream = new GameStream("ws://test/stream", screen);
+  stream.connect();
+  return { screen, stream, socket: newest() };
+}
+
+function newest(): FakeSocket {
+  const socket = FakeSocket.opened.at(-1);
+  if (!socket) throw new Error("No connection was opened.");
+  return socket;
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal("WebSocket", FakeSocket);
+  FakeSocket.opened.length = 0;
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+describe("a game's stream", () => {
+  it("says that it is ready, counts down, and plays", () => {
+    const { stream, socket } = begin();
+    expect(stream.snapshot().phase).toBe("connecting");
+    socket.tell(HELLO);
+    expect(socket.commandsSent).toEqual(["ready"]);
+    socket.tell({ type: "countdown", seconds: 3 });
+    expect(stream.snapshot()).toMatchObject({ phase: "countdown", seconds: 3 });
+    socket.tell({ type: "countdown", seconds: 0 });
+    expect(stream.snapshot().phase).toBe("playing");
+  });
+
+  it("draws each frame and then acknowledges it", () => {
+    const { screen, socket } = begin();
+    socket.tell(HELLO);
+    socket.show(1, 0);
+    socket.show(2, 1);
+    expect(screen.show).toHaveBeenCalledTimes(2);
+    expect(screen.show).toHaveBeenLastCalledWith(expect.any(Uint8Array), 1, 1200);
+    expect(socket.binarySent).toEqual([
+      [2, 0, 0, 0, 1, 0, 0, 0],
+      [2, 0, 0, 0, 2, 0, 0, 0],
+    ]);
+  });
+
+  it("sends the held keys when they change, numbered", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    stream.hold(5);
+    stream.hold(5);
+    stream.hold(0);
+    expect(socket.binarySent).toEqual([
+      [1, 5, 0, 0, 1, 0, 0, 0],
+      [1, 0, 0, 0, 2, 0, 0, 0],
+    ]);
+  });
+
+  it("collects hits and ends with all of them", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    const hit = { row: 0, column: 2, frame: 100, on_target: true };
+    socket.tell({ type: "hit", ...hit, targets: 1, strays: 0 });
+    expect(stream.snapshot().hits).toMatchObject([hit]);
+    socket.tell({ ...ENDED, hits: [hit, { ...hit, row: 1 }] });
+    socket.close(CLOSE.gameOver);
+    expect(stream.snapshot()).toMatchObject({ phase: "ended", ended: { recording_id: 7 } });
+    expect(stream.snapshot().hits).toHaveLength(2);
+    vi.advanceTimersByTime(60_000);
+    expect(FakeSocket.opened).toHaveLength(1);
+  });
+
+  it("joins again when the connection breaks, with the keys still held", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    stream.hold(4);
+    socket.close(1006);
+    expect(stream.snapshot().phase).toBe("lost");
+    vi.advanceTimersByTime(300);
+    const again = newest();
+    expect(again).not.toBe(socket);
+    again.tell({ ...HELLO, resumed: true, hits: [{ row: 0, column: 0, frame: 9, on_target: true }] });
+    expect(again.commandsSent).toEqual(["ready"]);
+    expect(again.binarySent).toEqual([[1, 4, 0, 0, 2, 0, 0, 0]]);
+    expect(stream.snapshot().hits).toHaveLength(1);
+  });
+
+  it("waits longer after each failure, up to four seconds", () => {
+    begin();
+    const waits = [250, 500, 1000, 2000, 4000, 4000];
+    for (const wait of waits) {
+      newest().close(1006);
+      const before = FakeSocket.opened.length;
+      vi.advanceTimersByTime(wait - 1);
+      expect(FakeSocket.opened).toHaveLength(before);
+      vi.advanceTimersByTime(1);
+      expect(FakeSocket.opened).toHaveLength(before + 1);
+    }
+  });
+
+  it("leaves the game to another tab, until it is taken back", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "taken_over" });
+    socket.close(CLOSE.takenOver);
+    expect(stream.snapshot().phase).toBe("elsewhere");
+    vi.advanceTimersByTime(60_000);
+    expect(FakeSocket.opened).toHaveLength(1);
+    stream.connect();
+    expect(FakeSocket.opened).toHaveLength(2);
+  });
+
+  it.each([
+    [CLOSE.noSuchGame, "gone"],
+    [CLOSE.gameOver, "gone"],
+    [CLOSE.unauthorised, "refused"],
+  ])("doesn't try again after %d", (code, phase) => {
+    const { stream, socket } = begin();
+    socket.close(code);
+    expect(stream.snapshot().phase).toBe(phase);
+    vi.advanceTimersByTime(60_000);
+    expect(FakeSocket.opened).toHaveLength(1);
+  });
+
+  it("starts a new chain of frames when one can't be read", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.show(1, 0, new Uint8Array([1, 2, 3]));
+    expect(stream.snapshot().phase).toBe("lost");
+    vi.advanceTimersByTime(300);
+    expect(FakeSocket.opened).toHaveLength(2);
+  });
+
+  it("is silent once it was left", () => {
+    const { stream, socket } = begin();
+    stream.leave();
+    expect(socket.readyState).toBe(3);
+    vi.advanceTimersByTime(60_000);
+    expect(FakeSocket.opened).toHaveLength(1);
+  });
+});

@@ -1,0 +1,49 @@
+import { describe, expect, it } from "vitest";
+
+import { GRACE_MS, steers, wishOf } from "@/features/play/controls";
+import { newTabId } from "@/features/play/game-stream";
+
+const press = (code: string, repeat = false) => ({ code, repeat });
+
+describe("keys after the end", () => {
+  it.each([
+    ["KeyK", "keep"],
+    ["Enter", "keep"],
+    ["KeyD", "discard"],
+    ["KeyP", "perfect"],
+    ["Space", "again"],
+    ["KeyR", "again"],
+  ])("%s asks to %s", (code, wish) => {
+    expect(wishOf(press(code), "ended", GRACE_MS)).toBe(wish);
+  });
+
+  it("mean nothing while they may still be meant for the game", () => {
+    expect(wishOf(press("Space"), "ended", GRACE_MS - 1)).toBeNull();
+    expect(wishOf(press("Space", true), "ended", 10 * GRACE_MS)).toBeNull();
+  });
+});
+
+describe("keys in the game", () => {
+  it("pause it and go on", () => {
+    expect(wishOf(press("Escape"), "playing", Infinity)).toBe("pause");
+    expect(wishOf(press("Enter"), "paused", Infinity)).toBe("go_on");
+    expect(wishOf(press("Space"), "paused", Infinity)).toBe("go_on");
+  });
+
+  it("otherwise steer", () => {
+    expect(wishOf(press("KeyD"), "playing", Infinity)).toBeNull();
+    expect(wishOf(press("Space"), "playing", Infinity)).toBeNull();
+    expect(steers("playing")).toBe(true);
+    expect(steers("ended")).toBe(false);
+  });
+});
+
+describe("a tab's id", () => {
+  it("is a random UUID", () => {
+    const ids = Array.from({ length: 20 }, newTabId);
+    expect(new Set(ids).size).toBe(20);
+    for (const id of ids) {
+      expect(id).toMatch(/^[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}$/);
+    }
+  });
+});

@@ -1,0 +1,96 @@
+import fc from "fast-check";
+import { describe, expect, it } from "vitest";
+
+import {
+  ALL_CELLS,
+  type Cell,
+  cellKey,
+  cellName,
+  describeGrid,
+  gridState,
+  spritePath,
+} from "@/lib/aliens";
+import { columnCells, neighbour, rowCells, toggleCell, toggleLine } from "@/lib/targets";
+
+const cells = fc.uniqueArray(fc.constantFrom(...ALL_CELLS), { selector: cellKey });
+
+describe("the grid", () => {
+  it("sorts each alien into exactly one state", () => {
+    fc.assert(
+      fc.property(cells, fc.option(cells), (hits, target) => {
+        const state = gridState(hits, target);
+        const sorted = Object.values(state).flat() as Cell[];
+        expect(sorted.map(cellKey).sort()).toEqual(ALL_CELLS.map(cellKey).sort());
+      }),
+    );
+  });
+
+  it("keeps hits in order of time", () => {
+    const target = rowCells(0);
+    const hits: Cell[] = [
+      [0, 3],
+      [2, 2],
+      [0, 1],
+    ];
+    expect(gridState(hits, target).hit).toEqual([
+      [0, 3],
+      [0, 1],
+    ]);
+  });
+
+  it("is put into words", () => {
+    expect(describeGrid([[0, 0]], columnCells(0))).toBe("1 of 6 target aliens hit, no strays");
+    expect(describeGrid([[1, 3]], columnCells(0))).toBe("0 of 6 target aliens hit, 1 stray");
+    expect(describeGrid([], null)).toBe("No alien hit");
+    expect(cellName([0, 4])).toBe("row 1, column 5");
+  });
+
+  it("has a different sprite for each row, within its 8 by 8 pixels", () => {
+    const paths = [0, 1, 2, 3, 4, 5].map((row) => spritePath(row, 0, 0));
+    expect(new Set(paths).size).toBe(6);
+    for (const path of paths) {
+      for (const [, x, y, length] of path.matchAll(/M(\d+) (\d+)h(\d+)/g)) {
+        expect(Number(x) + Number(length)).toBeLessThanOrEqual(8);
+        expect(Number(y)).toBeLessThan(8);
+      }
+    }
+    expect(() => spritePath(6, 0, 0)).toThrow(RangeError);
+  });
+});
+
+describe("choosing targets", () => {
+  it("twice changes nothing", () => {
+    fc.assert(
+      fc.property(cells, fc.constantFrom(...ALL_CELLS), (chosen, cell) => {
+        const twice = toggleCell(toggleCell(chosen, cell), cell);
+        expect(twice.map(cellKey).sort()).toEqual(chosen.map(cellKey).sort());
+      }),
+    );
+  });
+
+  it("goes by whole lines: first adds what is missing, then takes all out", () => {
+    fc.assert(
+      fc.property(cells, fc.nat(5), (chosen, column) => {
+        const line = columnCells(column);
+        const once = toggleLine(chosen, line);
+        const had = new Set(chosen.map(cellKey));
+        const has = new Set(once.map(cellKey));
+        const wasFull = line.every((cell) => had.has(cellKey(cell)));
+        expect(line.every((cell) => has.has(cellKey(cell)) !== wasFull)).toBe(true);
+        expect(has.size).toBe(once.length);
+      }),
+    );
+  });
+
+  it("by arrow keys stays on the grid", () => {
+    const keys = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "Home", "End"];
+    fc.assert(
+      fc.property(fc.constantFrom(...ALL_CELLS), fc.constantFrom(...keys), (from, key) => {
+        const to = neighbour(from, key);
+        expect(to && ALL_CELLS.some((cell) => cellKey(cell) === cellKey(to))).toBe(true);
+      }),
+    );
+    expect(neighbour([2, 2], "ArrowUp")).toEqual([3, 2]);
+    expect(neighbour([2, 2], "a")).toBeNull();
+  });
+});

@@ -1,0 +1,144 @@
+/** Things as the API gives them, with what a test is about changed. */
+import type {
+  Behaviour,
+  EvaluationGame,
+  Ranking,
+  Recipe,
+  Recording,
+  Run,
+  System,
+} from "@/api/types";
+
+export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
+  return {
+    id: 1,
+    slug: "column-1",
+    name: "Column 1",
+    description: "Shoot the leftmost column.",
+    target: [
+      [0, 0],
+      [1, 0],
+    ],
+    ordered: false,
+    ready_made: true,
+    n_recordings: 0,
+    n_ranked: 0,
+    n_perfect: 0,
+    n_runs: 0,
+    has_example: true,
+    ...change,
+  };
+}
+
+export function recording(change: Partial<Recording> = {}): Recording {
+  const id = change.id ?? 1;
+  return {
+    id,
+    behaviour_id: 1,
+    run_id: null,
+    source: "person",
+    player: "Ada",
+    state: "kept",
+    verification: "verified",
+    verification_note: "",
+    idle_frames: 40,
+    evaluation_start: null,
+    n_frames: 1200,
+    n_steps: 300,
+    end: "steps",
+    hits: [{ row: 0, column: 0, frame: 120, on_target: true }],
+    hits_per_column: [1, 0, 0, 0, 0, 0],
+    targets: 1,
+    strays: 0,
+    order_errors: null,
+    shots: 4,
+    perfect: false,
+    notes: "",
+    ranked: false,
+    thumbnail_url: `/api/recordings/${id}/thumbnail.png?v=1`,
+    frames_url: `/api/recordings/${id}/frames?v=1`,
+    created_at: "2026-01-01T12:00:00Z",
+    deleted: false,
+    ...change,
+  };
+}
+
+export function ranking(change: Partial<Ranking> = {}): Ranking {
+  return {
+    behaviour_id: 1,
+    revision: 1,
+    tiers: [],
+    unranked: [],
+    n_pairs: 0,
+    can_undo: false,
+    can_redo: false,
+    ...change,
+  };
+}
+
+export function recipe(change: Partial<Recipe> = {}): Recipe {
+  return {
+    name: "fast",
+    summary: "Minutes on a laptop.",
+    default_steps: 300_000,
+    learning_rate: 0.0003,
+    values: { name: "fast", reward: { updates: 200 }, policy: { n_games: 24 } },
+    steps_per_s: 500,
+    steps_per_s_measured: false,
+    overhead_s: 120,
+    ...change,
+  };
+}
+
+export function run(change: Partial<Run> = {}): Run {
+  return {
+    id: "3f2a9c00-0000-4000-8000-000000000000",
+    behaviour_id: 1,
+    behaviour_name: "Column 1",
+    example: false,
+    recipe: "fast",
+    recipe_values: {},
+    steps: 20_000,
+    training_seed: 0,
+    learning_rate: 0.0003,
+    go_on_anyway: false,
+    ranking_revision: 3,
+    n_ranked: 12,
+    n_perfect: 3,
+    status: "running",
+    stages: ["trajectories", "reward", "check", "clone", "imitator", "evaluation", "attention"],
+    stage: "imitator",
+    stage_progress: 0.5,
+    progress: 0.6,
+    remaining_s: 90,
+    message: "",
+    worker_alive: true,
+    versions: { tril: "0.1.0" },
+    headline: null,
+    created_at: "2026-01-01T12:00:00Z",
+    started_at: "2026-01-01T12:00:01Z",
+    finished_at: null,
+    ...change,
+  };
+}
+
+export function game(change: Partial<EvaluationGame> = {}): EvaluationGame {
+  return {
+    policy: "imitator",
+    choice: "greedy",
+    start_number: 0,
+    held_out: true,
+    predicted_return: 1,
+    recording: recording({ source: "policy" }),
+    ...change,
+  };
+}
+
+export function system(workerAlive: boolean): System {
+  return {
+    version: "0.1.0",
+    processes: [{ name: "w1", kind: "worker", alive: workerAlive, details: {} }],
+    disk_free_bytes: 1e9,
+    data_bytes: 1e6,
+  };
+}

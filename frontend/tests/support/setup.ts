@@ -1,0 +1,55 @@
+import "@testing-library/jest-dom/vitest";
+
+import { cleanup } from "@testing-library/react";
+import { afterEach, vi } from "vitest";
+
+// What jsdom lacks. Each does what a browser does as far as the pages can tell.
+
+HTMLDialogElement.prototype.showModal = function showModal(this: HTMLDialogElement) {
+  this.open = true;
+};
+HTMLDialogElement.prototype.close = function close(this: HTMLDialogElement) {
+  this.open = false;
+};
+
+globalThis.ResizeObserver = class {
+  observe() {
+    /* nothing is ever resized here */
+  }
+  unobserve() {
+    /* nothing is ever resized here */
+  }
+  disconnect() {
+    /* nothing is ever resized here */
+  }
+};
+
+globalThis.matchMedia = (query: string) => {
+  const list = new EventTarget() as EventTarget & { matches: boolean; media: string };
+  list.matches = false;
+  list.media = query;
+  return list as unknown as MediaQueryList;
+};
+
+HTMLElement.prototype.scrollIntoView = function scrollIntoView() {
+  /* nothing is laid out here */
+};
+
+/** A context that only takes what is drawn. */
+HTMLCanvasElement.prototype.getContext = function getContext() {
+  return {
+    createImageData: (width: number, height: number) => ({
+      width,
+      height,
+      data: new Uint8ClampedArray(width * height * 4),
+    }),
+    putImageData: vi.fn(),
+  };
+} as unknown as HTMLCanvasElement["getContext"];
+
+afterEach(() => {
+  cleanup();
+  vi.unstubAllGlobals();
+  sessionStorage.clear();
+  localStorage.clear();
+});
