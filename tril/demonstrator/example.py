@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -208,4 +209,6 @@ def _carried_out(task: Task) -> Demonstration:
 @cache
 def _console() -> Console:
     """This process's console for demonstrations."""
+    # An emulator that is still there when the interpreter goes is reported as leaked.
+    atexit.register(_console.cache_clear)
     return Console()
