@@ -6,6 +6,7 @@ import typer
 
 from cli import behaviours, recordings, runs, services
 from cli.demo import demo
+from cli.evaluate import evaluate
 from cli.up import up
 
 app = typer.Typer(
@@ -18,6 +19,7 @@ app = typer.Typer(
 app.command()(up)
 app.command()(demo)
 app.command()(runs.train)
+app.command()(evaluate)
 app.command()(services.serve)
 app.command()(services.worker)
 app.command()(services.inference)
