@@ -57,3 +57,22 @@ class Part:
         """Report the part's progress as the stage's."""
         share = self._first + self._span * (done / total if total else 1.0)
         self._whole.advance(round(share * self._units), self._units, values)
+
+
+class Section:
+    """Some of a stage's units, reported in those units, so that curves can be drawn over them.
+
+    Args:
+        whole: Where the stage reports to.
+        first: Units of the stage that are finished when the section begins.
+        total: Units of the whole stage.
+    """
+
+    def __init__(self, whole: Progress, first: int, total: int) -> None:
+        self._whole = whole
+        self._first = first
+        self._total = total
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        """Report the section's progress as the stage's."""
+        self._whole.advance(self._first + done, self._total, values)

@@ -16,6 +16,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor
 
+from trainer.optimizers import optimizer_tensors, restore_optimizer
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.vec_env import TrilVecEnv
 from tril.artifacts import write_whole
@@ -39,7 +40,8 @@ def save_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv, extra: dict[
     arrays["last/episode_starts"] = ppo._last_episode_starts
     tensors = {name: torch.from_numpy(np.array(array)) for name, array in arrays.items()}
     tensors |= {f"policy/{name}": t for name, t in _own_tensors(ppo).items()}
-    tensors |= {f"optimizer/{name}": t for name, t in _optimizer_tensors(ppo).items()}
+    adam = optimizer_tensors(ppo.policy.optimizer, list(ppo.policy.parameters()))
+    tensors |= {f"optimizer/{name}": t for name, t in adam.items()}
     tensors["draws/actions"] = ppo.draws.actions.get_state()
     state = {
         "steps": ppo.num_timesteps,
@@ -81,7 +83,9 @@ def load_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv) -> dict[str,
     with torch.no_grad():
         for name, parameter in ppo.policy.named_parameters():
             parameter.copy_(groups["policy"][name])
-    _restore_optimizer(ppo, groups.get("optimizer", {}))
+    restore_optimizer(
+        ppo.policy.optimizer, list(ppo.policy.parameters()), groups.get("optimizer", {})
+    )
     ppo.draws.actions.set_state(groups["draws"]["actions"])
     ppo.draws.order.bit_generator.state = state["order"]
     ppo.num_timesteps = state["steps"]
@@ -96,21 +100,3 @@ def load_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv) -> dict[str,
 def _own_tensors(ppo: ImitationPPO) -> dict[str, Tensor]:
     # Not state_dict: that has the features extractor under three names.
     return {name: tensor.detach() for name, tensor in ppo.policy.named_parameters()}
-
-
-def _optimizer_tensors(ppo: ImitationPPO) -> dict[str, Tensor]:
-    return {
-        f"{number}/{name}": value
-        for number, parameter in enumerate(ppo.policy.parameters())
-        for name, value in ppo.policy.optimizer.state.get(parameter, {}).items()
-    }
-
-
-def _restore_optimizer(ppo: ImitationPPO, tensors: dict[str, Tensor]) -> None:
-    """Fill Adam's moments in, each laid out in memory as its parameter."""
-    parameters = list(ppo.policy.parameters())
-    for name, tensor in tensors.items():
-        number, _, key = name.partition("/")
-        parameter = parameters[int(number)]
-        like = torch.empty_like(parameter) if tensor.shape == parameter.shape else tensor
-        ppo.policy.optimizer.state[parameter][key] = like.copy_(tensor).detach()

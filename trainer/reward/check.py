@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from trainer.progress import Part, Progress
+from trainer.progress import Progress, Section
 from trainer.reward.model import RewardModel
 from trainer.reward.snippets import (
     SnippetRule,
@@ -17,7 +18,7 @@ from trainer.reward.snippets import (
     preference_pairs,
     snippet_sums,
 )
-from trainer.reward.training import calibrate, train_network
+from trainer.reward.training import NetworkTraining, Seed, calibrate
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -82,6 +83,7 @@ def check_ranking(
     recipe: RewardRecipe,
     training_seed: int,
     progress: Progress,
+    checkpoint_folder: Path | None = None,
 ) -> RankingCheck:
     """Check a reward model against the ranking it was learned from.
 
@@ -93,6 +95,7 @@ def check_ranking(
             demonstrations left out is measured.
         training_seed: Feeds the draws of snippets and the folds' models.
         progress: Told of the folds' updates and, as ``held_out_accuracy``, of each fold's result.
+        checkpoint_folder: As of train_reward.
 
     Raises:
         RunCancelled: Raised by ``progress``.
@@ -102,7 +105,10 @@ def check_ranking(
     scores = {i: model.score(trajectories[i].observations) for tier in tiers for i in tier}
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in scores.items()}
     tau = kendall_tau(tiers, returns)
-    held_out, wrong = _cross_validate(trajectories, tiers, recipe, rng, progress)
+    seed = (training_seed, _CHECK_STREAM)
+    held_out, wrong = _cross_validate(
+        trajectories, tiers, recipe, seed, progress, checkpoint_folder
+    )
     tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
     confused = _confused(tier_of, [p for p in pairs if returns[p[0]] <= returns[p[1]]], wrong)
     return RankingCheck(
@@ -139,8 +145,9 @@ def _cross_validate(
     trajectories: Sequence[Trajectory],
     tiers: Sequence[Sequence[int]],
     recipe: RewardRecipe,
-    rng: np.random.Generator,
+    seed: Seed,
     progress: Progress,
+    checkpoint_folder: Path | None,
 ) -> tuple[float | None, list[Pair]]:
     """Train without some demonstrations and order them; return the accuracy and the wrong pairs.
 
@@ -160,10 +167,17 @@ def _cross_validate(
         kept = [tier for tier in kept if tier]
         if len(kept) < 2:
             continue
-        part = Part(progress, fold / n_folds, (fold + 1) / n_folds)
-        network = train_network(
-            trajectories, kept, recipe, recipe.fold_updates, rng, _WithoutValues(part)
+        job = NetworkTraining(
+            trajectories,
+            preference_pairs(kept),
+            recipe,
+            recipe.fold_updates,
+            (*seed, fold),
+            checkpoint_folder and checkpoint_folder / f"fold-{fold}.safetensors",
         )
+        first, total = fold * recipe.fold_updates, n_folds * recipe.fold_updates
+        section = Section(progress, first, total)
+        network = job.train(_WithoutValues(section))
         model = calibrate([network], trajectories, kept, standardise=False)
         scores = {i: model.score(trajectories[i].observations) for i in ranked}
         pairs = [p for p in preference_pairs(tiers) if fold in (fold_of[p[0]], fold_of[p[1]])]
@@ -172,7 +186,7 @@ def _cross_validate(
         n_all += len(pairs)
         wrong += bad
         accuracy = 1.0 - len(bad) / len(pairs)
-        part.advance(1, 1, {"held_out_accuracy": accuracy})
+        section.advance(recipe.fold_updates, recipe.fold_updates, {"held_out_accuracy": accuracy})
     return (n_right / n_all if n_all else None), wrong
 
 

@@ -2,24 +2,32 @@
 
 The loss is the thesis's and T-REX's: of two snippets the better one is to have the higher sum of
 R, by cross entropy on the two sums (Bradley-Terry). Two ways to draw and score the snippets are
-described at `paper_losses` and `fast_losses`.
+described at _PaperLogits and _FastLogits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import json
+import time
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import torch
+from safetensors import safe_open
+from safetensors.torch import save
 from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
-from trainer.progress import Part, Progress
+from trainer.optimizers import optimizer_tensors, restore_optimizer
+from trainer.progress import Progress, Section
 from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
-from trainer.reward.snippets import SnippetPairs, SnippetRule, draw_snippets, preference_pairs
+from trainer.reward.snippets import SnippetRule, draw_snippets, preference_pairs
+from tril.artifacts import write_whole
 from tril.errors import Invalid
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
@@ -28,8 +36,16 @@ from tril.recording import Trajectory
 END_STEPS = 25
 """Steps at a game's end by which its final level is measured."""
 
+CHECKPOINT_EVERY_S = 30.0
+
 _REPORTS = 200
 """Points of a curve that a training adds at most."""
+
+
+Seed = tuple[int, ...]
+"""What the draws of one network's training are made of; see _rng."""
+
+_WEIGHTS, _SNIPPETS, _PASS = range(3)
 
 
 def train_reward(
@@ -38,6 +54,7 @@ def train_reward(
     recipe: RewardRecipe,
     training_seed: int,
     progress: Progress,
+    checkpoint_folder: Path | None = None,
 ) -> RewardModel:
     """Learn a reward model from ranked trajectories.
 
@@ -48,6 +65,8 @@ def train_reward(
         training_seed: Feeds every random choice: the same one gives the same model, with the same
             number of threads.
         progress: Told of loss and accuracy, as updates of all members of the ensemble.
+        checkpoint_folder: An existing folder of this training alone; what a training that was
+            killed left there is gone on from. None keeps nothing.
 
     Raises:
         Invalid: There are fewer than two tiers.
@@ -55,130 +74,212 @@ def train_reward(
     """
     networks = []
     for member in range(recipe.ensemble):
-        part = Part(
-            progress,
-            member / recipe.ensemble,
-            (member + 1) / recipe.ensemble,
-            units=recipe.ensemble * recipe.updates,
+        job = NetworkTraining(
+            trajectories,
+            preference_pairs(tiers),
+            recipe,
+            recipe.updates,
+            (training_seed, member),
+            checkpoint_folder and checkpoint_folder / f"member-{member}.safetensors",
         )
-        rng = np.random.default_rng([training_seed, member])
-        networks.append(train_network(trajectories, tiers, recipe, recipe.updates, rng, part))
+        section = Section(progress, member * recipe.updates, recipe.ensemble * recipe.updates)
+        networks.append(job.train(section))
     return calibrate(networks, trajectories, tiers, standardise=recipe.method == "fast")
 
 
-def train_network(
-    trajectories: Sequence[Trajectory],
-    tiers: Sequence[Sequence[int]],
-    recipe: RewardRecipe,
-    updates: int,
-    rng: np.random.Generator,
-    progress: Progress,
-) -> RewardNetwork:
-    """Learn one network with this many updates; the arguments are those of train_reward."""
-    pairs = preference_pairs(tiers)
-    network = new_network(rng)
-    optimizer = torch.optim.Adam(
-        network.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay
-    )
-    losses = paper_losses if recipe.method == "paper" else fast_losses
-    every = max(1, updates // _REPORTS)
-    recent: list[tuple[float, float]] = []
-    for update, logits in enumerate(losses(network, trajectories, pairs, recipe, updates, rng), 1):
-        # Cross entropy between two sums is softplus of their difference.
-        loss = F.softplus(-logits).mean()
-        optimizer.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
-        optimizer.step()
-        recent.append((loss.item(), (logits > 0).float().mean().item()))
-        values = None
-        if update % every == 0 or update == updates:
-            means = np.mean(recent, axis=0)
-            values = {"loss": float(means[0]), "accuracy": float(means[1])}
-            recent.clear()
-        progress.advance(update, updates, values)
-    return network
+class NetworkTraining:
+    """The training of one network.
+
+    Everything that is drawn for an update depends on the seed and the update's number alone, so
+    that a training that was interrupted goes on as if it had not been.
+
+    Args:
+        trajectories: The demonstrations.
+        pairs: Preference pairs of their indices.
+        recipe: How it is learned.
+        updates: Gradient updates.
+        seed: What all draws are made of.
+        checkpoint: File that is gone on from if it exists; None keeps nothing.
+    """
+
+    def __init__(
+        self,
+        trajectories: Sequence[Trajectory],
+        pairs: Sequence[Pair],
+        recipe: RewardRecipe,
+        updates: int,
+        seed: Seed,
+        checkpoint: Path | None = None,
+    ) -> None:
+        self._updates = updates
+        self._checkpoint = checkpoint
+        self.network = new_network(_rng(seed, _WEIGHTS))
+        self._parameters = list(self.network.parameters())
+        self._optimizer = torch.optim.Adam(
+            self._parameters, lr=recipe.learning_rate, weight_decay=recipe.weight_decay
+        )
+        kind = _PaperLogits if recipe.method == "paper" else _FastLogits
+        self._logits = kind(self.network, trajectories, pairs, recipe, updates, seed)
+        self._recent: list[tuple[float, float]] = []
+
+    def train(self, progress: Progress) -> RewardNetwork:
+        """Learn and return the network; progress is told of updates."""
+        begun = self._load()
+        saved_at = time.monotonic()
+        if begun:
+            progress.advance(begun, self._updates)
+        every = max(1, self._updates // _REPORTS)
+        for update in range(begun + 1, self._updates + 1):
+            logits = self._logits(update - 1)
+            # Cross entropy between two sums is softplus of their difference.
+            loss = F.softplus(-logits).mean()
+            self._optimizer.zero_grad()
+            loss.backward()  # type: ignore[no-untyped-call]
+            self._optimizer.step()
+            self._recent.append((loss.item(), (logits > 0).float().mean().item()))
+            values = None
+            is_last = update == self._updates
+            if update % every == 0 or is_last:
+                means = np.mean(self._recent, axis=0)
+                values = {"loss": float(means[0]), "accuracy": float(means[1])}
+                self._recent.clear()
+            progress.advance(update, self._updates, values)
+            if is_last or time.monotonic() - saved_at >= CHECKPOINT_EVERY_S:
+                self._save(update)
+                saved_at = time.monotonic()
+        return self.network
+
+    def _save(self, update: int) -> None:
+        if self._checkpoint is None:
+            return
+        tensors = {f"network/{name}": t for name, t in self.network.state_dict().items()}
+        adam = optimizer_tensors(self._optimizer, self._parameters)
+        tensors |= {f"optimizer/{name}": tensor for name, tensor in adam.items()}
+        state = json.dumps({"update": update, "recent": self._recent})
+        contiguous = {name: tensor.contiguous() for name, tensor in tensors.items()}
+        write_whole(self._checkpoint, save(contiguous, {"state": state}))
+
+    def _load(self) -> int:
+        """Take the checkpoint up; return how many updates are done."""
+        if self._checkpoint is None or not self._checkpoint.exists():
+            return 0
+        with safe_open(str(self._checkpoint), framework="pt") as file:
+            state = json.loads(file.metadata()["state"])
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        parts: dict[str, dict[str, Tensor]] = {"network": {}, "optimizer": {}}
+        for name, tensor in tensors.items():
+            part, _, rest = name.partition("/")
+            parts[part][rest] = tensor
+        self.network.load_state_dict(parts["network"])
+        restore_optimizer(self._optimizer, self._parameters, parts["optimizer"])
+        self._recent = [(loss, accuracy) for loss, accuracy in state["recent"]]
+        return int(state["update"])
 
 
-def paper_losses(
-    network: RewardNetwork,
-    trajectories: Sequence[Trajectory],
-    pairs: Sequence[Pair],
-    recipe: RewardRecipe,
-    updates: int,
-    rng: np.random.Generator,
-) -> Iterator[Tensor]:
-    """Yield, for every update, the sum of the better snippet minus that of the worse, float32 (P,).
+class _PaperLogits:
+    """The logits of an update as T-REX has them: the sums of R of its own few snippet pairs.
 
-    As in T-REX: snippet pairs are drawn once and gone through in several passes, each update
-    scores its own few pairs, every ``observation_stride``-th observation of a snippet counts, and
-    the logit is the sum (not the mean) of R.
+    Snippet pairs are drawn once and gone through in several passes, every ``observation_stride``-th
+    observation of a snippet counts, and the logit is the sum (not the mean) of R of the better
+    snippet minus that of the worse.
 
     Differences from T-REX: snippets are cut at the shorter game of each pair instead of at the
     shortest of all, each pass takes the pairs in a new order, and games of equal rank form no
     pair, where T-REX gives them a strict label.
     """
-    rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
-    sizes = [len(trajectory.observations) for trajectory in trajectories]
-    drawn = draw_snippets(pairs, sizes, rule, recipe.snippet_pairs or updates, rng)
-    order = np.empty(0, np.int64)
-    for _ in range(updates):
-        while len(order) < recipe.pairs_per_update:
-            order = np.concatenate([order, rng.permutation(len(drawn))])
-        chosen, order = np.split(order, [recipe.pairs_per_update])
-        snippets = [_pair_observations(trajectories, drawn, i, recipe) for i in chosen.tolist()]
-        values = network(torch.from_numpy(np.concatenate(snippets)))
+
+    def __init__(
+        self,
+        network: RewardNetwork,
+        trajectories: Sequence[Trajectory],
+        pairs: Sequence[Pair],
+        recipe: RewardRecipe,
+        updates: int,
+        seed: Seed,
+    ) -> None:
+        self._network = network
+        self._trajectories = trajectories
+        self._recipe = recipe
+        self._seed = seed
+        rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
+        sizes = [len(trajectory.observations) for trajectory in trajectories]
+        count = recipe.snippet_pairs or updates * recipe.pairs_per_update
+        self._drawn = draw_snippets(pairs, sizes, rule, count, _rng(seed, _SNIPPETS))
+        self._order = cache(self._drawn_order)
+
+    def __call__(self, update: int) -> Tensor:
+        """Return the logits of an update, counted from 0: float32 (pairs_per_update,)."""
+        first = update * self._recipe.pairs_per_update
+        places = range(first, first + self._recipe.pairs_per_update)
+        count = len(self._drawn)
+        chosen = [int(self._order(place // count)[place % count]) for place in places]
+        snippets = [self._observations(index) for index in chosen]
+        values = self._network(torch.from_numpy(np.concatenate(snippets)))
         halves = [half for pair in snippets for half in [len(pair) // 2] * 2]
         sums = torch.stack([part.sum() for part in values.split_with_sizes(halves)])
-        yield sums[0::2] - sums[1::2]
+        return sums[0::2] - sums[1::2]
+
+    def _drawn_order(self, number: int) -> npt.NDArray[np.int64]:
+        """Return the order of the snippet pairs in a pass."""
+        return _rng(self._seed, _PASS, number).permutation(len(self._drawn))
+
+    def _observations(self, index: int) -> npt.NDArray[np.uint8]:
+        """Return the better snippet, then the worse one, uint8 (2 L, 4, 84, 84)."""
+        drawn, parts = self._drawn, []
+        for which, starts in (
+            (drawn.better, drawn.better_start),
+            (drawn.worse, drawn.worse_start),
+        ):
+            begin = int(starts[index])
+            taken = slice(begin, begin + int(drawn.length[index]), self._recipe.observation_stride)
+            parts.append(self._trajectories[int(which[index])].observations[taken])
+        return np.concatenate(parts)
 
 
-def _pair_observations(
-    trajectories: Sequence[Trajectory], drawn: SnippetPairs, index: int, recipe: RewardRecipe
-) -> npt.NDArray[np.uint8]:
-    """Return the better snippet, then the worse one, uint8 (2 L, 4, 84, 84)."""
-    parts = []
-    for which, starts in (
-        (drawn.better, drawn.better_start),
-        (drawn.worse, drawn.worse_start),
-    ):
-        begin = int(starts[index])
-        taken = slice(begin, begin + int(drawn.length[index]), recipe.observation_stride)
-        parts.append(trajectories[int(which[index])].observations[taken])
-    return np.concatenate(parts)
-
-
-def fast_losses(
-    network: RewardNetwork,
-    trajectories: Sequence[Trajectory],
-    pairs: Sequence[Pair],
-    recipe: RewardRecipe,
-    updates: int,
-    rng: np.random.Generator,
-) -> Iterator[Tensor]:
-    """Yield, for every update, the sum of the better snippet minus that of the worse, float32 (P,).
+class _FastLogits:
+    """The logits of an update from one pass over all demonstrations.
 
     Every update scores each demonstration once, at every ``observation_stride``-th observation
     from an offset drawn anew, and takes the sums of many snippets from the prefix sums of those
     scores. Neighbouring observations share three of four screens, so that the stride costs little
     of what there is to learn and saves most of the time.
     """
-    stride = recipe.observation_stride
-    rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
-    frames = [torch.from_numpy(trajectory.observations) for trajectory in trajectories]
-    for _ in range(updates):
+
+    def __init__(
+        self,
+        network: RewardNetwork,
+        trajectories: Sequence[Trajectory],
+        pairs: Sequence[Pair],
+        recipe: RewardRecipe,
+        updates: int,
+        seed: Seed,
+    ) -> None:
+        ranked = sorted({index for pair in pairs for index in pair})
+        place = {index: number for number, index in enumerate(ranked)}
+        self._network = network
+        self._frames = [torch.from_numpy(trajectories[index].observations) for index in ranked]
+        self._pairs = [(place[better], place[worse]) for better, worse in pairs]
+        self._recipe = recipe
+        self._seed = seed
+
+    def __call__(self, update: int) -> Tensor:
+        """Return the logits of an update, counted from 0: float32 (pairs_per_update,)."""
+        recipe, stride = self._recipe, self._recipe.observation_stride
+        rng = _rng(self._seed, _SNIPPETS, update)
         offset = int(rng.integers(stride))
         # A game that is shorter than the stride counts with its last observation.
-        taken = [one[min(offset, len(one) - 1) :: stride] for one in frames]
+        taken = [one[min(offset, len(one) - 1) :: stride] for one in self._frames]
         sizes = [len(one) for one in taken]
         inputs = torch.cat(taken)
         chunks = range(0, len(inputs), SCORING_BATCH)
-        values = torch.cat([network(inputs[at : at + SCORING_BATCH]) for at in chunks])
+        values = torch.cat([self._network(inputs[at : at + SCORING_BATCH]) for at in chunks])
         table = torch.zeros(len(taken), max(sizes) + 1)
         for row, part in enumerate(values.split_with_sizes(sizes)):
             table[row, 1 : len(part) + 1] = part.cumsum(0)
-        drawn = draw_snippets(pairs, sizes, rule.every(stride), recipe.pairs_per_update, rng)
+        rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
+        drawn = draw_snippets(self._pairs, sizes, rule.every(stride), recipe.pairs_per_update, rng)
         better = _sums(table, drawn.better, drawn.better_start, drawn.length)
-        yield better - _sums(table, drawn.worse, drawn.worse_start, drawn.length)
+        return better - _sums(table, drawn.worse, drawn.worse_start, drawn.length)
 
 
 def _sums(
@@ -189,6 +290,10 @@ def _sums(
 ) -> Tensor:
     rows = torch.from_numpy(which)
     return table[rows, torch.from_numpy(start + length)] - table[rows, torch.from_numpy(start)]
+
+
+def _rng(seed: Seed, *place: int) -> np.random.Generator:
+    return np.random.default_rng([*seed, *place])
 
 
 def calibrate(

@@ -1,5 +1,6 @@
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ import torch
 
 from tests.trainer.planted import planted_trajectories, planted_trajectory
 from trainer.progress import RunCancelled, Unobserved
+from trainer.reward import training
 from trainer.reward.check import check_ranking
 from trainer.reward.model import RewardModel, predicted_return
 from trainer.reward.training import train_reward
@@ -127,6 +129,40 @@ def test_progress_is_told_after_every_update(recipe: RewardRecipe) -> None:
     assert len(progress.done) == 3
     assert progress.done[-1][0] == progress.done[-1][1]
     assert [set(values) for values in progress.values] == [{"loss", "accuracy"}] * 3
+
+
+def test_an_interrupted_training_gives_the_same_model(
+    recipe: RewardRecipe, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(training, "CHECKPOINT_EVERY_S", 0.0)
+    recipe = replace(recipe, updates=4, ensemble=2, snippet_pairs=3)
+    whole = Recorded()
+    expected = train_reward(TRAJECTORIES, TIERS, recipe, 7, whole)
+    interrupted = Recorded(stop_at=7)
+    with pytest.raises(RunCancelled):
+        train_reward(TRAJECTORIES, TIERS, recipe, 7, interrupted, tmp_path)
+    resumed = Recorded()
+    model = train_reward(TRAJECTORIES, TIERS, recipe, 7, resumed, tmp_path)
+    for one, other in zip(model.members, expected.members, strict=True):
+        for a, b in zip(one.parameters(), other.parameters(), strict=True):
+            assert torch.equal(a, b)
+    # The first member was finished, the second had two of its four updates on disk.
+    assert resumed.done == [(4, 8), (6, 8), (7, 8), (8, 8)]
+    assert interrupted.values[:6] + resumed.values == whole.values
+
+
+def test_an_interrupted_check_gives_the_same_accuracy(
+    model: RewardModel, recipe: RewardRecipe, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(training, "CHECKPOINT_EVERY_S", 0.0)
+    recipe = replace(recipe, fold_updates=3, folds=2)
+    expected = check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, Unobserved())
+    with pytest.raises(RunCancelled):
+        check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, Recorded(stop_at=6), tmp_path)
+    resumed = Recorded()
+    assert check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, resumed, tmp_path) == expected
+    assert resumed.done[0] == (3, 6)
+    assert {name for values in resumed.values for name in values} == {"held_out_accuracy"}
 
 
 def test_cancelling_stops_at_once(recipe: RewardRecipe) -> None:
