@@ -9,7 +9,6 @@ import os
 import signal
 import socket
 import socketserver
-import sys
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -22,6 +21,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from trainer.attention import attention_map
 from trainer.courtesy import learning_threads
+from trainer.logs import set_up_logging
 from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from tril.artifacts import ArtifactStore
@@ -58,9 +58,7 @@ def run_inference(settings: Settings) -> None:
     Raises:
         Unavailable: Another one serves this data folder, or the database is of another version.
     """
-    logging.basicConfig(
-        level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", force=True
-    )
+    set_up_logging()
     torch.set_num_threads(min(THREADS, learning_threads(0)))
     database = create_database(settings.application_url)
     try:

@@ -7,7 +7,6 @@ import logging
 import os
 import secrets
 import signal
-import sys
 import threading
 from pathlib import Path
 from types import TracebackType
@@ -16,6 +15,7 @@ from typing import Any, Self, TextIO
 from dbos import DBOS
 
 from trainer.courtesy import lower_priority
+from trainer.logs import set_up_logging
 from trainer.pipeline import Pipeline
 from tril.artifacts import write_whole
 from tril.errors import Unavailable
@@ -46,9 +46,7 @@ def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
     Raises:
         Unavailable: The databases are not of this version.
     """
-    logging.basicConfig(
-        level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", force=True
-    )
+    set_up_logging()
     lower_priority()
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
