@@ -9,9 +9,15 @@ import pytest
 
 from scripts.browser import find_browser
 
+BROWSER_TESTS = Path(__file__).parent / "e2e"
 
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run the browser tests last: their driver keeps an event loop running in this thread."""
+    """Mark what needs a browser, and run it last: its driver keeps an event loop in this thread."""
+    for item in items:
+        if BROWSER_TESTS in item.path.parents:
+            item.add_marker("e2e")
     items.sort(key=lambda item: item.get_closest_marker("e2e") is not None)
 
 
