@@ -39,7 +39,8 @@ def brute_force_screen(
     for index, target in enumerate(masked):
         row, column = divmod(index, POSITIONS)
         target[screen, row : row + PATCH, column : column + PATCH] = 0
-    return np.abs(model.score(masked) - model.score(observation[None]))
+    changes: npt.NDArray[np.float32] = np.abs(model.score(masked) - model.score(observation[None]))
+    return changes
 
 
 def main() -> None:

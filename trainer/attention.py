@@ -25,7 +25,7 @@ PATCH = 3
 POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
 """Patches per side, all that lie wholly inside. (T-REX's code leaves the last two out.)"""
 
-BATCH = 512
+BATCH = 256
 """Masked observations per forward pass."""
 
 _KERNEL, _STRIDE = 7, 3

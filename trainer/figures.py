@@ -27,7 +27,7 @@ COLOURS = {
     "person": "#007d5a",
     "demonstrator": "#a8457f",
 }
-"""One colour per thing, those of the pages (frontend/src/styles/tokens.css): after Okabe and Ito."""
+"""One colour per thing, those of the pages (frontend/src/styles/tokens.css)."""
 
 _INK, _FAINT, _STRAY = "#20242b", "#c9ced6", "#b3261e"
 

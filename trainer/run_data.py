@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -135,6 +136,10 @@ class RunData:
 
     def actor(self, kind: str) -> Policy:
         """Return the "imitator" or the "clone", from the artifact store."""
-        context = self.context
-        with stored_file(context.database, context.artifacts, context.run_id, kind) as path:
+        with self.policy_file(kind) as path:
             return load_policy(path)
+
+    def policy_file(self, kind: str) -> AbstractContextManager[Path]:
+        """Give the file of the "imitator" or the "clone", from the artifact store."""
+        context = self.context
+        return stored_file(context.database, context.artifacts, context.run_id, kind)

@@ -74,11 +74,11 @@ class PolicyRecipe:
         entropy: Weight of the entropy bonus.
         value: Weight of the value loss.
         gradient_norm: Bound of the gradient's norm.
-        best_share: Which demonstrations count as the best ones in what follows: the first tier,
-            and further whole tiers as long as they fit into this share of all ranked ones.
-        demonstration_share: Share of episodes begun from states of the best demonstrations.
-        warm_start: Whether the policy starts from behaviour cloning of the best demonstrations.
-        warm_start_epochs: Passes over the best demonstrations in that cloning.
+        best_share: Which demonstrations count as the best ones: the first tier, and further whole
+            tiers as long as they fit into this share of all ranked ones.
+        demonstration_share: Share of episodes begun from states of the best demonstrations and the
+            perfect ones.
+        warm_start: Whether the policy starts from the run's clone, whose network it then shares.
         start_policy_pull: Initial weight of the KL divergence from the start policy; falls
             linearly to zero over the training.
         critic_warm_up_steps: Steps in which only the critic learns.
@@ -107,7 +107,6 @@ class PolicyRecipe:
     best_share: float = 0.0
     demonstration_share: float = 0.0
     warm_start: bool = False
-    warm_start_epochs: int = 0
     start_policy_pull: float = 0.0
     critic_warm_up_steps: int = 0
     snapshot_steps: tuple[int, ...] = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
@@ -205,7 +204,6 @@ FAST = Recipe(
         best_share=0.25,
         demonstration_share=0.25,
         warm_start=True,
-        warm_start_epochs=15,
         start_policy_pull=0.1,
         critic_warm_up_steps=12_000,
         snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),

@@ -47,7 +47,8 @@ def _masked_changes(
     masked = np.repeat(observation[None], len(positions), axis=0)
     for target, (screen, row, column) in zip(masked, positions, strict=True):
         target[screen, row : row + PATCH, column : column + PATCH] = 0
-    return np.abs(model.score(masked) - model.score(observation[None]))
+    changes: npt.NDArray[np.float32] = np.abs(model.score(masked) - model.score(observation[None]))
+    return changes
 
 
 def test_the_map_equals_brute_force(game_observation: npt.NDArray[np.uint8]) -> None:

@@ -5,19 +5,17 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
-from safetensors.torch import load_file, save
 from stable_baselines3.common.callbacks import BaseCallback
 
 from trainer.evaluation import play
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
-from trainer.policy.cloning import best_demonstrations, clone
-from trainer.policy.networks import Policy, ScreenPolicy, new_policy, save_policy
+from trainer.policy.cloning import best_demonstrations
+from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
 from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
@@ -25,11 +23,12 @@ from trainer.progress import Progress
 from trainer.reward.model import RewardModel
 from tril.artifacts import write_whole
 from tril.behaviours import Behaviour, score
+from tril.errors import Invalid
 from tril.game.episode import Ending
 from tril.game.starts import TRAINING_IDLE_FRAMES, Start
 from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recipes import Recipe
-from tril.recording import Recording, Trajectory
+from tril.recording import Recording
 
 CHECKPOINT_EVERY_S = 45.0
 """A killed training loses at most this and one rollout."""
@@ -38,7 +37,6 @@ CURVE_EPISODES = 50
 """Whole games over which the curves are averaged."""
 
 _CHECKPOINT = "checkpoint.safetensors"
-_START_POLICY = "start-policy.safetensors"
 _BEST = "best.zip"
 
 
@@ -49,8 +47,10 @@ class ImitationTask:
     Attributes:
         model: The learned reward.
         recordings: The ranked demonstrations.
-        trajectories: The same through an agent's eyes, in the same order.
-        tiers: Indices into both, best tier first.
+        tiers: Indices into them, best tier first.
+        perfect: The recordings marked as perfect; as in the best ranked ones, games may begin in
+            them.
+        clone: File of the run's clone, which a warm start begins with.
         recipe: How it is trained.
         steps: PPO steps, rounded up to whole rollouts.
         training_seed: Feeds every random choice.
@@ -59,12 +59,13 @@ class ImitationTask:
 
     model: RewardModel
     recordings: Sequence[Recording]
-    trajectories: Sequence[Trajectory]
     tiers: Sequence[Sequence[int]]
     recipe: Recipe
     steps: int
     training_seed: int
     behaviour: Behaviour | None = None
+    perfect: Sequence[Recording] = ()
+    clone: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -153,15 +154,30 @@ def train_imitator(
     return ImitatorResult(tuple(training.snapshots), training.best_steps)
 
 
+def _start_network(task: ImitationTask) -> ScreenPolicy:
+    """Return the clone that a warm start begins with.
+
+    Raises:
+        Invalid: There is none, or its network is another one than the imitator's.
+    """
+    clone, own = task.recipe.cloning.network, task.recipe.policy.network
+    if task.clone is None or clone != own:
+        raise Invalid(
+            f"A warm start begins with the run's clone, of the same network; the recipe's clone is"
+            f" {clone!r}, its imitator {own!r}."
+        )
+    return load_network(task.clone)
+
+
 def _training_starts(task: ImitationTask) -> TrainingStarts:
     share = task.recipe.policy.demonstration_share
     if not share:
         return TrainingStarts()
     best = best_demonstrations(task.tiers, task.recipe.policy.best_share)
     logs = [
-        DemonstrationLog(task.recordings[i].start, task.recordings[i].actions)
-        for i in best
-        if task.recordings[i].actions
+        DemonstrationLog(recording.start, recording.actions)
+        for recording in (*(task.recordings[i] for i in best), *task.perfect)
+        if recording.actions
     ]
     return TrainingStarts(demonstrations=tuple(logs), demonstration_share=share)
 
@@ -261,39 +277,12 @@ class _Training(BaseCallback):
             self._reporter.recent.extend(extra["recent"])
             self._reporter.rate()
         if self._task.recipe.policy.warm_start:
-            start = self._start_policy()
+            start = _start_network(self._task)
             if self._task.recipe.policy.start_policy_pull:
                 ppo.start_policy = start
             if not ppo.num_timesteps:
                 ppo.policy.load_state_dict(start.state_dict())
         self._reporter.tick()
-
-    def _start_policy(self) -> ScreenPolicy:
-        """Return the clone of the best demonstrations; it is learned once."""
-        file = self._folder / _START_POLICY
-        recipe = self._task.recipe
-        if file.exists():
-            policy = new_policy(recipe.policy.network, 0.0, np.random.default_rng(0))
-            weights = load_file(file)
-            with torch.no_grad():
-                for name, parameter in policy.named_parameters():
-                    parameter.copy_(weights[name])
-            return policy
-        best = best_demonstrations(self._task.tiers, recipe.policy.best_share)
-        policy, _ = clone(
-            [self._task.trajectories[i] for i in best],
-            replace(
-                recipe.cloning,
-                network=recipe.policy.network,
-                left_out_share=0.0,
-                epochs=recipe.policy.warm_start_epochs,
-            ),
-            self._task.training_seed,
-            _Ticking(self._reporter.tick),
-        )
-        tensors = {name: t.detach().contiguous() for name, t in policy.named_parameters()}
-        write_whole(file, save(tensors))
-        return policy
 
     def _on_rollout_start(self) -> None:
         if self._rollouts:

@@ -193,7 +193,12 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
 
 
 def load_policy(path: Path) -> Policy:
-    """Load a policy that ``save_policy`` saved; nothing in the file is executed.
+    """Load a policy that ``save_policy`` saved, to ask it; raises what ``load_network`` raises."""
+    return Policy(load_network(path))
+
+
+def load_network(path: Path) -> ScreenPolicy:
+    """Load the network of a policy that ``save_policy`` saved; nothing in the file is executed.
 
     Raises:
         Invalid: The file is no such policy.
@@ -213,7 +218,7 @@ def load_policy(path: Path) -> Policy:
     except (zipfile.BadZipFile, KeyError, RuntimeError, UnpicklingError, IndexError) as error:
         raise Invalid(f"{path.name} cannot be read as a policy: {error}") from error
     network.set_training_mode(False)
-    return Policy(network)
+    return network
 
 
 def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:

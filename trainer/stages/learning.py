@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from trainer.policy.cloning import train_clone
@@ -35,6 +36,7 @@ def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.recipe.reward,
         context.training_seed,
         progress,
+        context.stage_folder("reward"),
     )
     data.keep_reward_model(model)
     return {}
@@ -50,6 +52,7 @@ def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.recipe.reward,
         context.training_seed,
         progress,
+        context.stage_folder("check"),
     )
     found = check.to_dict()
     found["predicted_returns"] = {
@@ -95,25 +98,26 @@ def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
 def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
     """Train the imitator on the learned reward, from its checkpoint if there is one; keep it."""
     context = data.context
-    demonstrations = data.recordings(data.ranked)
+    demonstrations = data.recordings([*data.ranked, *data.perfect])
     task = ImitationTask(
         model=data.reward_model,
         recordings=[demonstrations[number] for number in data.ranked],
-        trajectories=data.ranked_trajectories,
         tiers=data.index_tiers,
         recipe=context.recipe,
         steps=context.steps,
         training_seed=context.training_seed,
         behaviour=context.behaviour,
+        perfect=[demonstrations[number] for number in data.perfect],
     )
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
-    result = train_imitator(
-        task,
-        path,
-        folder,
-        progress,
-        n_processes=min(context.courtesy.threads, context.recipe.policy.n_games),
-    )
+    with data.policy_file("clone") as clone:
+        result = train_imitator(
+            replace(task, clone=clone),
+            path,
+            folder,
+            progress,
+            n_processes=min(context.courtesy.threads, context.recipe.policy.n_games),
+        )
     data.keep_policy("imitator", path)
     return {"imitator": {"best_steps": result.best_steps}}

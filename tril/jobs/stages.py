@@ -48,7 +48,6 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
     reward, policy = recipe.reward, recipe.policy
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
-    warm_start = policy.warm_start_epochs * policy.best_share if policy.warm_start else 0.0
     n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
     games = n_starts * N_POLICIES_BY_CHOICES
     demonstrated = N_DEMONSTRATIONS * MEAN_STEPS
@@ -58,9 +57,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
         "reward": 1.0 + reward.updates * update_s * reward.ensemble,
         "check": CHECK_S + reward.fold_updates * update_s * reward.folds,
         "clone": 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
-        "imitator": 2.0
-        + warm_start * demonstrated / CLONING_OBSERVATIONS_PER_S[policy.network]
-        + steps / IMITATOR_STEPS_PER_S[policy.network],
+        "imitator": 2.0 + steps / IMITATOR_STEPS_PER_S[policy.network],
         "evaluation": 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
         "attention": ATTENTION_S,
     }

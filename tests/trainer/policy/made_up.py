@@ -17,7 +17,6 @@ TINY = replace(
     minibatches=2,
     epochs=2,
     critic_warm_up_steps=32,
-    warm_start_epochs=1,
     snapshot_steps=(64, 10_000),
     snapshot_episodes=1,
     demonstration_share=0.5,

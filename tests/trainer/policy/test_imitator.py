@@ -10,16 +10,16 @@ import torch
 from tests.trainer.policy.made_up import (
     random_model,
     short_recording,
-    short_trajectory,
     tiny_recipe,
 )
 from trainer.evaluation import play
 from trainer.policy import imitator
 from trainer.policy.imitator import ImitationTask, judging_starts, train_imitator
-from trainer.policy.networks import load_policy
+from trainer.policy.networks import load_policy, new_policy, save_policy
 from trainer.policy.rewards import Payment
 from trainer.progress import RunCancelled
 from tril.behaviours import READY_MADE
+from tril.errors import Invalid
 from tril.game.starts import TRAINING_IDLE_FRAMES
 
 STEPS = 128
@@ -43,17 +43,19 @@ class Watched:
 
 
 @pytest.fixture(scope="module")
-def task() -> ImitationTask:
+def task(tmp_path_factory: pytest.TempPathFactory) -> ImitationTask:
+    clone = tmp_path_factory.mktemp("clone") / "clone.zip"
+    save_policy(new_policy("small", 1e-3, np.random.default_rng(8)), clone)
     worse = short_recording(b"\x00" * 80)
     return ImitationTask(
         model=random_model(),
         recordings=[short_recording(), worse],
-        trajectories=[short_trajectory(), short_trajectory()],
         tiers=[[0], [1]],
         recipe=tiny_recipe(),
         steps=STEPS,
         training_seed=11,
         behaviour=READY_MADE[0],
+        clone=clone,
     )
 
 
@@ -163,11 +165,20 @@ def test_a_training_from_scratch_needs_no_demonstration_states(
     recipe = tiny_recipe(
         warm_start=False, demonstration_share=0.0, reward="sigmoid", critic_warm_up_steps=0
     )
-    plain = replace(task, recipe=recipe, behaviour=None, recordings=[], trajectories=[])
+    plain = replace(task, recipe=recipe, behaviour=None, recordings=[], clone=None)
     progress = Watched()
     train_imitator(plain, tmp_path / "imitator.zip", tmp_path, progress)
-    assert not (tmp_path / "start-policy.safetensors").exists()
     assert not any("hits" in values for _, values in progress.points)
+
+
+def test_a_warm_start_needs_a_clone_of_the_same_network(
+    task: ImitationTask, tmp_path: Path
+) -> None:
+    with pytest.raises(Invalid, match="begins with the run's clone"):
+        train_imitator(replace(task, clone=None), tmp_path / "a.zip", tmp_path, Watched())
+    other = replace(task.recipe, cloning=replace(task.recipe.cloning, network="nature"))
+    with pytest.raises(Invalid, match="of the same network"):
+        train_imitator(replace(task, recipe=other), tmp_path / "a.zip", tmp_path, Watched())
 
 
 def test_snapshots_are_judged_on_training_starts_only() -> None:
