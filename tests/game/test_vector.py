@@ -14,7 +14,7 @@ import pytest
 
 from tril.game.agent import AgentGame
 from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, Start
+from tril.game.episode import Ending, EndReason, EpisodeEnded, Start
 from tril.game.observation import Observation
 from tril.game.vector import (
     DemonstrationLog,
@@ -251,8 +251,8 @@ def children() -> set[int]:
 
 def test_closing_leaves_no_process_behind_and_may_be_done_twice() -> None:
     before = children()
-    vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
-    assert len(children() - before) == 2
+    vector = VectorGame(3, TrainingStarts(), n_processes=3, training_seed=0)
+    assert len(children() - before) == 3
     vector.close()
     vector.close()
     assert children() == before
@@ -262,28 +262,36 @@ def test_closing_leaves_no_process_behind_and_may_be_done_twice() -> None:
 
 def test_a_forgotten_vector_closes_itself() -> None:
     before = children()
-    vector = VectorGame(1, TrainingStarts(), n_processes=1, training_seed=0)
+    vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
+    assert children() != before
     del vector
     assert children() == before
 
 
 def test_a_killed_process_is_reported() -> None:
     before = children()
-    with VectorGame(1, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+    with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as vector:
         vector.reset()
-        (process,) = children() - before
+        process = max(children() - before)
         os.kill(process, signal.SIGKILL)
         with pytest.raises(GameProcessFailed, match="exit code -9"):
-            vector.step(np.array([0]))
+            vector.step(np.array([0, 0]))
 
 
 def test_an_error_in_a_process_is_raised_with_its_trace() -> None:
-    """A demonstration that goes on after its end cannot be replayed."""
+    with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as vector:
+        vector.reset()
+        first, second = vector.snapshot().games
+        with pytest.raises(GameProcessFailed, match=r"Traceback[\s\S]*version 1, got 9"):
+            vector.restore(VectorSnapshot((first, b"\x09" + second[1:])))
+
+
+def test_a_demonstration_that_goes_on_after_its_end_is_refused() -> None:
     hit_at_443 = DemonstrationLog(Start(0), bytes(500))
     source = TrainingStarts(demonstrations=(hit_at_443,), demonstration_share=1.0)
     with (
         VectorGame(1, source, n_processes=1, training_seed=0) as vector,
-        pytest.raises(GameProcessFailed, match="ended at frame 443"),
+        pytest.raises(EpisodeEnded, match="ended at frame 443"),
     ):
         vector.reset()
 

@@ -3,15 +3,10 @@
 import itertools
 import mmap
 import os
-import pickle
-import socket
-import subprocess
-import sys
 import tempfile
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import Any, Self
 
@@ -28,17 +23,15 @@ from tril.game.start_sources import (
     StartSource,
     TrainingStarts,
 )
-from tril.game.vector_worker import (
-    COMMAND_RESET,
-    COMMAND_RESTORE,
-    COMMAND_SNAPSHOT,
-    COMMAND_STEP,
-    REPLY_ERROR,
-    REPLY_VALUE,
+from tril.game.vector_games import (
+    Answer,
     Assignment,
+    Command,
     FinishedGame,
+    GameGroup,
     SharedArrays,
 )
+from tril.game.vector_worker import GameProcess, GameProcessFailed
 
 __all__ = [
     "DemonstrationLog",
@@ -52,15 +45,6 @@ __all__ = [
     "VectorSnapshot",
     "VectorStep",
 ]
-
-CLOSE_TIMEOUT_S = 5.0
-
-# Not -m: run as a main module, its classes would be others than the ones pickled here.
-_WORKER_PROGRAM = "import sys; from tril.game.vector_worker import main; sys.exit(main(sys.argv))"
-
-
-class GameProcessFailed(RuntimeError):
-    """A process that plays games ended or failed; the message says how."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +99,9 @@ class VectorGame:
     A game's episodes depend on the training seed, its index and its actions only, so that the
     number of processes changes the speed and nothing else. The processes are plain subprocesses:
     they import neither the caller's main module nor its libraries, and end with the caller.
+
+    Attributes:
+        n_games: how many games are played side by side.
     """
 
     def __init__(
@@ -133,7 +120,8 @@ class VectorGame:
         Args:
             n_games: how many games are played side by side.
             starts: where they begin.
-            n_processes: default is one for each core, at most one for each game.
+            n_processes: by default one for each core, and at most one for each game. With one,
+                the caller plays all games itself.
             ending: which rule for the player's death ends an episode.
             max_frames: after how many frames an episode ends in any case.
             sticky_action_probability: of repeating the action of the frame before.
@@ -148,29 +136,34 @@ class VectorGame:
         if isinstance(starts, FixedStarts) and len(starts.starts) != n_games:
             raise ValueError(f"Expected {n_games} starts, one per game, got {len(starts.starts)}.")
         if n_processes is None:
-            n_processes = os.cpu_count() or 1
+            n_processes = _core_count()
         self.n_games = n_games
-        self._half = 0
         self._pending = False
         memory_fd = _memory_file(SharedArrays.size(n_games))
         self._shared = SharedArrays(mmap.mmap(memory_fd, 0), n_games)
-        self._workers: list[_Worker] = []
-        self._finalizer = weakref.finalize(self, _close_all, self._workers)
+        processes: list[GameProcess] = []
+        self._finalizer = weakref.finalize(self, _close_all, processes)
+        assignments = [
+            Assignment(
+                n_games=n_games,
+                games=games,
+                starts=starts,
+                ending=ending,
+                max_frames=max_frames,
+                sticky_action_probability=sticky_action_probability,
+                training_seed=training_seed,
+            )
+            for games in _split(n_games, min(n_processes, n_games))
+        ]
+        self._groups: Sequence[GameProcess | _OwnGames] = processes
         try:
-            for games in _split(n_games, min(n_processes, n_games)):
-                assignment = Assignment(
-                    n_games=n_games,
-                    games=games,
-                    starts=starts,
-                    ending=ending,
-                    max_frames=max_frames,
-                    sticky_action_probability=sticky_action_probability,
-                    training_seed=training_seed,
-                    parent=os.getpid(),
-                )
-                self._workers.append(_Worker(assignment, memory_fd))
-            for worker in self._workers:
-                worker.receive()
+            if len(assignments) == 1:
+                self._groups = [_OwnGames(assignments[0], self._shared)]
+            else:
+                processes.extend(GameProcess(one, memory_fd) for one in assignments)
+                _spread(processes)
+            for process in processes:
+                process.receive()
         except BaseException:
             self.close()
             raise
@@ -179,7 +172,7 @@ class VectorGame:
 
     def reset(self) -> Observation:
         """Begin all games and return their observations, uint8 (n, 4, 84, 84); once only."""
-        self._call_all([COMMAND_RESET + bytes([self._half])] * len(self._workers))
+        self._call_all(Command.RESET)
         return self._observations
 
     def step(self, actions: npt.NDArray[np.integer[Any]]) -> VectorStep:
@@ -195,8 +188,8 @@ class VectorGame:
         if actions.min() < 0 or actions.max() >= game.ACTION_COUNT:
             raise ValueError(f"Expected actions from 0 to {game.ACTION_COUNT - 1}, got {actions}.")
         self._shared.actions[:] = actions
-        self._half = 1 - self._half
-        self._send_all([COMMAND_STEP + bytes([self._half])] * len(self._workers))
+        self._shared.half[0] ^= 1
+        self._send_all(Command.STEP)
 
     def step_wait(self) -> VectorStep:
         """Wait for the step that step_async began and return what it gave."""
@@ -222,11 +215,11 @@ class VectorGame:
 
     @property
     def _observations(self) -> Observation:
-        return np.asarray(self._shared.observations[self._half], np.uint8)
+        return np.asarray(self._shared.observations[self._shared.half[0]], np.uint8)
 
     def snapshot(self) -> VectorSnapshot:
         """Return all that the future of the games depends on, actions apart."""
-        parts = self._call_all([COMMAND_SNAPSHOT] * len(self._workers))
+        parts = self._call_all(Command.SNAPSHOT)
         return VectorSnapshot(tuple(one for part in parts for one in part))
 
     def restore(self, snapshot: VectorSnapshot) -> Observation:
@@ -239,13 +232,8 @@ class VectorGame:
             raise ValueError(
                 f"Expected a snapshot of {self.n_games} games, got {len(snapshot.games)}."
             )
-        half = bytes([self._half])
-        self._call_all(
-            [
-                COMMAND_RESTORE + half + pickle.dumps([snapshot.games[i] for i in worker.games])
-                for worker in self._workers
-            ]
-        )
+        parts = [[snapshot.games[index] for index in group.games] for group in self._groups]
+        self._call_all(Command.RESTORE, parts)
         return self._observations
 
     def close(self) -> None:
@@ -263,95 +251,79 @@ class VectorGame:
     ) -> None:
         self.close()
 
-    def _call_all(self, messages: Sequence[bytes]) -> list[Any]:
-        self._send_all(messages)
+    def _call_all(
+        self, command: Command, snapshots: Sequence[Sequence[bytes]] | None = None
+    ) -> list[Any]:
+        self._send_all(command, snapshots)
         return self._receive_all()
 
-    def _send_all(self, messages: Sequence[bytes]) -> None:
+    def _send_all(
+        self, command: Command, snapshots: Sequence[Sequence[bytes]] | None = None
+    ) -> None:
         if not self._finalizer.alive:
             raise GameProcessFailed("The games have been closed.")
         if self._pending:
             raise RuntimeError("A step is under way: call step_wait first.")
         self._pending = True
-        for worker, message in zip(self._workers, messages, strict=True):
-            worker.send(message)
+        for index, group in enumerate(self._groups):
+            group.send(command, None if snapshots is None else snapshots[index])
 
     def _receive_all(self) -> list[Any]:
         if not self._pending:
             raise RuntimeError("No step is under way: call step_async first.")
-        values = [worker.receive() for worker in self._workers]
+        answers = [group.receive() for group in self._groups]
         self._pending = False
-        return values
+        return answers
 
 
-class _Worker:
-    """The parent's side of one process."""
+class _OwnGames:
+    """The one group of games of a vector without processes: the caller plays them."""
 
-    def __init__(self, assignment: Assignment, memory_fd: int) -> None:
+    def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
         self.games = assignment.games
-        ours, theirs = socket.socketpair()
-        # One thread each: the parallelism is in the processes.
-        environment = os.environ | {
-            "PYTHONPATH": os.pathsep.join(os.path.abspath(path) for path in sys.path),
-            "OMP_NUM_THREADS": "1",
-            "OPENBLAS_NUM_THREADS": "1",
-        }
-        with theirs:
-            fds = (theirs.fileno(), memory_fd)
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", _WORKER_PROGRAM, *map(str, fds)],
-                pass_fds=fds,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-            )
-        self._connection: Connection = Connection(ours.detach())
-        self.send(pickle.dumps(assignment))
+        self._group = GameGroup(assignment, shared)
+        self._command: tuple[Command, Sequence[bytes] | None] | None = None
 
-    def send(self, message: bytes) -> None:
-        try:
-            self._connection.send_bytes(message)
-        except (BrokenPipeError, ConnectionResetError):
-            raise self._failure() from None
+    def send(self, command: Command, snapshots: Sequence[bytes] | None = None) -> None:
+        self._command = command, snapshots
 
-    def receive(self) -> Any:
-        """Return the value of the reply, None when it has none."""
-        try:
-            reply = self._connection.recv_bytes()
-        except (EOFError, ConnectionResetError):
-            raise self._failure() from None
-        if reply[:1] == REPLY_ERROR:
-            raise GameProcessFailed(f"A process that plays games failed:\n{reply[1:].decode()}")
-        return pickle.loads(reply[1:]) if reply[:1] == REPLY_VALUE else None
-
-    def _failure(self) -> GameProcessFailed:
-        code = self._process.wait(CLOSE_TIMEOUT_S)
-        return GameProcessFailed(
-            f"A process that plays games {list(self.games)} ended with exit code {code}. It may"
-            " have been killed for want of memory; go on from the last checkpoint."
-        )
-
-    def close(self) -> None:
-        self._connection.close()
-
-    def wait(self) -> None:
-        try:
-            self._process.wait(CLOSE_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+    def receive(self) -> Answer:
+        command, self._command = self._command, None
+        return None if command is None else self._group.answer(*command)
 
 
-def _close_all(workers: list[_Worker]) -> None:
-    for worker in workers:
-        worker.close()
-    for worker in workers:
-        worker.wait()
+def _close_all(processes: list[GameProcess]) -> None:
+    for process in processes:
+        process.close()
+    for process in processes:
+        process.wait()
+
+
+def _spread(processes: Sequence[GameProcess]) -> None:
+    """Give each process a core of its own, where there are as many processes as cores.
+
+    All of them wait for the slowest in every step. Left alone, the scheduler often wakes two on
+    one core, next to the caller that has called them, which costs 7% of the speed and more.
+    """
+    if not hasattr(os, "sched_setaffinity"):  # Not Linux.
+        return
+    cores = sorted(os.sched_getaffinity(0))
+    if len(cores) == len(processes):
+        for process, core in zip(processes, cores, strict=True):
+            process.run_on(core)
 
 
 def _split(count: int, parts: int) -> list[range]:
     """Return ranges as equal as possible that make up range(count)."""
     edges = [count * part // parts for part in range(parts + 1)]
     return [range(begin, end) for begin, end in itertools.pairwise(edges)]
+
+
+def _core_count() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1  # Not Linux.
 
 
 def _memory_file(size: int) -> int:

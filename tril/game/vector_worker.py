@@ -1,318 +1,141 @@
-"""The process that plays some of a vector's games; started by tril.game.vector.
+"""A process that plays a group of a vector's games: its program, and its parent's side.
 
-It imports neither the parent's main module nor torch, ignores Ctrl-C (the parent closes it) and
-ends when the parent's end of the socket closes, however the parent ended.
+The process is a plain subprocess: it imports neither the parent's main module nor torch, ignores
+Ctrl-C (the parent closes it) and ends when the parent's end of the channel closes, however the
+parent ended.
 """
 
-import json
 import mmap
 import os
 import pickle
-import select
 import signal
-import struct
+import socket
+import subprocess
+import sys
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
-from multiprocessing.connection import Connection
-from typing import Any
 
 import cv2
-import numpy as np
 
-from tril.game import space_invaders as game
-from tril.game.agent import AgentGame, StickyActions
-from tril.game.console import Console, KnownStarts
-from tril.game.episode import Ending, EndReason, Hit, Start
-from tril.game.observation import OBSERVATION_SHAPE, AgentView, AgentViews
-from tril.game.saved_game import pack_game, unpack_game
-from tril.game.start_sources import DemonstrationLog, DemonstrationStep, StartSource
+from tril.game.channel import Channel, ChannelClosed
+from tril.game.vector_games import Answer, Assignment, Command, GameGroup, SharedArrays
 
-# First byte of a message. A command is followed by its argument, a reply by its value.
-COMMAND_RESET, COMMAND_STEP, COMMAND_SNAPSHOT, COMMAND_RESTORE = b"R", b"S", b"G", b"P"
-REPLY_DONE, REPLY_VALUE, REPLY_ERROR = b"D", b"V", b"E"
+PARENT_CHECK_S = 2
+CLOSE_TIMEOUT_S = 5.0
 
-PARENT_CHECK_MS = 2000
-_SNAPSHOT_HEADER = struct.Struct("<BI")
-_SNAPSHOT_VERSION = 1
+# Kinds of messages besides the commands.
+_ASSIGN, _DONE, _ERROR = b"A", b"D", b"E"
+
+# Not -m: run as a main module, its classes would be others than the ones pickled by the parent.
+_PROGRAM = "import sys; from tril.game.vector_worker import main; sys.exit(main(sys.argv))"
 
 
-@dataclass(frozen=True)
-class FinishedGame:
-    """An episode that a vector has played to its end.
-
-    Attributes:
-        game: index of the game in the vector.
-        start: how it began.
-        actions: the action executed at every frame from the start on, one byte each; those of a
-            demonstration included, if it began in one.
-        first_step: the step from which on the vector's actions were played; 0 unless the game
-            began in a demonstration.
-        hits: the aliens shot, in order of time, since the start.
-        end: why it ended.
-        shots: missiles that left the cannon since the start.
-    """
-
-    game: int
-    start: Start
-    actions: bytes
-    first_step: int
-    hits: tuple[Hit, ...]
-    end: EndReason
-    shots: int
-
-    @property
-    def own_hits(self) -> tuple[Hit, ...]:
-        """The aliens shot by the vector's own actions."""
-        first_frame = self.first_step * game.FRAMES_PER_STEP
-        return tuple(hit for hit in self.hits if hit.frame > first_frame)
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """What a worker process is told to play.
-
-    Attributes:
-        n_games: games in the whole vector.
-        games: indices of those that this process plays.
-        starts: where they begin.
-        ending: which rule for the player's death ends an episode.
-        max_frames: after how many frames an episode ends in any case.
-        sticky_action_probability: see StickyActions.
-        training_seed: each game draws from generators of its own, made of this and its index.
-        parent: the parent's process id.
-    """
-
-    n_games: int
-    games: range
-    starts: StartSource
-    ending: Ending
-    max_frames: int
-    sticky_action_probability: float
-    training_seed: int
-    parent: int
-
-
-class SharedArrays:
-    """The arrays that a vector shares with its processes, in one block of memory.
-
-    Attributes:
-        observations: uint8 (2, n, 4, 84, 84); the two halves take turns.
-        terminal_observations: uint8 (n, 4, 84, 84), valid where ended.
-        actions: uint8 (n,).
-        ended: bool (n,): whether the last step ended an episode.
-        resting: bool (n,): whether the game has been played and is not stepped any more.
-        steps: int32 (n,): steps of the episode that was stepped, since its start.
-    """
-
-    def __init__(self, memory: mmap.mmap, n_games: int) -> None:
-        """Lay the arrays out in the memory."""
-        self._memory = memory
-        self._offset = 0
-        observations = (n_games, *OBSERVATION_SHAPE)
-        self.observations = self._array((2, *observations), np.uint8)
-        self.terminal_observations = self._array(observations, np.uint8)
-        self.steps = self._array((n_games,), np.int32)
-        self.actions = self._array((n_games,), np.uint8)
-        self.ended = self._array((n_games,), np.bool_)
-        self.resting = self._array((n_games,), np.bool_)
-
-    def _array(self, shape: tuple[int, ...], dtype: type[np.generic]) -> Any:
-        count = int(np.prod(shape))
-        array = np.frombuffer(self._memory, dtype, count, self._offset).reshape(shape)
-        # Rounded up, so that every array is aligned.
-        self._offset += -(-array.nbytes // 64) * 64
-        return array
-
-    @staticmethod
-    def size(n_games: int) -> int:
-        """Return how many bytes the arrays take, rounded up."""
-        return n_games * (3 * int(np.prod(OBSERVATION_SHAPE)) + 8) + 6 * 64
-
-
-class DemonstrationStates:
-    """The states before every step of the demonstrations, replayed when first asked for."""
-
-    def __init__(self, logs: tuple[DemonstrationLog, ...], known_starts: KnownStarts) -> None:
-        self._logs = logs
-        self._known_starts = known_starts
-        self._states: dict[int, list[bytes]] = {}
-
-    def state(self, at: DemonstrationStep) -> bytes:
-        """Return the packed game before this step."""
-        if at.demonstration not in self._states:
-            self._states[at.demonstration] = self._replay(self._logs[at.demonstration])
-        return self._states[at.demonstration][at.step]
-
-    def _replay(self, log: DemonstrationLog) -> list[bytes]:
-        replay = AgentGame(Console(self._known_starts), max_frames=len(log.actions))
-        replay.reset(log.start)
-        states = []
-        for frame, action in enumerate(log.actions):
-            if frame % game.FRAMES_PER_STEP == 0:
-                states.append(pack_game(replay.save()))
-            replay.advance(action)
-        return states
-
-
-class GameSlot:
-    """One game of a vector: episode after episode, with generators of its own."""
-
-    def __init__(
-        self,
-        index: int,
-        assignment: Assignment,
-        shared: SharedArrays,
-        known_starts: KnownStarts,
-        demonstrations: DemonstrationStates,
-        view: AgentView,
-    ) -> None:
-        self._index = index
-        self._starts = assignment.starts
-        self._shared = shared
-        self._demonstrations = demonstrations
-        seed = assignment.training_seed
-        self._start_rng = np.random.default_rng((seed, index, 0))
-        self._sticky_rng = np.random.default_rng((seed, index, 1))
-        sticky_probability = assignment.sticky_action_probability
-        self._game = AgentGame(
-            Console(known_starts),
-            assignment.ending,
-            assignment.max_frames,
-            StickyActions(sticky_probability, self._sticky_rng) if sticky_probability else None,
-            view,
-        )
-        self._games_before = 0
-        self._first_step = 0
-
-    def begin(self) -> None:
-        """Begin the next episode, or rest when there is none."""
-        beginning = self._starts.beginning(self._start_rng, self._index, self._games_before)
-        self._first_step = 0
-        if beginning is None:
-            self._shared.resting[self._index] = True
-        elif isinstance(beginning, DemonstrationStep):
-            self._first_step = beginning.step
-            self._game.restore(unpack_game(self._demonstrations.state(beginning)))
-        else:
-            self._game.reset(beginning)
-
-    def step(self) -> bool:
-        """Play the step whose action is in the shared memory; tell whether it ended the game."""
-        shared, index = self._shared, self._index
-        if shared.resting[index]:
-            shared.ended[index] = False
-            return False
-        self._game.step(int(shared.actions[index]))
-        ended = self._game.end is not None
-        shared.ended[index] = ended
-        shared.steps[index] = self._game.steps
-        return ended
-
-    def finish(self) -> FinishedGame:
-        """Hand over the episode that has ended and begin the next one."""
-        self._game.observe(self._shared.terminal_observations[self._index])
-        episode = self._game.episode
-        if episode.end is None:
-            raise RuntimeError(f"Game {self._index} has not ended.")
-        finished = FinishedGame(
-            game=self._index,
-            start=episode.start,
-            actions=episode.actions,
-            first_step=self._first_step,
-            hits=episode.hits,
-            end=episode.end,
-            shots=episode.shots,
-        )
-        self._games_before += 1
-        self.begin()
-        return finished
-
-    def snapshot(self) -> bytes:
-        """Return all that the game's future depends on, actions apart."""
-        small = {
-            "start_rng": self._start_rng.bit_generator.state,
-            "sticky_rng": self._sticky_rng.bit_generator.state,
-            "games_before": self._games_before,
-            "first_step": self._first_step,
-            "resting": bool(self._shared.resting[self._index]),
-        }
-        text = json.dumps(small).encode()
-        header = _SNAPSHOT_HEADER.pack(_SNAPSHOT_VERSION, len(text))
-        return header + text + pack_game(self._game.save())
-
-    def restore(self, snapshot: bytes) -> None:
-        """Go on from a snapshot."""
-        version, size = _SNAPSHOT_HEADER.unpack_from(snapshot)
-        if version != _SNAPSHOT_VERSION:
-            raise ValueError(f"Expected snapshot version {_SNAPSHOT_VERSION}, got {version}.")
-        end = _SNAPSHOT_HEADER.size + size
-        small = json.loads(snapshot[_SNAPSHOT_HEADER.size : end])
-        self._start_rng.bit_generator.state = small["start_rng"]
-        self._sticky_rng.bit_generator.state = small["sticky_rng"]
-        self._games_before = small["games_before"]
-        self._first_step = small["first_step"]
-        self._shared.resting[self._index] = small["resting"]
-        self._game.restore(unpack_game(snapshot[end:]))
+class GameProcessFailed(RuntimeError):
+    """A process that plays games ended or failed; the message says how."""
 
 
 class GameProcess:
-    """A worker's games and the answers to its parent's commands."""
+    """The parent's side of a process that plays a group of games.
 
-    def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
-        known_starts: KnownStarts = {}
-        demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
-        self._views = AgentViews(len(assignment.games))
-        self._observations = shared.observations[:, assignment.games.start : assignment.games.stop]
-        self._slots = [
-            GameSlot(index, assignment, shared, known_starts, demonstrations, view)
-            for index, view in zip(assignment.games, self._views, strict=True)
-        ]
+    Attributes:
+        games: the indices of its games in the vector.
+    """
 
-    def answer(self, message: bytes) -> bytes:
-        """Carry out a command and return the reply."""
-        command, argument = message[:1], message[1:]
-        if command == COMMAND_STEP:
-            # First all steps, then all observations, then all new games: see AgentViews.
-            ended = [slot for slot in self._slots if slot.step()]
-            self._views.complete()
-            finished = [slot.finish() for slot in ended]
-            self._observe(argument[0])
-            return REPLY_VALUE + pickle.dumps(finished) if finished else REPLY_DONE
-        if command == COMMAND_RESET:
-            for slot in self._slots:
-                slot.begin()
-            self._observe(argument[0])
-            return REPLY_DONE
-        if command == COMMAND_SNAPSHOT:
-            return REPLY_VALUE + pickle.dumps([slot.snapshot() for slot in self._slots])
-        if command == COMMAND_RESTORE:
-            snapshots = pickle.loads(argument[1:])
-            for slot, snapshot in zip(self._slots, snapshots, strict=True):
-                slot.restore(snapshot)
-            self._observe(argument[0])
-            return REPLY_DONE
-        raise ValueError(f"Unknown command {command!r}.")
+    def __init__(self, assignment: Assignment, memory_fd: int) -> None:
+        """Start the process; the first `receive` returns when it is ready.
 
-    def _observe(self, half: int) -> None:
-        self._views.complete()
-        self._observations[half] = self._views.stacks
+        Args:
+            assignment: what it plays.
+            memory_fd: file descriptor of the memory of the vector's SharedArrays.
+        """
+        self.games = assignment.games
+        self._channel, theirs = Channel.pair()
+        # One thread each: the parallelism is in the processes.
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join(os.path.abspath(path) for path in sys.path),
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+        }
+        with theirs:
+            fds = (theirs.fileno(), memory_fd)
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", _PROGRAM, *map(str, fds)],
+                pass_fds=fds,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+            )
+        self._send(_ASSIGN, pickle.dumps(assignment))
+
+    def send(self, command: Command, snapshots: Sequence[bytes] | None = None) -> None:
+        """Begin a command; see GameGroup.answer.
+
+        Raises:
+            GameProcessFailed: the process has ended.
+        """
+        self._send(command.value, b"" if snapshots is None else pickle.dumps(snapshots))
+
+    def _send(self, kind: bytes, value: bytes) -> None:
+        try:
+            self._channel.send(kind, value)
+        except ChannelClosed:
+            raise self._failure() from None
+
+    def receive(self) -> Answer:
+        """Wait for the answer to the last command.
+
+        Raises:
+            GameProcessFailed: the command failed or the process has ended.
+        """
+        try:
+            while (message := self._channel.receive()) is None:
+                pass
+        except ChannelClosed:
+            raise self._failure() from None
+        kind, value = message
+        if kind == _ERROR:
+            raise GameProcessFailed(f"A process that plays games failed:\n{value.decode()}")
+        # Both ends of the channel are this program's own.
+        answer: Answer = pickle.loads(value) if value else None
+        return answer
+
+    def _failure(self) -> GameProcessFailed:
+        code = self._process.wait(CLOSE_TIMEOUT_S)
+        return GameProcessFailed(
+            f"A process that plays games {list(self.games)} ended with exit code {code}. It may"
+            " have been killed for want of memory; go on from the last checkpoint."
+        )
+
+    def run_on(self, core: int) -> None:
+        """Keep the process on one core."""
+        os.sched_setaffinity(self._process.pid, {core})
+
+    def close(self) -> None:
+        """Tell the process to end; `wait` waits until it has."""
+        self._channel.close()
+
+    def wait(self) -> None:
+        """Wait until the closed process has ended; a process that does not end is killed."""
+        try:
+            self._process.wait(CLOSE_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
 
 
-def _next_message(connection: Connection, poll: select.poll, parent: int) -> bytes | None:
-    """Wait for the parent's next command; None when the parent has closed or is gone."""
-    while not poll.poll(PARENT_CHECK_MS):
-        # A process that the parent forked may hold its end of the socket open.
-        if os.getppid() != parent:
-            return None
+def _next_message(channel: Channel, parent: int) -> tuple[bytes, bytes] | None:
+    """Wait for the parent's next message; None when the parent has closed or is gone."""
     try:
-        return connection.recv_bytes()
-    except (EOFError, ConnectionResetError):
+        while (message := channel.receive()) is None:
+            # A process that the parent forked may hold its end of the socket open.
+            if os.getppid() != parent:
+                return None
+    except ChannelClosed:
         return None
+    return message
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Play until the parent closes the socket.
+    """Play until the parent closes the channel.
 
     Args:
         arguments: the program's name, the socket's and the shared memory's file descriptor.
@@ -320,24 +143,27 @@ def main(arguments: Sequence[str]) -> int:
     Returns:
         The exit code.
     """
-    socket_fd, memory_fd = map(int, arguments[1:])
+    parent = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)
-    connection: Connection = Connection(socket_fd)
-    poll = select.poll()
-    poll.register(socket_fd, select.POLLIN)
+    socket_fd, memory_fd = map(int, arguments[1:])
+    channel = Channel(socket.socket(fileno=socket_fd))
+    channel.wake_after(PARENT_CHECK_S)
     memory = mmap.mmap(memory_fd, 0)
     os.close(memory_fd)
     try:
-        # Both ends of the socket are this program's own.
-        assignment: Assignment = pickle.loads(connection.recv_bytes())
-        games = GameProcess(assignment, SharedArrays(memory, assignment.n_games))
-        connection.send_bytes(REPLY_DONE)
-        while (message := _next_message(connection, poll, assignment.parent)) is not None:
-            connection.send_bytes(games.answer(message))
-    except (BrokenPipeError, ConnectionResetError, EOFError):
+        if (first := _next_message(channel, parent)) is None:
+            return 0
+        assignment: Assignment = pickle.loads(first[1])
+        games = GameGroup(assignment, SharedArrays(memory, assignment.n_games))
+        channel.send(_DONE)
+        while (message := _next_message(channel, parent)) is not None:
+            kind, value = message
+            answer = games.answer(Command(kind), pickle.loads(value) if value else None)
+            channel.send(_DONE, b"" if answer is None else pickle.dumps(answer))
+    except ChannelClosed:
         return 0
     except Exception:  # noqa: BLE001 - the parent raises it
-        connection.send_bytes(REPLY_ERROR + traceback.format_exc().encode())
+        channel.send(_ERROR, traceback.format_exc().encode())
         return 1
     return 0
