@@ -10,6 +10,7 @@ import pytest
 from scripts.browser import find_browser
 
 BROWSER_TESTS = Path(__file__).parent / "e2e"
+BROWSER_TEST_TIMEOUT_S = 600
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -18,6 +19,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if BROWSER_TESTS in item.path.parents:
             item.add_marker("e2e")
+            if item.get_closest_marker("timeout") is None:
+                item.add_marker(pytest.mark.timeout(BROWSER_TEST_TIMEOUT_S))
     items.sort(key=lambda item: item.get_closest_marker("e2e") is not None)
 
 
