@@ -17,7 +17,15 @@ from trainer.progress import RunCancelled
 from tril.game.vector import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
 
-PLAIN = replace(TINY, critic_warm_up_steps=0, start_policy_pull=0.0, n_games=2, network="nature")
+PLAIN = replace(
+    TINY,
+    critic_warm_up_steps=0,
+    start_policy_pull=0.0,
+    entropy=0.01,
+    learning_rate_decays=False,
+    n_games=2,
+    network="nature",
+)
 
 
 @pytest.fixture
