@@ -22,6 +22,8 @@ export default defineConfig({
   },
   test: {
     restoreMocks: true,
+    // Pages are searched by role, which is slow in jsdom on a machine that has other work.
+    testTimeout: 30_000,
     css: false,
     projects: [
       { extends: true, test: { name: "logic", environment: "node", include: ["tests/**/*.test.ts"] } },

@@ -115,7 +115,7 @@ def _rank(page: Page) -> None:
     handle = _handle(page.locator("main"), 4)
     handle.focus()
     for key, announced in (
-        ("Space", "Over tier 3 of 3"),
+        ("Space", "Picked up Recording 4"),
         ("ArrowUp", "Over new tier between tiers 2 and 3"),
         ("ArrowUp", "Over tier 2 of 3"),
         ("ArrowUp", "Over new tier between tiers 1 and 2"),

@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import type { ReactNode } from "react";
+import { lazy, type ReactNode, Suspense } from "react";
 import { createBrowserRouter, Navigate, useParams } from "react-router";
 
 import { ErrorPage } from "./ErrorPage";
@@ -13,11 +13,26 @@ import { Failed, Loading } from "@/components/States";
 import { BehaviourFrame } from "@/features/behaviours/BehaviourFrame";
 import { HomePage } from "@/features/behaviours/HomePage";
 import { PlayPage } from "@/features/play/PlayPage";
-import { RankPage } from "@/features/ranking/RankPage";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
-import { RunPage } from "@/features/results/RunPage";
-import { RunsPage } from "@/features/results/RunsPage";
-import { TrainPage } from "@/features/training/TrainPage";
+
+// What the first steps don't need is loaded when it is opened.
+const RankPage = lazy(async () => ({
+  default: (await import("@/features/ranking/RankPage")).RankPage,
+}));
+const TrainPage = lazy(async () => ({
+  default: (await import("@/features/training/TrainPage")).TrainPage,
+}));
+const RunsPage = lazy(async () => ({
+  default: (await import("@/features/results/RunsPage")).RunsPage,
+}));
+const RunPage = lazy(async () => ({
+  default: (await import("@/features/results/RunPage")).RunPage,
+}));
+
+/** Stands in while a page's code is loaded. */
+function Opening({ children }: { children: ReactNode }) {
+  return <Suspense fallback={<Loading what="the page" rows={3} />}>{children}</Suspense>;
+}
 
 /** A page of a behaviour, in its frame; a new behaviour is a new page. */
 function InBehaviour({ page }: { page: (behaviour: Behaviour) => ReactNode }) {
@@ -26,7 +41,7 @@ function InBehaviour({ page }: { page: (behaviour: Behaviour) => ReactNode }) {
   if (!Number.isInteger(id) || id < 1) return <NotFound />;
   return (
     <BehaviourFrame key={id} behaviourId={id}>
-      {page}
+      {(behaviour) => <Opening>{page(behaviour)}</Opening>}
     </BehaviourFrame>
   );
 }
@@ -40,7 +55,11 @@ function RunRoute() {
   if (!run) return <Loading what="the run" rows={3} height="6rem" />;
   return (
     <BehaviourFrame behaviourId={run.behaviour_id} looking>
-      {(behaviour) => <RunPage key={run.id} run={run} behaviour={behaviour} />}
+      {(behaviour) => (
+        <Opening>
+          <RunPage key={run.id} run={run} behaviour={behaviour} />
+        </Opening>
+      )}
     </BehaviourFrame>
   );
 }

@@ -7,7 +7,7 @@ import styles from "./Chart.module.css";
 
 import { classes } from "@/lib/classes";
 import { onThemeChange, resolveColour } from "@/lib/css-colour";
-import { measured, shortCount } from "@/lib/format";
+import { measured, percentLabels, stepLabels, tickLabels } from "@/lib/format";
 import { align, type Points } from "@/lib/series";
 
 export interface Curve {
@@ -23,16 +23,22 @@ interface ChartProps {
   curves: readonly Curve[];
   /** How a value is written. */
   format?: (value: number) => string;
-  /** Bounds of the y axis that hold whatever the values are. */
+  /** Bounds of a y axis of shares; other axes follow the values. */
   range?: readonly [number, number] | undefined;
+  /** How the marks of the x axis are written: as steps, unless told otherwise. */
+  xLabels?: XLabels;
   /** Charts of one key show their cursor at the same step. */
   syncKey: string;
 }
 
+/** Writes the marks of an axis. */
+export type XLabels = (ticks: readonly number[]) => string[];
+
 const HEIGHT_PX = 170;
 
 /** Curves over steps, with their values at the cursor or else the last ones. */
-export function Chart({ title, curves, format = measured, range, syncKey }: ChartProps) {
+export function Chart(props: ChartProps) {
+  const { title, curves, format = measured, range, xLabels = stepLabels, syncKey } = props;
   const titleId = useId();
   const holder = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
@@ -49,7 +55,7 @@ export function Chart({ title, curves, format = measured, range, syncKey }: Char
     const element = holder.current;
     if (!element) return undefined;
     const chart = new uPlot(
-      optionsOf(element.clientWidth, looks, bounds, syncKey, setCursor),
+      optionsOf({ width: element.clientWidth, looks, bounds, xLabels, syncKey, onCursor: setCursor }),
       latest.current,
       element,
     );
@@ -63,7 +69,7 @@ export function Chart({ title, curves, format = measured, range, syncKey }: Char
       chart.destroy();
       plot.current = null;
     };
-  }, [looks, bounds, syncKey, theme]);
+  }, [looks, bounds, xLabels, syncKey, theme]);
 
   useEffect(() => {
     latest.current = data;
@@ -85,7 +91,7 @@ export function Chart({ title, curves, format = measured, range, syncKey }: Char
               {valueAt(data[index + 1], at, cursor === null, format)}
             </span>
           ))}
-          {cursor !== null && <span>at {shortCount(data[0][cursor] ?? 0)}</span>}
+          {cursor !== null && <span>at {xLabels([data[0][cursor] ?? 0])}</span>}
         </span>
       </figcaption>
       <div ref={holder} className={styles.plot} />
@@ -110,13 +116,25 @@ function valueAt(
 
 type Look = readonly [name: string, colour: string, dashed: boolean | null];
 
-function optionsOf(
-  width: number,
-  looks: string,
-  bounds: string,
-  syncKey: string,
-  onCursor: (index: number | null) => void,
-): uPlot.Options {
+interface Wishes {
+  readonly width: number;
+  /** JSON of the curves' looks. */
+  readonly looks: string;
+  /** JSON of the y axis' bounds. */
+  readonly bounds: string;
+  readonly xLabels: XLabels;
+  readonly syncKey: string;
+  readonly onCursor: (index: number | null) => void;
+}
+
+function optionsOf({
+  width,
+  looks,
+  bounds,
+  xLabels,
+  syncKey,
+  onCursor,
+}: Wishes): uPlot.Options {
   const range = JSON.parse(bounds) as uPlot.Range.MinMax | null;
   const axis: uPlot.Axis = {
     stroke: resolveColour("var(--ink-3)"),
@@ -133,8 +151,13 @@ function optionsOf(
     cursor: { sync: { key: syncKey }, drag: { x: false, y: false }, points: { size: 6 } },
     scales: { x: { time: false }, y: range ? { range: [...range] } : {} },
     axes: [
-      { ...axis, size: 24, space: 70, values: (_plot, ticks) => ticks.map(shortCount) },
-      { ...axis, size: 46, space: 34, values: (_plot, ticks) => ticks.map(measured) },
+      { ...axis, size: 24, space: 70, values: (_plot, ticks) => xLabels(ticks) },
+      {
+        ...axis,
+        size: 46,
+        space: 34,
+        values: (_plot, ticks) => (range ? percentLabels(ticks) : tickLabels(ticks)),
+      },
     ],
     series: [
       {},

@@ -49,6 +49,7 @@ export function DragBoard(props: DragBoardProps) {
   const [dragged, setDragged] = useState<string | null>(null);
   /** The place chosen by arrow keys; it decides, wherever the thing is drawn. */
   const chosen = useRef<string | null>(null);
+  const hasMoved = useRef(false);
 
   const coordinates: KeyboardCoordinateGetter = (event, { context, currentCoordinates }) => {
     const step = { ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1 }[event.code];
@@ -81,8 +82,13 @@ export function DragBoard(props: DragBoardProps) {
   const announcements = useMemo<Announcements>(
     () => ({
       onDragStart: ({ active }) => `Picked up ${nameOfItem(String(active.id))}.`,
-      onDragOver: ({ over }) =>
-        over ? `Over ${nameOfPlace(String(over.id))}.` : "Over no place.",
+      onDragOver: ({ active, over }) => {
+        const first = !hasMoved.current;
+        hasMoved.current = true;
+        // That it is still where it was picked up would drown that it was picked up.
+        if (first && over?.id === placeOf(active.data.current)) return undefined;
+        return over ? `Over ${nameOfPlace(String(over.id))}.` : "Over no place.";
+      },
       onDragEnd: ({ active, over }) =>
         over
           ? `Dropped ${nameOfItem(String(active.id))}: ${nameOfPlace(String(over.id))}.`
@@ -105,6 +111,7 @@ export function DragBoard(props: DragBoardProps) {
       accessibility={{ announcements, screenReaderInstructions: INSTRUCTIONS }}
       onDragStart={({ active, activatorEvent }) => {
         setDragged(String(active.id));
+        hasMoved.current = false;
         // The arrow keys begin at the place that the thing comes from.
         chosen.current =
           activatorEvent instanceof KeyboardEvent ? placeOf(active.data.current) : null;

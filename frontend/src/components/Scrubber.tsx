@@ -110,7 +110,10 @@ function RewardPlot({
         <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={HEIGHT} />
       </svg>
       <div className={styles.legend}>
-        <span>R, the reward model&rsquo;s output</span>
+        <span>
+          R of the reward model, {measured(Math.min(...rewards))} to{" "}
+          {measured(Math.max(...rewards))}
+        </span>
         <span>
           {measured(rewards[step] ?? NaN)} at step {step}
         </span>
@@ -126,15 +129,17 @@ const RewardLine = memo(function RewardLine({
   rewards: readonly number[];
   last: number;
 }) {
-  const low = Math.min(...rewards, 0);
-  const high = Math.max(...rewards, 0);
+  const low = Math.min(...rewards);
+  const high = Math.max(...rewards);
   const y = (value: number) => HEIGHT - 2 - ((value - low) / (high - low || 1)) * (HEIGHT - 4);
   const points = rewards.map(
     (value, step) => `${Math.min(step * FRAMES_PER_STEP, last)} ${y(value).toFixed(2)}`,
   );
   return (
     <>
-      <line className={styles.zero} x1={0} x2={last} y1={y(0)} y2={y(0)} />
+      {low < 0 && high > 0 && (
+        <line className={styles.zero} x1={0} x2={last} y1={y(0)} y2={y(0)} />
+      )}
       <path className={styles.line} d={`M${points.join("L")}`} />
     </>
   );

@@ -27,6 +27,29 @@ export function shortCount(n: number): string {
   return whole(n);
 }
 
+/** Marks of an axis, all with as many digits as their distance needs. */
+export function tickLabels(ticks: readonly number[]): string[] {
+  const distance = Math.abs((ticks[1] ?? 0) - (ticks[0] ?? 0));
+  const digits = distance > 0 ? Math.min(6, Math.max(0, -Math.floor(Math.log10(distance)))) : 2;
+  return ticks.map((tick) => (distance >= 1 ? whole(tick) : fixed(tick, digits)));
+}
+
+/** Marks of an axis of steps: "5 k", "1.5 M". */
+export function stepLabels(ticks: readonly number[]): string[] {
+  return ticks.map((tick) =>
+    tick >= 1_000_000
+      ? `${trimmed(tick / 1_000_000)} M`
+      : tick >= 1000
+        ? `${trimmed(tick / 1000)} k`
+        : whole(tick),
+  );
+}
+
+/** Marks of an axis of shares from 0 to 1. */
+export function percentLabels(ticks: readonly number[]): string[] {
+  return ticks.map((tick) => percent(tick, 0));
+}
+
 function trimmed(n: number): string {
   return n.toFixed(1).replace(/\.0$/, "");
 }

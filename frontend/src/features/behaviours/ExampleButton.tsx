@@ -47,8 +47,8 @@ export function ExampleButton({
       }}
     >
       <span>
-        See a full example
-        {recipe && <small> ({estimateInWords(recipe, recipe.default_steps)})</small>}
+        See a full example{" "}
+        {recipe && <small>({estimateInWords(recipe, recipe.default_steps)})</small>}
       </span>
     </Button>
   );

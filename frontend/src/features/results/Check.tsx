@@ -21,7 +21,7 @@ export function Check({ check, behaviour, onWatch }: CheckProps) {
       <p className={styles.verdict}>
         {check.passed
           ? "The learned reward puts the recordings into the order that they were given."
-          : "The learned reward doesn’t agree with the order well enough to train on. Recordings that differ more between the tiers named below, or another order, would help."}
+          : check.advice}
       </p>
       {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>

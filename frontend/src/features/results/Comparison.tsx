@@ -123,6 +123,7 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
                 </td>
               )}
               <td className={styles.winner}>
+                <span className={styles.only}>Winner</span>
                 <Winner winner={row.winner} />
               </td>
             </tr>

@@ -36,6 +36,7 @@ export function Curves({ runId, active }: { runId: string; active: boolean }) {
             curves={chart.curves}
             format={chart.format}
             range={chart.range}
+            xLabels={group.xLabels}
             syncKey={`${runId}-${group.stage}`}
           />
         ))}

@@ -1,6 +1,6 @@
 /** Which curves a run's page shows, in groups. */
-import type { Curve } from "@/components/Chart";
-import { fixed, measured, percent, whole } from "@/lib/format";
+import type { Curve, XLabels } from "@/components/Chart";
+import { fixed, measured, percent, percentLabels, stepLabels, whole } from "@/lib/format";
 import type { Series } from "@/lib/series";
 
 export interface CurveChart {
@@ -13,6 +13,7 @@ export interface CurveChart {
 export interface CurveGroup {
   readonly stage: string;
   readonly name: string;
+  readonly xLabels: XLabels;
   readonly charts: readonly CurveChart[];
 }
 
@@ -33,18 +34,22 @@ interface GroupPlan {
   readonly stage: string;
   readonly name: string;
   readonly colour: string;
+  readonly xLabels: XLabels;
   readonly charts: readonly ChartPlan[];
 }
 
 const SHARE = [0, 1] as const;
+/** Several models may learn one after the other; their points are counted in millionths of all. */
+const WHOLE = 1_000_000;
 const percentage = (value: number) => percent(value);
 const oneDigit = (value: number) => fixed(value, 1);
 
 const PLAN: readonly GroupPlan[] = [
   {
     stage: "imitator",
-    name: "Imitator, on its training games",
+    name: "Imitator, on its training games, by steps played",
     colour: "var(--imitator)",
+    xLabels: stepLabels,
     charts: [
       {
         title: "Predicted return",
@@ -82,8 +87,9 @@ const PLAN: readonly GroupPlan[] = [
   },
   {
     stage: "reward",
-    name: "Reward model",
+    name: "Reward model, by how much of its learning is done",
     colour: "var(--ink-2)",
+    xLabels: (ticks) => percentLabels(ticks.map((tick) => tick / WHOLE)),
     charts: [
       { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
       {
@@ -99,8 +105,9 @@ const PLAN: readonly GroupPlan[] = [
   },
   {
     stage: "clone",
-    name: "Clone",
+    name: "Clone, by passes over the perfect recordings",
     colour: "var(--clone)",
+    xLabels: stepLabels,
     charts: [
       { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
       {
@@ -118,9 +125,10 @@ const PLAN: readonly GroupPlan[] = [
 
 /** The groups and charts for which there are points. */
 export function curveGroups(series: Series): readonly CurveGroup[] {
-  return PLAN.map(({ stage, name, colour, charts }) => ({
+  return PLAN.map(({ stage, name, colour, xLabels, charts }) => ({
     stage,
     name,
+    xLabels,
     charts: charts.map((chart) => chartOf(chart, series[stage] ?? {}, colour)).filter(hasPoints),
   })).filter((group) => group.charts.length > 0);
 }

@@ -1,0 +1,209 @@
+import { act, screen, waitFor } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+
+import { behaviour, recording } from "../support/data";
+import { show } from "../support/page";
+import { Refusal, serve } from "../support/server";
+
+import { PlayPage } from "@/features/play/PlayPage";
+
+/** The server's end of the stream, in a test's hands. */
+class FakeSocket extends EventTarget {
+  static readonly OPEN = 1;
+  static last: FakeSocket | null = null;
+  static opened = 0;
+  readyState = FakeSocket.OPEN;
+  binaryType = "blob";
+  readonly sent: (string | ArrayBuffer)[] = [];
+
+  constructor() {
+    super();
+    FakeSocket.last = this;
+    FakeSocket.opened += 1;
+  }
+
+  send(data: string | ArrayBuffer): void {
+    this.sent.push(data);
+  }
+
+  close(): void {
+    this.readyState = 3;
+  }
+}
+
+function tell(message: object): void {
+  act(() => {
+    FakeSocket.last?.dispatchEvent(
+      new MessageEvent("message", { data: JSON.stringify(message) }),
+    );
+  });
+}
+
+/** The keys of each INPUT that was sent. */
+function inputs(): number[] {
+  return (FakeSocket.last?.sent ?? [])
+    .filter((one) => typeof one !== "string")
+    .map((one) => new Uint8Array(one)[1] ?? -1);
+}
+
+const HELLO = { type: "hello", palette: [], max_frames: 1200, frame: 0, resumed: false, hits: [] };
+const ENDED = {
+  type: "ended",
+  reason: "hit",
+  frame: 558,
+  hits: [{ row: 0, column: 0, frame: 99, on_target: true }],
+  targets: 1,
+  strays: 0,
+  order_errors: null,
+  recording_id: 7,
+  verification: "verified",
+  verification_note: "",
+};
+
+function open() {
+  const asked = serve({
+    "POST /api/games": () => ({
+      id: "g1",
+      recording_id: 7,
+      behaviour_id: 1,
+      frame: 0,
+      max_frames: 1200,
+      stream_path: "/api/games/g1/stream",
+    }),
+    "GET /api/games/g1": () => new Refusal(404, { detail: "Over." }),
+    "POST /api/recordings/7/keep": () => recording({ id: 7 }),
+    "POST /api/recordings/7/discard": () => recording({ id: 7, deleted: true }),
+    "POST /api/recordings/7/restore": () => recording({ id: 7 }),
+    "PATCH /api/recordings/7": () => recording({ id: 7, perfect: true }),
+  });
+  show(<PlayPage behaviour={behaviour()} />);
+  return asked;
+}
+
+async function start() {
+  const asked = open();
+  await userEvent.click(screen.getByRole("button", { name: "Start game" }));
+  await waitFor(() => expect(FakeSocket.last).not.toBeNull());
+  tell(HELLO);
+  tell({ type: "countdown", seconds: 0 });
+  return asked;
+}
+
+async function end() {
+  const asked = await start();
+  tell(ENDED);
+  // Presses just after the end are still meant for the game.
+  const now = performance.now();
+  vi.spyOn(performance, "now").mockImplementation(() => now + 5000);
+  const did = () => asked.filter(({ method }) => method !== "GET").map(({ path }) => path);
+  return { asked, did };
+}
+
+beforeEach(() => {
+  FakeSocket.last = null;
+  FakeSocket.opened = 0;
+  vi.stubGlobal("WebSocket", FakeSocket);
+});
+
+describe("playing", () => {
+  it("counts down, then passes the held keys on", async () => {
+    open();
+    await userEvent.click(screen.getByRole("button", { name: "Start game" }));
+    await waitFor(() => expect(FakeSocket.last).not.toBeNull());
+    tell(HELLO);
+    tell({ type: "countdown", seconds: 3 });
+    expect(screen.getByText("3")).toBeVisible();
+    tell({ type: "countdown", seconds: 0 });
+    expect(screen.getByRole("application")).toHaveFocus();
+    await userEvent.keyboard("{ArrowRight>}{ >}{/ArrowRight}{/ }");
+    expect(inputs()).toEqual([2, 6, 4, 0]);
+  });
+
+  it("lets go of all keys when the window loses the keyboard", async () => {
+    await start();
+    await userEvent.keyboard("{a>}");
+    act(() => {
+      window.dispatchEvent(new Event("blur"));
+    });
+    expect(inputs()).toEqual([1, 0]);
+  });
+
+  it("counts targets and strays as they are hit", async () => {
+    await start();
+    tell({ type: "hit", row: 0, column: 0, frame: 99, on_target: true, targets: 1, strays: 0 });
+    tell({ type: "hit", row: 3, column: 4, frame: 150, on_target: false, targets: 1, strays: 1 });
+    expect(
+      screen.getByRole("img", { name: "1 of 2 target aliens hit, 1 stray" }),
+    ).toBeVisible();
+  });
+
+  it("pauses and goes on by key", async () => {
+    await start();
+    await userEvent.keyboard("{Escape}");
+    tell({ type: "paused", why: "You paused the game." });
+    expect(screen.getByText("You paused the game.")).toBeVisible();
+    await userEvent.keyboard("{Enter}");
+    const commands = FakeSocket.last?.sent.filter((one) => typeof one === "string");
+    expect(commands).toEqual(['{"type":"ready"}', '{"type":"pause"}', '{"type":"go_on"}']);
+  });
+
+  it("says when another tab has taken the game over, and takes it back", async () => {
+    await start();
+    tell({ type: "taken_over" });
+    expect(screen.getByText("Another tab plays this game now")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Play here" }));
+    expect(FakeSocket.opened).toBe(2);
+  });
+
+  it("says why a game can't be begun", async () => {
+    serve({ "POST /api/games": () => new Refusal(503, { detail: "The disk is full." }) });
+    show(<PlayPage behaviour={behaviour()} />);
+    await userEvent.click(screen.getByRole("button", { name: "Start game" }));
+    expect(await screen.findByText("The disk is full.")).toBeVisible();
+    expect(screen.getByRole("button", { name: "Try again" })).toBeEnabled();
+  });
+});
+
+describe("after the end", () => {
+  it("says how it ended and keeps the game by key", async () => {
+    const { did } = await end();
+    expect(screen.getByText("Hit by a bomb after 9.3 s")).toBeVisible();
+    expect(screen.getByText("1 of 2 targets, no strays")).toBeVisible();
+    await userEvent.keyboard("k");
+    expect(await screen.findByText("Kept as recording 7.")).toBeVisible();
+    expect(did()).toEqual(["/api/games", "/api/recordings/7/keep"]);
+    expect(screen.queryByRole("button", { name: /^Keep/ })).toBeNull();
+  });
+
+  it("discards by key, with a way back", async () => {
+    const { did } = await end();
+    await userEvent.keyboard("d");
+    expect(await screen.findByText("Discarded.")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Undo" }));
+    expect(await screen.findByText("Kept as recording 7.")).toBeVisible();
+    expect(did().at(-1)).toBe("/api/recordings/7/restore");
+  });
+
+  it("keeps what is marked as perfect", async () => {
+    const { asked, did } = await end();
+    await userEvent.keyboard("p");
+    expect(await screen.findByText("Kept as recording 7, marked as perfect.")).toBeVisible();
+    expect(did()).toContain("/api/recordings/7/keep");
+    expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ perfect: true });
+  });
+
+  it("plays again at a press, and keeps the game before", async () => {
+    const { did } = await end();
+    await userEvent.keyboard(" ");
+    await waitFor(() => expect(FakeSocket.opened).toBe(2));
+    expect(did()).toContain("/api/recordings/7/keep");
+  });
+
+  it("hears no press in the first moment", async () => {
+    const asked = await start();
+    tell(ENDED);
+    await userEvent.keyboard("d ");
+    expect(asked.filter(({ method }) => method === "POST")).toHaveLength(1);
+  });
+});

@@ -1,0 +1,134 @@
+import { screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it } from "vitest";
+
+import { behaviour, recording } from "../support/data";
+import { show } from "../support/page";
+import { Refusal, serve } from "../support/server";
+
+import type { Recording } from "@/api/types";
+import { RecordingsPage } from "@/features/recordings/RecordingsPage";
+
+const LIST = "GET /api/behaviours/1/recordings";
+
+function library(list: Recording[], more: Parameters<typeof serve>[0] = {}) {
+  const asked = serve({ [LIST]: () => list, ...more });
+  show(<RecordingsPage behaviour={behaviour({ n_recordings: list.length })} />);
+  return asked;
+}
+
+describe("the library", () => {
+  it("says how each game went, who played it and whether it is verified", async () => {
+    library([
+      recording({ id: 5, targets: 2, strays: 1, end: "hit", n_steps: 139 }),
+      recording({ id: 4, source: "scripted", player: null }),
+      recording({ id: 3, verification: "failed", verification_note: "Frame 60 differs." }),
+    ]);
+    const first = within(await screen.findByRole("article", { name: "Recording 5" }));
+    expect(first.getByText("2 of 2 targets, 1 stray")).toBeVisible();
+    expect(first.getByText("139 steps, 9.3 s, hit by a bomb")).toBeVisible();
+    expect(first.getByText("Ada")).toBeVisible();
+    expect(first.getByText("verified")).toBeVisible();
+    expect(first.getByRole("img", { name: /Hits per column, from the left: 1, 0/ })).toBeVisible();
+    const second = within(screen.getByRole("article", { name: "Recording 4" }));
+    expect(second.getByText("scripted")).toBeVisible();
+    const third = within(screen.getByRole("article", { name: "Recording 3" }));
+    expect(third.getByText("not verified: Frame 60 differs.")).toBeVisible();
+  });
+
+  it("works without a target", async () => {
+    serve({ [LIST]: () => [recording({ targets: null, strays: null })] });
+    show(<RecordingsPage behaviour={behaviour({ target: null })} />);
+    expect(await screen.findByText("1 alien hit")).toBeVisible();
+  });
+
+  it("marks as perfect at once, and takes it back if that is refused", async () => {
+    library([recording()], {
+      "PATCH /api/recordings/1": () => new Refusal(503, { detail: "The disk is full." }),
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Mark as perfect" }));
+    expect(await screen.findByText("The disk is full.")).toBeVisible();
+    expect(screen.getByRole("button", { name: "Mark as perfect" })).toHaveAttribute(
+      "aria-pressed",
+      "false",
+    );
+  });
+
+  it("deletes, with a way back", async () => {
+    const list = [recording({ id: 2 }), recording({ id: 1 })];
+    const asked = library(list, {
+      "DELETE /api/recordings/2": () => {
+        list.shift();
+        return undefined;
+      },
+      "POST /api/recordings/2/restore": () => {
+        list.unshift(recording({ id: 2 }));
+        return list[0];
+      },
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Delete Recording 2" }));
+    await waitFor(() =>
+      expect(screen.queryByRole("article", { name: "Recording 2" })).toBeNull(),
+    );
+    await userEvent.click(await screen.findByRole("button", { name: "Undo" }));
+    expect(await screen.findByRole("article", { name: "Recording 2" })).toBeVisible();
+    expect(asked.map(({ method }) => method)).toContain("DELETE");
+  });
+
+  it("keeps notes", async () => {
+    const asked = library([recording()], {
+      "PATCH /api/recordings/1": () => recording({ notes: "Too hasty." }),
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Write a note" }));
+    await userEvent.type(screen.getByLabelText("Note"), "Too hasty.");
+    await userEvent.click(screen.getByRole("button", { name: "Save note" }));
+    await waitFor(() =>
+      expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ notes: "Too hasty." }),
+    );
+  });
+
+  it("shows some of them only", async () => {
+    library([recording({ id: 2, perfect: true }), recording({ id: 1 })]);
+    await userEvent.selectOptions(await screen.findByLabelText("Show"), "Perfect ones");
+    expect(screen.getAllByRole("article")).toHaveLength(1);
+    expect(screen.getByRole("article", { name: "Recording 2" })).toBeVisible();
+  });
+});
+
+describe("importing", () => {
+  const IMPORT = "POST /api/behaviours/1/recordings/import";
+
+  async function send(answer: () => unknown) {
+    const asked = library([], { [IMPORT]: answer });
+    await userEvent.click(await screen.findByRole("button", { name: "Import recordings" }));
+    const dialog = within(screen.getByRole("dialog", { name: "Import recordings" }));
+    const file = new File(['{"format":"tril-recording"}\n'], "games.jsonl");
+    await userEvent.upload(dialog.getByLabelText("File of recordings"), file);
+    await userEvent.click(dialog.getByLabelText("The order is a ranking, best first"));
+    await userEvent.click(dialog.getByRole("button", { name: "Import" }));
+    return { dialog, asked };
+  }
+
+  it("lists each refusal with its line and reason", async () => {
+    const { dialog, asked } = await send(() => ({
+      imported: [7],
+      notices: [{ line: 1, reason: "Cut after the hit." }],
+      refusals: [{ line: 3, reason: "Another ROM." }],
+    }));
+    expect(await dialog.findByText("1 recording imported")).toBeVisible();
+    const rows = dialog.getAllByRole("row").map((row) => row.textContent);
+    expect(rows).toEqual([
+      "LineWhat happened",
+      "1Imported, but: Cut after the hit.",
+      "3Refused: Another ROM.",
+    ]);
+    const query = asked.find(({ method }) => method === "POST")?.query;
+    expect(query?.get("rank")).toBe("true");
+    expect(query?.get("perfect")).toBe("false");
+  });
+
+  it("says why a whole file is refused", async () => {
+    const { dialog } = await send(() => new Refusal(413, null));
+    expect(await dialog.findByRole("alert")).toHaveTextContent("The file is too large.");
+  });
+});

@@ -1,0 +1,233 @@
+import { screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it, vi } from "vitest";
+
+import { behaviour, game, recording, run, system } from "../support/data";
+import { show } from "../support/page";
+import { Refusal, serve } from "../support/server";
+
+import type { PolicySummary, Run, RunResults } from "@/api/types";
+import { RunPage } from "@/features/results/RunPage";
+import { RunsPage } from "@/features/results/RunsPage";
+
+// Curves are drawn on a canvas, which jsdom has none of; the browser test sees them.
+vi.mock("@/components/Chart", () => ({
+  Chart: ({ title }: { title: string }) => <figure aria-label={title} />,
+}));
+
+const INTERVAL = { mean: 4.7, low: 3.9, high: 5.4, n: 23 };
+const SUMMARY: PolicySummary = {
+  targets: INTERVAL,
+  strays: { mean: 0.2, low: 0, high: 0.5, n: 23 },
+  order_errors: null,
+  steps: { mean: 288, low: 270, high: 300, n: 23 },
+  hit_share: { mean: 0.13, low: 0, high: 0.3, n: 23 },
+  predicted_return: null,
+};
+
+function resultsOf(one: Run, change: Partial<RunResults> = {}): RunResults {
+  return {
+    run: one,
+    check: null,
+    comparison: [],
+    games: [],
+    summaries: [],
+    best_demonstration: null,
+    attention: [],
+    artifacts: [],
+    ...change,
+  };
+}
+
+function open(one: Run, results: Partial<RunResults> = {}, more: Parameters<typeof serve>[0] = {}) {
+  const asked = serve({
+    [`GET /api/runs/${one.id}/results`]: () => resultsOf(one, results),
+    [`GET /api/runs/${one.id}/metrics`]: () => ({
+      last: 3,
+      series: { imitator: { hits: [[1, 1]], strays: [[1, 0]] } },
+    }),
+    "GET /api/system": () => system(true),
+    ...more,
+  });
+  show(<RunPage run={one} behaviour={behaviour()} />);
+  return asked;
+}
+
+describe("a run that goes", () => {
+  it("says how far it is, stage by stage", async () => {
+    open(run());
+    expect(screen.getByText("60 %")).toBeVisible();
+    expect(screen.getByText("about 2 min left")).toBeVisible();
+    const stages = screen.getAllByRole("progressbar").map((bar) => bar.getAttribute("aria-valuenow"));
+    expect(stages).toEqual(["100", "100", "100", "100", "50", "0", "0"]);
+    expect(await screen.findByRole("figure", { name: "Aliens hit per game" })).toBeVisible();
+  });
+
+  it("can be cancelled", async () => {
+    const one = run();
+    const asked = open(one, {}, {
+      [`POST /api/runs/${one.id}/cancel`]: () => run({ status: "cancelling" }),
+    });
+    await userEvent.click(screen.getByRole("button", { name: "Cancel run" }));
+    await waitFor(() => expect(asked.some(({ path }) => path.endsWith("/cancel"))).toBe(true));
+  });
+});
+
+describe("a run that ended early", () => {
+  it("says why, and can go on", async () => {
+    const one = run({ status: "stopped", message: "It confuses tiers 1 and 3." });
+    const asked = open(one, {}, {
+      [`POST /api/runs/${one.id}/resume`]: () => new Refusal(409, { detail: "It is queued." }),
+    });
+    expect(screen.getByText("It confuses tiers 1 and 3.")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Go on anyway" }));
+    expect(await screen.findByText("It is queued.")).toBeVisible();
+    expect(asked.some(({ path }) => path.endsWith("/resume"))).toBe(true);
+  });
+
+  it("is deleted only when asked twice", async () => {
+    const one = run({ status: "failed", message: "The disk was full." });
+    const asked = open(one, {}, { [`DELETE /api/runs/${one.id}`]: () => undefined });
+    await userEvent.click(screen.getByRole("button", { name: "Delete run" }));
+    expect(asked.some(({ method }) => method === "DELETE")).toBe(false);
+    await userEvent.click(screen.getByRole("button", { name: "Delete" }));
+    expect(await screen.findByText("Another page")).toBeVisible();
+  });
+});
+
+describe("the results", () => {
+  const one = run({ status: "done" });
+  const best = recording({ id: 12, source: "scripted", player: null });
+  const imitator = game({ recording: recording({ id: 20, source: "policy", targets: 2 }) });
+  const clone = game({
+    policy: "clone",
+    recording: recording({ id: 21, source: "policy", targets: 1, strays: 3, end: "hit" }),
+  });
+  const results: Partial<RunResults> = {
+    summaries: [
+      { policy: "imitator", choice: "greedy", summary: SUMMARY },
+      { policy: "clone", choice: "greedy", summary: { ...SUMMARY, targets: null } },
+    ],
+    comparison: [{ start_number: 0, held_out: false, imitator, clone, winner: "imitator" }],
+    games: [imitator, game({ start_number: 3 }), game({ start_number: 3, policy: "clone" })],
+    best_demonstration: best,
+    check: {
+      tau: 0.92,
+      pair_accuracy: 0.984,
+      held_out_accuracy: 0.91,
+      passed: true,
+      advice: "",
+      confused: [{ better_tier: 1, worse_tier: 2, held_out: false, better: [12], worse: [11] }],
+      returns: [
+        { tier: 1, recording: best, predicted_return: 5 },
+        { tier: 2, recording: recording({ id: 11 }), predicted_return: 7 },
+      ],
+    },
+    attention: [
+      {
+        state: "maximum",
+        reward: 3.65,
+        recording_id: 12,
+        step: 248,
+        frame_url: "/f.png",
+        map_url: "/m.png",
+        red_blue_url: "/rb.png",
+      },
+    ],
+    artifacts: [
+      {
+        id: 1,
+        kind: "imitator",
+        name: "imitator.zip",
+        media_type: "application/zip",
+        size_bytes: 3_700_000,
+        url: "/api/artifacts/1",
+      },
+    ],
+  };
+
+  it("carry their intervals", async () => {
+    open(one, results);
+    const table = within(await screen.findByRole("table", { name: "Imitator and clone" }));
+    const row = table.getByRole("row", { name: /Targets hit, of 2/ });
+    expect(row).toHaveTextContent("4.73.9 to 5.4–");
+    expect(table.getByRole("row", { name: /ended by a bomb/ })).toHaveTextContent("13 %0 % to 30 %");
+    expect(screen.getByText(/Means of 23 games/)).toBeVisible();
+  });
+
+  it("set the games of a start side by side, with the winner", async () => {
+    open(one, results);
+    const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
+    expect(table.getByRole("button", { name: "Watch imitator from start 0" })).toBeVisible();
+    expect(table.getByRole("button", { name: "Watch clone from start 0" })).toHaveTextContent(
+      "1 target, 3 strayshit by a bomb",
+    );
+    expect(table.getByRole("button", { name: "Watch best demonstration" })).toBeVisible();
+    expect(table.getByText("seen in training")).toBeVisible();
+    expect(screen.getByText("1 further start")).toBeVisible();
+  });
+
+  it("set predicted returns against tiers and mark what is out of order", async () => {
+    open(one, results);
+    const table = within(await screen.findByRole("table", { name: "Predicted returns" }));
+    const rows = table.getAllByRole("row").slice(1).map((row) => row.textContent);
+    expect(rows).toEqual(["1Recording 12scripted5.00", "2Recording 11Ada7.00 (highest)"]);
+    expect(screen.getByText("0.92")).toBeVisible();
+    expect(screen.getByText("98.4 %")).toBeVisible();
+    expect(screen.getByText(/isn’t told from the worse tier 2/)).toBeVisible();
+  });
+
+  it("show attention in either colour map", async () => {
+    open(one, results);
+    const map = await screen.findByRole("img", { name: "Attention map at the maximum of R" });
+    expect(map).toHaveAttribute("src", "/m.png");
+    await userEvent.click(screen.getByRole("radio", { name: "Red-blue" }));
+    expect(map).toHaveAttribute("src", "/rb.png");
+    expect(screen.getByRole("button", { name: "Watch Recording 12 from step 248" })).toBeVisible();
+  });
+
+  it("can be taken away", async () => {
+    open(one, results);
+    const file = await screen.findByRole("link", { name: "imitator.zip" });
+    expect(file).toHaveAttribute("href", "/api/artifacts/1");
+    expect(screen.getByText("3.7 MB")).toBeVisible();
+  });
+});
+
+describe("the list of runs", () => {
+  it("sets parameters and results side by side", async () => {
+    const headline = {
+      imitator: SUMMARY,
+      clone: null,
+      tau: 0.98,
+      pair_accuracy: 1,
+      held_out_accuracy: null,
+    };
+    serve({
+      "GET /api/runs": () => [
+        run({
+          status: "done",
+          headline,
+          finished_at: "2026-01-01T12:17:01Z",
+        }),
+        run({ id: "ffff0000-0000-4000-8000-000000000000", example: true }),
+      ],
+    });
+    show(<RunsPage behaviour={behaviour()} />);
+    const done = await screen.findByRole("row", { name: /Run 3f2a9c/ });
+    expect(done).toHaveTextContent("4.73.9 to 5.4");
+    expect(done).toHaveTextContent("17 min");
+    const going = screen.getByRole("row", { name: /Run ffff00/ });
+    expect(going).toHaveTextContent("Imitator, 60 %, about 2 min left");
+    expect(going).toHaveTextContent("scripted example");
+  });
+
+  it("leads to training where there is none", async () => {
+    serve({ "GET /api/runs": () => [] });
+    show(<RunsPage behaviour={behaviour()} />);
+    expect(await screen.findByRole("link", { name: "Go to Train" })).toHaveAttribute(
+      "href",
+      "/behaviours/1/train",
+    );
+  });
+});
