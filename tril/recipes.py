@@ -210,6 +210,7 @@ FAST = Recipe(
         start_policy_pull=0.1,
         critic_warm_up_steps=12_000,
         snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),
+        snapshot_episodes=24,
     ),
     cloning=CloningRecipe(network="small"),
 )
