@@ -71,6 +71,11 @@ class TrainingStarts:
         if self.demonstration_share > 0.0 and not self.demonstrations:
             raise ValueError("Expected demonstrations for a share of games to begin in, got none.")
 
+    @property
+    def possible_starts(self) -> set[Start]:
+        """The starts that games may begin from."""
+        return {Start(idle_frames) for idle_frames in self.idle_frames}
+
     def beginning(
         self, rng: np.random.Generator, game_index: int, games_before: int
     ) -> Start | DemonstrationStep | None:
@@ -96,6 +101,11 @@ class FixedStarts:
     def demonstrations(self) -> tuple[DemonstrationLog, ...]:
         """No game begins in a demonstration."""
         return ()
+
+    @property
+    def possible_starts(self) -> set[Start]:
+        """The starts that games may begin from."""
+        return set(self.starts)
 
     def beginning(
         self, rng: np.random.Generator, game_index: int, games_before: int

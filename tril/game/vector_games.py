@@ -258,6 +258,10 @@ class GameGroup:
 
     def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
         known_starts: KnownStarts = {}
+        # All at once: one passes the others on its way, and no step has to wait for one later.
+        console = Console(known_starts)
+        for start in sorted(assignment.starts.possible_starts):
+            console.start(start)
         demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
         self._views = AgentViews(len(assignment.games))
         self._half = shared.half
