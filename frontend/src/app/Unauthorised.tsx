@@ -12,10 +12,9 @@ export function Unauthorised() {
         Tril prints an address with a token when it starts, on the last line in the terminal. Open
         that address once in this browser; after that, this page works without it.
       </p>
-      <p className={styles.url}>http://127.0.0.1:8000/?token=…</p>
+      <p className={styles.url}>{location.origin}/?token=…</p>
       <p>
-        The line has scrolled away? Stop Tril with <kbd>Ctrl</kbd> <kbd>C</kbd> and start it again:
-        it prints the same address.
+        The line has scrolled away? <code>tril address</code> in another terminal prints it again.
       </p>
     </main>
   );

@@ -169,6 +169,19 @@ describe("training", () => {
     expect(screen.getByRole("button", { name: "Train" })).toBeDisabled();
   });
 
+  it("works on the scripted example where nothing was played", async () => {
+    const asked = serve({
+      ...CALM,
+      "GET /api/behaviours/1": () => behaviour(),
+      "POST /api/runs": () => run({ id: "r3", status: "queued", example: true }),
+    });
+    const router = open("/behaviours/1/train");
+    expect(await screen.findByText(/a scripted player, not a person/)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Train on the example" }));
+    await waitFor(() => expect(router.state.location.pathname).toBe("/runs/r3"));
+    expect(asked.find(({ method }) => method === "POST")?.body).toMatchObject({ example: true });
+  });
+
   it("starts with what was chosen, and says why it is refused", async () => {
     let refused = true;
     const asked = serve({

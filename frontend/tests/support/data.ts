@@ -25,7 +25,7 @@ export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
     n_ranked: 0,
     n_perfect: 0,
     n_runs: 0,
-    has_example: true,
+    has_example: false,
     ...change,
   };
 }

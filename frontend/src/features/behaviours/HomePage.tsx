@@ -61,7 +61,7 @@ export function HomePage() {
 }
 
 function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }) {
-  const example = all.find((one) => one.has_example && one.slug === "column-1");
+  const example = all.find((one) => one.ready_made && one.slug === "column-1");
   return (
     <>
       <section className={styles.hero}>

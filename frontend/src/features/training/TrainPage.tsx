@@ -74,7 +74,7 @@ function TrainForm({
   const [tried, setTried] = useState(false);
   const recipe = recipes.find(({ name }) => name === values.recipe) ?? first;
   const missing = missingFor(behaviour);
-  const example = missing !== null && behaviour.has_example && behaviour.n_recordings === 0;
+  const example = missing !== null && behaviour.ready_made && behaviour.n_recordings === 0;
   const errors = tried ? errorsIn(values) : {};
 
   const start = useMutation({
