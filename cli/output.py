@@ -13,8 +13,8 @@ from sqlalchemy.exc import OperationalError
 
 from tril.errors import TrilError
 
-console = Console(highlight=False)
-errors = Console(stderr=True, highlight=False)
+console = Console(highlight=False, soft_wrap=True)
+errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for a script to read.")]
 

@@ -187,7 +187,10 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
     console.print(table if games else "No evaluation games yet.")
 
 
-def _value(text: str) -> int | float | bool | str:
+def _value(text: str) -> Any:
+    """Read a value: true or false, a number, numbers with commas between, or a word."""
+    if "," in text:
+        return tuple(_value(part) for part in text.split(",") if part)
     if text in {"true", "false"}:
         return text == "true"
     for kind in (int, float):

@@ -1,0 +1,75 @@
+"""The data commands, in process, on a data folder of their own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from cli.main import app
+
+DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
+runner = CliRunner()
+
+
+def _run(*arguments: str, status: int = 0) -> str:
+    done = runner.invoke(app, list(arguments))
+    assert done.exit_code == status, done.output
+    return done.output
+
+
+@pytest.fixture
+def three(tmp_path: Path) -> Path:
+    lines = DATA.read_text().splitlines()
+    file = tmp_path / "three.jsonl"
+    file.write_text("\n".join([lines[0], lines[5], "{}", lines[11]]) + "\n")
+    return file
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_recordings_are_imported_in_order_and_exported_again(three: Path, tmp_path: Path) -> None:
+    output = _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
+    assert "3 imported" in output
+    assert "line 3 refused" in output
+    (column_1, *_) = json.loads(_run("behaviours", "list", "--json"))
+    assert (column_1["slug"], column_1["recordings"], column_1["ranked"]) == ("column-1", 3, 3)
+
+    file = tmp_path / "out.jsonl"
+    _run("recordings", "export", "-b", "column-1", "-o", str(file))
+    given = [json.loads(line) for line in DATA.read_text().splitlines()]
+    exported = [json.loads(line) for line in file.read_text().splitlines()]
+    assert [e["actions"] for e in exported] == [given[i]["actions"] for i in (0, 5, 11)]
+    assert [e["tier"] for e in exported] == [1, 2, 3]
+    assert "3 of 3 recordings verify" in _run("recordings", "verify", "-b", "column-1")
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_what_is_missing_for_a_training_is_said() -> None:
+    output = _run("train", "column-3", status=1)
+    assert "at least two tiers" in output
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_an_unknown_behaviour_names_those_there_are() -> None:
+    output = _run("recordings", "list", "-b", "column-7", status=1)
+    assert "column-6" in output
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
+    added = _run(
+        "behaviours", "add", "Two corners", "--target", "1,1", "--target", "6,6", "--ordered"
+    )
+    assert "two-corners" in added
+    entry = json.loads(_run("behaviours", "list", "--json"))[-1]
+    assert (entry["target"], entry["ordered"]) == ([[0, 0], [5, 5]], True)
+    _run("behaviours", "delete", "two-corners")
+    assert "two-corners" not in _run("behaviours", "list", "--json")
+
+
+@pytest.mark.usefixtures("data_folder")
+@pytest.mark.parametrize("starts", ["", "a", "1-", "2,2", "5-3"])
+def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
+    assert "Expected" in _run("evaluate", "no-run", "--starts", starts, status=1)

@@ -1,0 +1,85 @@
+"""``tril demo`` from demonstrations to summary, at its smallest, with real processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tril.settings import Settings
+from tril.store import behaviours, evaluations, rankings, recordings, runs
+from tril.store.database import create_database
+from tril.store.models import RunStatus
+
+SMALLEST = (
+    "reward.updates=12",
+    "reward.fold_updates=3",
+    "cloning.epochs=1",
+    "policy.n_games=4",
+    "policy.rollout_steps=16",
+    "policy.minibatches=2",
+    "policy.epochs=1",
+    "policy.critic_warm_up_steps=0",
+    "policy.snapshot_episodes=1",
+    "evaluation.start_numbers=0,",
+    "evaluation.further_start_numbers=7,",
+)
+
+
+def _tril(*arguments: str) -> str:
+    """Run the command to its end; returns what it printed."""
+    done = subprocess.run(
+        [sys.executable, "-m", "cli.main", *arguments],
+        env={**os.environ, "TRIL_LEARNING_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        timeout=280,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.timeout(300)
+def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> None:
+    results = tmp_path / "results"
+    values = [argument for value in SMALLEST for argument in ("--set", value)]
+    _tril("demo", "-b", "column-2", "--steps", "64", "--output", str(results), *values)
+
+    page = (results / "README.md").read_text()
+    assert "scripted demonstrator" in page
+    pictures = set(re.findall(r"\]\(([^)]+\.png)\)", page))
+    assert {"aliens.png", "returns.png", "attention-maximum.png"} <= pictures
+    assert all((results / name).stat().st_size > 0 for name in pictures)
+
+    database = create_database(Settings().application_url)
+    with database.reading() as session:
+        behaviour = behaviours.by_slug(session, "column-2")
+        (run,) = runs.listing(session, behaviour.id)
+        assert run.status == RunStatus.DONE
+        demonstrations = recordings.listing(session, behaviour.id)
+        assert {row.source for row in demonstrations} == {"scripted"}
+        assert sum(row.perfect for row in demonstrations) == 12
+        tiers = rankings.as_ranking(rankings.current(session, behaviour.id)).tiers
+        assert [len(tier) for tier in tiers] == [1] * 12
+        games = evaluations.listing(session, run.id)
+        assert {(game.policy, game.choice, game.start_number) for game in games} == {
+            (policy, choice, number)
+            for policy in ("imitator", "clone")
+            for choice in ("greedy", "sampled")
+            for number in (0, 7)
+        }
+    database.close()
+
+    (again,) = _tril("evaluate", run.id, "--starts", "7", "--json").splitlines()
+    stored = next(
+        game
+        for game in games
+        if (game.policy, game.choice, game.start_number) == ("imitator", "greedy", 7)
+    )
+    assert json.loads(again)["targets"] == stored.targets
+    assert json.loads(again)["predicted_return"] == pytest.approx(stored.predicted_return, rel=1e-3)
