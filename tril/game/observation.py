@@ -59,6 +59,9 @@ _TILE_OF_WORD[_TILE_WORDS - _SCORE_WORDS] = np.arange(_TILES)[:, None]
 _FRAME_WORDS = game.SCREEN_SHAPE[0] * game.SCREEN_SHAPE[1] // _WORD.itemsize
 _BOTH_FRAMES_WORDS = np.concatenate((_TILE_WORDS, _TILE_WORDS + _FRAME_WORDS), axis=1)
 
+_STACK_PIXELS = STACK * SIZE * SIZE
+_NEWEST = (STACK - 1) * SIZE * SIZE
+
 
 def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
     """Return the screen of a step, uint8 (84, 84), from its last two frames.
@@ -115,29 +118,33 @@ class AgentViews:
         frames: the last two frames in palette values, uint8 (n, 2, 210, 160).
     """
 
-    def __init__(self, n_games: int) -> None:
-        """Make views that see nothing yet: call begin on each."""
-        games = np.arange(n_games)[:, None, None]
-        self.stacks = np.zeros((n_games, *OBSERVATION_SHAPE), np.uint8)
-        self._pixels = self.stacks.reshape(-1)
-        newest = games * self.stacks[0].size + self.stacks[0, :-1].size
-        self._tile_pixels = (_TILE_PIXELS + newest).reshape(-1, _TILE_PIXELS.shape[1])
+    def __init__(self, n_games: int, stacks: Observation | None = None) -> None:
+        """Make views that see nothing yet: call begin on each.
+
+        Args:
+            n_games: how many.
+            stacks: memory for the observations, uint8 (n, 4, 84, 84), if it is not to be its own.
+        """
+        shape = (n_games, *OBSERVATION_SHAPE)
+        self.stacks = np.zeros(shape, np.uint8) if stacks is None else stacks
+        self._stacks_before = self.stacks
         self.frames = np.zeros((n_games, 2, *game.SCREEN_SHAPE), np.uint8)
         self._words = self.frames.reshape(-1).view(_WORD)
-        self._words_before = np.zeros_like(self._words)
-        by_game = games * 2 * _FRAME_WORDS + _BOTH_FRAMES_WORDS
-        self._tile_words = by_game.reshape(-1, _BOTH_FRAMES_WORDS.shape[1])
-        # Of every frame what is below the score.
-        self._below, self._below_before = (
-            words.reshape(n_games, 2, -1)[:, :, _SCORE_WORDS:]
-            for words in (self._words, self._words_before)
-        )
-        self._unequal = np.empty(self._below.shape, np.bool_)
-        self._changed = np.empty((n_games, _TILES), np.bool_)
-        self._tile_of_word = (games[:, 0] * _TILES + _TILE_OF_WORD).reshape(-1)
+        # Of both frames what is below the score; of the step before, its second frame and where
+        # its two frames differed.
+        below = self._words.reshape(n_games, 2, -1)[:, :, _SCORE_WORDS:]
+        self._first, self._second = below[:, 0], below[:, 1]
+        self._second_before = np.zeros_like(self._second)
+        self._differed_before = np.zeros(self._second.shape, np.bool_)
+        games = np.arange(n_games)[:, None, None]
+        self._tile_of_word = (_TILE_OF_WORD + games[:, 0] * _TILES).reshape(-1)
+        tile_words = _BOTH_FRAMES_WORDS + games * 2 * _FRAME_WORDS
+        self._tile_words = tile_words.reshape(-1, _BOTH_FRAMES_WORDS.shape[1])
+        tile_pixels = _TILE_PIXELS + games * _STACK_PIXELS + _NEWEST
+        self._tile_pixels = tile_pixels.reshape(-1, _TILE_PIXELS.shape[1])
         self._grays = palette_grayscale()
-        # Which games have a whole step to be pushed, and of which the frames before it are not
-        # known, and which are at their start.
+        # Which games have a whole step to be pushed, of which the step before is not known, and
+        # which are at their start.
         self._to_push = np.zeros(n_games, np.bool_)
         self._is_complete = True
         self._unknown = np.ones(n_games, np.bool_)
@@ -164,6 +171,12 @@ class AgentViews:
         self._to_push[index] = self._at_start[index] = False
         self._unknown[index] = self._any_unknown = True
 
+    def turn_to(self, stacks: Observation) -> None:
+        """Write the observations into other memory from now on; the old keeps those of now."""
+        self.complete()
+        self.stacks = stacks
+        self._is_complete = False
+
     def complete_of(self, index: int) -> None:
         """Complete at least this game's step, if it is whole and has not been pushed."""
         if self._to_push[index]:
@@ -173,37 +186,61 @@ class AgentViews:
         """Push the screens of all whole steps that have not been pushed onto their stacks."""
         if self._is_complete:
             return
-        # No mask where none is needed: copying by slices is faster.
-        pushed = slice(None) if self._to_push.all() else self._to_push
-        self.stacks[pushed, :-1] = self.stacks[pushed, 1:]
+        stacks, pushed = self.stacks, self._to_push
+        self._roll()
         tiles = self._changed_tiles()
         if len(tiles):
-            words = self._tile_words.take(tiles, axis=0)
-            changed = self._words.take(words)
-            self._words_before[words] = changed
+            changed = self._words.take(self._tile_words.take(tiles, axis=0))
             grays = cv2.LUT(changed.view(np.uint8), self._grays)
-            self._pixels[self._tile_pixels.take(tiles, axis=0)] = _reduce(np.asarray(grays))
+            pixels = self._tile_pixels.take(tiles, axis=0)
+            stacks.reshape(-1)[pixels] = _reduce(np.asarray(grays, np.uint8))
         if self._any_unknown:
             starts = self._at_start
-            self.stacks[starts, :-1] = self.stacks[starts, -1:]
+            stacks[starts, :-1] = stacks[starts, -1:]
             starts[:] = False
-            self._unknown &= ~self._to_push
+            self._unknown &= ~pushed
             self._any_unknown = bool(self._unknown.any())
-        self._to_push[:] = False
+        pushed[:] = False
         self._is_complete = True
 
+    def _roll(self) -> None:
+        """Make room for the newest screens; what stands there is the screen before."""
+        stacks, before, pushed = self.stacks, self._stacks_before, self._to_push
+        self._stacks_before = stacks
+        if before is not stacks and not pushed.all():
+            stacks[:] = before
+            before = stacks
+        if before is not stacks:
+            stacks[:, :-1] = before[:, 1:]
+            stacks[:, -1] = before[:, -1]
+        elif pushed.all():
+            stacks[:, :-1] = stacks[:, 1:]
+        else:
+            stacks[pushed, :-1] = stacks[pushed, 1:]
+
     def _changed_tiles(self) -> Indices:
-        """Return the indices of the tiles to reduce, _TILES for each game."""
-        np.not_equal(self._below, self._below_before, out=self._unequal)
-        unequal = np.logical_or(self._unequal[:, 0], self._unequal[:, 1])
-        changed: npt.NDArray[np.bool_] = self._changed.reshape(-1)
-        changed[:] = False
-        changed[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
+        """Return the indices of the tiles to reduce, _TILES for each game.
+
+        A tile has not changed where the second frame is that of the step before and the first
+        frame equals the second, in this step as in the one before.
+        """
+        differ = self._first != self._second
+        unequal = self._second != self._second_before
+        unequal |= differ
+        unequal |= self._differed_before
+        pushed = self._to_push
+        changed = np.zeros((len(pushed), _TILES), np.bool_)
+        changed.reshape(-1)[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
         if self._any_unknown:
-            self._changed[self._unknown] = True
-        if not self._to_push.all():
-            self._changed[~self._to_push] = False
-        indices: Indices = changed.nonzero()[0]
+            changed[self._unknown] = True
+        if pushed.all():
+            self._second_before[:] = self._second
+            self._differed_before = differ
+        else:
+            changed[~pushed] = False
+            self._second_before[pushed] = self._second[pushed]
+            self._differed_before[pushed] = differ[pushed]
+        indices: Indices = changed.reshape(-1).nonzero()[0]
         return indices
 
 
@@ -220,8 +257,12 @@ class AgentView:
         self._views = AgentViews(1) if views is None else views
         self._index = index
         self._first, self._second = self._views.frames[index]
-        self._stack: Observation = self._views.stacks[index]
         self._has_first = False
+
+    @property
+    def _stack(self) -> Observation:
+        self._views.complete()
+        return np.asarray(self._views.stacks[self._index], np.uint8)
 
     def begin(self, console: Console) -> None:
         """Begin a game: the stack holds the start's screen four times."""
@@ -265,17 +306,14 @@ class AgentView:
     @property
     def observation(self) -> Observation:
         """The observation as of the last whole step, uint8 (4, 84, 84), a fresh array."""
-        self._views.complete_of(self._index)
         return self._stack.copy()
 
     def observe(self, out: Observation) -> None:
         """Write the observation into out, uint8 (4, 84, 84)."""
-        self._views.complete_of(self._index)
         np.copyto(out, self._stack)
 
     def save(self) -> AgentViewState:
         """Return the state of the view."""
-        self._views.complete_of(self._index)
         first = self._first.tobytes() if self._has_first else None
         return AgentViewState(self._stack.tobytes(), first)
 

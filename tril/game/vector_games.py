@@ -263,9 +263,10 @@ class GameGroup:
         for start in sorted(assignment.starts.possible_starts):
             console.start(start)
         demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
-        self._views = AgentViews(len(assignment.games))
+        own = slice(assignment.games.start, assignment.games.stop)
         self._half = shared.half
-        self._observations = shared.observations[:, assignment.games.start : assignment.games.stop]
+        self._halves = [half[own] for half in shared.observations]
+        self._views = AgentViews(len(assignment.games), self._halves[0])
         self._slots = [
             GameSlot(index, assignment, shared, known_starts, demonstrations, view)
             for index, view in zip(assignment.games, self._views, strict=True)
@@ -281,12 +282,13 @@ class GameGroup:
         Returns:
             The games that a step ended; the games' snapshots; else None.
         """
+        self._views.turn_to(self._halves[self._half[0]])
         if command is Command.STEP:
             # First all steps, then all observations, then all new games: see AgentViews.
             ended = [slot for slot in self._slots if slot.step()]
             self._views.complete()
             finished = [slot.finish() for slot in ended]
-            self._observe()
+            self._views.complete()
             return finished or None
         if command is Command.SNAPSHOT:
             return [slot.snapshot() for slot in self._slots]
@@ -296,9 +298,5 @@ class GameGroup:
         else:
             for slot, snapshot in zip(self._slots, snapshots or (), strict=True):
                 slot.restore(snapshot)
-        self._observe()
-        return None
-
-    def _observe(self) -> None:
         self._views.complete()
-        self._observations[self._half[0]] = self._views.stacks
+        return None
