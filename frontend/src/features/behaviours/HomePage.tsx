@@ -50,6 +50,7 @@ export function HomePage() {
           <li key={behaviour.id}>
             <Card
               behaviour={behaviour}
+              level={untouched ? "h3" : "h2"}
               latest={runs.data?.find((run) => run.behaviour_id === behaviour.id)}
             />
           </li>
@@ -99,16 +100,24 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
   );
 }
 
-function Card({ behaviour, latest }: { behaviour: Behaviour; latest: Run | undefined }) {
+function Card({
+  behaviour,
+  level: Heading,
+  latest,
+}: {
+  behaviour: Behaviour;
+  level: "h2" | "h3";
+  latest: Run | undefined;
+}) {
   return (
     <article className={styles.card}>
       <AlienGrid target={behaviour.target} label="" />
       <div className={styles.words}>
-        <h3>
+        <Heading className={styles.heading}>
           <Link className={styles.link} to={`/behaviours/${behaviour.id}`}>
             {behaviour.name}
           </Link>
-        </h3>
+        </Heading>
         <p className={styles.description}>{behaviour.description}</p>
         <p className={styles.counts}>{countsOf(behaviour)}</p>
         {latest && <Latest run={latest} behaviour={behaviour} />}

@@ -1,4 +1,4 @@
-import { Fragment, type ReactNode } from "react";
+import { type ReactNode } from "react";
 
 import { isTied, joinAbove, moveDown, moveUp, newTier, place, tierOf, type Tiers } from "./order";
 import { gapPlace, tierPlace, TRAY } from "./places";
@@ -58,16 +58,21 @@ export function Board(props: BoardProps) {
   const { tiers } = props;
   if (tiers.length === 0) return <EmptyBoard />;
   return (
-    <ol className={styles.tiers} aria-label="Tiers, best first">
-      {tiers.map((tier, index) => (
-        // A tier is known by what is in it, so that cards keep their focus when it moves.
-        <Fragment key={`of-${Math.min(...tier)}`}>
-          <Gap before={index} />
-          <Tier {...props} tier={tier} index={index} />
-        </Fragment>
-      ))}
+    <>
+      <ol className={styles.tiers} aria-label="Tiers, best first">
+        {tiers.map((tier, index) => (
+          <li
+            // A tier is known by what is in it, so that cards keep their focus when it moves.
+            key={`of-${Math.min(...tier)}`}
+            aria-label={`Tier ${index + 1} of ${tiers.length}, ${count(tier.length, "recording")}`}
+          >
+            <Gap before={index} />
+            <Tier {...props} tier={tier} index={index} />
+          </li>
+        ))}
+      </ol>
       <Gap before={tiers.length} />
-    </ol>
+    </>
   );
 }
 
@@ -86,11 +91,7 @@ function EmptyBoard() {
 function Gap({ before }: { before: number }) {
   const { setPlace, isOver } = useDropPlace(gapPlace(before));
   return (
-    <li
-      ref={setPlace}
-      role="presentation"
-      className={classes(styles.gap, isOver && styles.gapOver)}
-    />
+    <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />
   );
 }
 
@@ -99,18 +100,14 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
   const name = tierPlace(index);
   const { setPlace, isOver } = useDropPlace(name);
   return (
-    <li
-      ref={setPlace}
-      className={classes(styles.tier, isOver && styles.over)}
-      aria-label={`Tier ${index + 1} of ${tiers.length}, ${count(tier.length, "recording")}`}
-    >
+    <div ref={setPlace} className={classes(styles.tier, isOver && styles.over)}>
       <span className={styles.number} aria-hidden="true">
         {index + 1}
         {index === 0 && <small>best</small>}
         {index === tiers.length - 1 && index > 0 && <small>worst</small>}
       </span>
       <div className={styles.cards}>{tier.map((id) => cardOf(props, id, name))}</div>
-    </li>
+    </div>
   );
 }
 
