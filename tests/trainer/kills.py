@@ -61,7 +61,7 @@ def kill_and_finish(
     outcome = Outcome()
     while len(outcome.killed_in) < n_kills:
         if not outcome.runs or is_over(workplace, outcome.runs[-1]):
-            run_id = workplace.make_run(recipe, steps, training_seed=len(outcome.runs))
+            run_id = workplace.make_run(recipe, steps)
             outcome.runs.append(run_id)
             jobs.enqueue(run_id)
         before = workplace.run(outcome.runs[-1])
@@ -111,7 +111,11 @@ def curves_of(workplace: Workplace, run_id: str) -> Series:
 
 
 def flaws(workplace: Workplace, run_id: str, untouched: str) -> list[str]:
-    """Compare a run with one of the same recipe that nothing happened to; returns what is wrong."""
+    """Compare a run with one of the same making that nothing happened to; returns what is wrong.
+
+    Both learn from the same training seed, so their curves are the same, point by point and bit by
+    bit, whatever happened on the way.
+    """
     row, other = workplace.run(run_id), workplace.run(untouched)
     found = []
     if row.status != RunStatus.DONE:
@@ -121,9 +125,10 @@ def flaws(workplace: Workplace, run_id: str, untouched: str) -> list[str]:
     ours, theirs = curves_of(workplace, run_id), curves_of(workplace, untouched)
     for stage, series in theirs.items():
         for name, points in series.items():
-            steps = [step for step, _ in ours.get(stage, {}).get(name, [])]
-            if name != "steps_per_s" and steps != [step for step, _ in points]:
-                found.append(f"The curve {stage}.{name} has points at {steps}.")
+            if name != "steps_per_s" and ours.get(stage, {}).get(name) != points:
+                found.append(
+                    f"The curve {stage}.{name} is {ours.get(stage, {}).get(name)}, not {points}."
+                )
     with workplace.database.reading() as session:
         games = {
             (game.policy, game.choice, game.start_number)

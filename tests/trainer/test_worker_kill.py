@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.trainer.kills import curves_of, finish, flaws, kill_and_finish
+from tests.trainer.kills import finish, flaws, kill_and_finish
 from tests.trainer.worker_zygote import Zygote
 from tests.workplace import TINY, Workplace
 from tril.jobs import Jobs
@@ -25,7 +25,7 @@ LONGEST_LIFE_S = 4.0
 def test_20_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    untouched = workplace.make_run(TINY, training_seed=0)
+    untouched = workplace.make_run(TINY)
     jobs.enqueue(untouched)
     run_s = finish(workplace, zygote, [untouched])
     longest_life_s = min(LONGEST_LIFE_S, LONGEST_LIFE * run_s)
@@ -35,10 +35,6 @@ def test_20_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole
     assert len(outcome.killed_in) == N_KILLS
     for run_id in outcome.runs:
         assert flaws(workplace, run_id, untouched) == []
-    # The first of them had the same training seed, and so learned the very same.
-    ours, theirs = (curves_of(workplace, run_id) for run_id in (outcome.runs[0], untouched))
-    assert ours["reward"]["loss"] == theirs["reward"]["loss"]
-    assert ours["imitator"]["entropy"] == theirs["imitator"]["entropy"]
     with workplace.database.reading() as session:
         played = recordings.listing(session, workplace.behaviour_id, with_policies=True)
     of_runs = Counter(row.run_id for row in played if row.run_id is not None)
