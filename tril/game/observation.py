@@ -186,9 +186,10 @@ class AgentViews:
         """Push the screens of all whole steps that have not been pushed onto their stacks."""
         if self._is_complete:
             return
-        stacks, pushed = self.stacks, self._to_push
-        self._roll()
-        tiles = self._changed_tiles()
+        # No indices where none are needed: slices make views instead of copies.
+        pushed = slice(None) if self._to_push.all() else self._to_push.nonzero()[0]
+        stacks = self._roll(pushed)
+        tiles = self._changed_tiles(pushed)
         if len(tiles):
             changed = self._words.take(self._tile_words.take(tiles, axis=0))
             grays = cv2.LUT(changed.view(np.uint8), self._grays)
@@ -198,50 +199,45 @@ class AgentViews:
             starts = self._at_start
             stacks[starts, :-1] = stacks[starts, -1:]
             starts[:] = False
-            self._unknown &= ~pushed
+            self._unknown[pushed] = False
             self._any_unknown = bool(self._unknown.any())
-        pushed[:] = False
+        self._to_push[:] = False
         self._is_complete = True
 
-    def _roll(self) -> None:
+    def _roll(self, pushed: slice | Indices) -> Observation:
         """Make room for the newest screens; what stands there is the screen before."""
-        stacks, before, pushed = self.stacks, self._stacks_before, self._to_push
+        stacks, before = self.stacks, self._stacks_before
         self._stacks_before = stacks
-        if before is not stacks and not pushed.all():
-            stacks[:] = before
-            before = stacks
-        if before is not stacks:
+        if before is not stacks and isinstance(pushed, slice):
             stacks[:, :-1] = before[:, 1:]
             stacks[:, -1] = before[:, -1]
-        elif pushed.all():
-            stacks[:, :-1] = stacks[:, 1:]
-        else:
-            stacks[pushed, :-1] = stacks[pushed, 1:]
+            return stacks
+        if before is not stacks:
+            stacks[:] = before
+        stacks[pushed, :-1] = stacks[pushed, 1:]
+        return stacks
 
-    def _changed_tiles(self) -> Indices:
+    def _changed_tiles(self, pushed: slice | Indices) -> Indices:
         """Return the indices of the tiles to reduce, _TILES for each game.
 
         A tile has not changed where the second frame is that of the step before and the first
         frame equals the second, in this step as in the one before.
         """
-        differ = self._first != self._second
-        unequal = self._second != self._second_before
+        second = self._second[pushed]
+        differ = self._first[pushed] != second
+        unequal = second != self._second_before[pushed]
         unequal |= differ
-        unequal |= self._differed_before
-        pushed = self._to_push
-        changed = np.zeros((len(pushed), _TILES), np.bool_)
+        unequal |= self._differed_before[pushed]
+        self._second_before[pushed] = second
+        self._differed_before[pushed] = differ
+        changed = np.zeros((len(second), _TILES), np.bool_)
         changed.reshape(-1)[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
         if self._any_unknown:
-            changed[self._unknown] = True
-        if pushed.all():
-            self._second_before[:] = self._second
-            self._differed_before = differ
-        else:
-            changed[~pushed] = False
-            self._second_before[pushed] = self._second[pushed]
-            self._differed_before[pushed] = differ[pushed]
-        indices: Indices = changed.reshape(-1).nonzero()[0]
-        return indices
+            changed[self._unknown[pushed]] = True
+        games, tiles = changed.nonzero()
+        if not isinstance(pushed, slice):
+            games = pushed[games]
+        return np.asarray(games * _TILES + tiles, np.intp)
 
 
 class AgentView:
