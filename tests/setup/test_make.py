@@ -46,8 +46,15 @@ def project(tmp_path: Path) -> Path:
 
 def steps(project: Path, target: str = "run") -> str:
     """Return the commands that make would run."""
+    # These tests run under a make themselves, whose flags must not reach this one.
+    environ = {k: v for k, v in os.environ.items() if k not in {"MAKEFLAGS", "MAKELEVEL", "ARGS"}}
     done = subprocess.run(
-        ["make", "--dry-run", target], cwd=project, capture_output=True, text=True, check=True
+        ["make", "--dry-run", target],
+        cwd=project,
+        env=environ,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     return done.stdout
 
