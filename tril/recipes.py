@@ -227,15 +227,22 @@ def recipe_named(name: str) -> Recipe:
 
 
 def recipe_from_dict(data: dict[str, Any]) -> Recipe:
-    """Rebuild a stored recipe; unknown or missing keys raise Invalid."""
+    """Rebuild a stored recipe.
+
+    A run of an earlier version stays readable: values that this version does not know are left
+    out, values that it adds are the ones of a recipe that says nothing of them.
+
+    Raises:
+        Invalid: It is no recipe.
+    """
     try:
         return Recipe(
             **{
                 **{key: value for key, value in data.items() if not isinstance(value, dict)},
-                "reward": RewardRecipe(**data["reward"]),
-                "policy": PolicyRecipe(**_tuples(data["policy"])),
-                "cloning": CloningRecipe(**data["cloning"]),
-                "evaluation": EvaluationRecipe(**_tuples(data["evaluation"])),
+                "reward": RewardRecipe(**_known(RewardRecipe, data["reward"])),
+                "policy": PolicyRecipe(**_known(PolicyRecipe, data["policy"])),
+                "cloning": CloningRecipe(**_known(CloningRecipe, data["cloning"])),
+                "evaluation": EvaluationRecipe(**_known(EvaluationRecipe, data["evaluation"])),
             }
         )
     except (KeyError, TypeError) as error:
@@ -254,5 +261,11 @@ def with_values(recipe: Recipe, values: dict[str, Any]) -> Recipe:
     return recipe
 
 
-def _tuples(values: dict[str, Any]) -> dict[str, Any]:
-    return {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+def _known(part: type, values: dict[str, Any]) -> dict[str, Any]:
+    """Return the values that a part of a recipe has, JSON's lists as tuples again."""
+    names = {field.name for field in fields(part)}
+    return {
+        name: tuple(value) if isinstance(value, list) else value
+        for name, value in values.items()
+        if name in names
+    }

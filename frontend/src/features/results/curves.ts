@@ -1,6 +1,6 @@
 /** Which curves a run's page shows, in groups. */
 import type { Curve, XLabels } from "@/components/Chart";
-import { fixed, measured, percent, percentLabels, stepLabels, whole } from "@/lib/format";
+import { fixed, measured, percent, stepLabels, whole } from "@/lib/format";
 import type { Series } from "@/lib/series";
 
 export interface CurveChart {
@@ -39,8 +39,6 @@ interface GroupPlan {
 }
 
 const SHARE = [0, 1] as const;
-/** Several models may learn one after the other; their points are counted in millionths of all. */
-const WHOLE = 1_000_000;
 const percentage = (value: number) => percent(value);
 const oneDigit = (value: number) => fixed(value, 1);
 
@@ -87,9 +85,9 @@ const PLAN: readonly GroupPlan[] = [
   },
   {
     stage: "reward",
-    name: "Reward model, by how much of its learning is done",
+    name: "Reward model, by updates",
     colour: "var(--ink-2)",
-    xLabels: (ticks) => percentLabels(ticks.map((tick) => tick / WHOLE)),
+    xLabels: stepLabels,
     charts: [
       { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
       {

@@ -1,0 +1,42 @@
+"""Recipes as data."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tril.errors import Invalid
+from tril.recipes import FAST, PAPER, Recipe, recipe_from_dict, recipe_named, with_values
+
+
+@pytest.mark.parametrize("recipe", [FAST, PAPER])
+def test_a_recipe_survives_being_stored(recipe: Recipe) -> None:
+    assert recipe_from_dict(json.loads(json.dumps(recipe.to_dict()))) == recipe
+
+
+def test_a_recipe_of_another_version_stays_readable() -> None:
+    stored = FAST.to_dict()
+    stored["policy"]["a_value_of_old"] = 3
+    del stored["policy"]["reward_scale"]
+    read = recipe_from_dict(stored)
+    assert read.policy.reward_scale == PAPER.policy.reward_scale
+    assert read.reward == FAST.reward
+
+
+def test_what_is_no_recipe_is_refused() -> None:
+    with pytest.raises(Invalid, match="not a recipe"):
+        recipe_from_dict({"name": "fast"})
+
+
+def test_values_are_replaced_by_their_path() -> None:
+    changed = with_values(FAST, {"policy.learning_rate": 0.5, "default_steps": 7})
+    assert (changed.policy.learning_rate, changed.default_steps) == (0.5, 7)
+    assert changed.reward == FAST.reward
+    with pytest.raises(Invalid, match=r"no value 'policy\.nothing'"):
+        with_values(FAST, {"policy.nothing": 1})
+
+
+def test_an_unknown_recipe_names_those_there_are() -> None:
+    with pytest.raises(Invalid, match="fast, paper"):
+        recipe_named("slow")
