@@ -140,7 +140,8 @@ def send_message(connection: socket.socket, header: dict[str, Any], body: bytes 
     """Send one message."""
     text = json.dumps({**header, "n_bytes": len(body)}).encode()
     connection.sendall(_LENGTH.pack(len(text)) + text)
-    connection.sendall(body)
+    if body:  # even an empty write fails once the other end has answered and closed
+        connection.sendall(body)
 
 
 def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytearray]:
