@@ -65,10 +65,9 @@ def kill_and_finish(
             outcome.runs.append(run_id)
             jobs.enqueue(run_id)
         before = workplace.run(outcome.runs[-1])
-        worker = zygote.start(workplace.settings.data)
-        wait_until(partial(is_claimed_since, workplace, before))
-        time.sleep(rng.uniform(0.0, longest_life_s))
-        worker.kill()
+        with zygote.running(workplace.settings.data):
+            wait_until(partial(is_claimed_since, workplace, before))
+            time.sleep(rng.uniform(0.0, longest_life_s))
         row = workplace.run(outcome.runs[-1])
         if not RunStatus(row.status).is_over:
             outcome.killed_in.append(row.stage)

@@ -6,6 +6,7 @@ and prints its process id. As a module it has the other end.
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import signal
@@ -20,6 +21,7 @@ from pathlib import Path
 from tril.jobs.delivery import LOST_AFTER_S
 
 PATIENCE_S = 60.0
+PR_SET_PDEATHSIG = 1
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,8 @@ def _serve() -> None:
             continue
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         os.setsid()
+        # Should the tests be killed, the zygote ends, and with it every worker.
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         log = os.open(order["log"], os.O_WRONLY | os.O_APPEND)
         null = os.open(os.devnull, os.O_RDONLY)
         for descriptor, place in ((null, 0), (log, 1), (log, 2)):
