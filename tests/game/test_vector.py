@@ -302,6 +302,8 @@ PARENT = """
     from pathlib import Path
     from tril.game.vector import TrainingStarts, VectorGame
 
+    # Ignored where the tests run in the background of a script.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
     vector.reset()
     print(Path(f"/proc/self/task/{os.getpid()}/children").read_text(), flush=True)
@@ -333,10 +335,13 @@ def test_the_processes_end_with_their_parent(
         workers = [os.pidfd_open(int(pid)) for pid in parent.stdout.readline().split()]
         assert len(workers) == 2
         end(parent)
-        for worker in workers:
-            ended, _, _ = select.select([worker], [], [], 20)
-            assert ended, "a process outlived its parent"
-            os.close(worker)
+        try:
+            for worker in workers:
+                ended, _, _ = select.select([worker], [], [], 20)
+                assert ended, "a process outlived its parent"
+                os.close(worker)
+        finally:
+            parent.kill()
         _, errors = parent.communicate()
     assert parent.returncode == code
     # Only the parent's own KeyboardInterrupt: no trace of a process of its.
