@@ -340,8 +340,9 @@ def test_the_processes_end_with_their_parent(
                 ended, _, _ = select.select([worker], [], [], 20)
                 assert ended, "a process outlived its parent"
                 os.close(worker)
-        finally:
+        except BaseException:
             parent.kill()
+            raise
         _, errors = parent.communicate()
     assert parent.returncode == code
     # Only the parent's own KeyboardInterrupt: no trace of a process of its.
