@@ -7,6 +7,7 @@ import typer
 from cli import behaviours, recordings, runs, services
 from cli.demo import demo
 from cli.evaluate import evaluate
+from cli.reproduce import reproduce
 from cli.up import up
 
 app = typer.Typer(
@@ -20,6 +21,7 @@ app.command()(up)
 app.command()(demo)
 app.command()(runs.train)
 app.command()(evaluate)
+app.command()(reproduce)
 app.command()(services.serve)
 app.command()(services.worker)
 app.command()(services.inference)

@@ -81,16 +81,16 @@ def comparison_figure(
         columns: Who played.
     """
     height, width = 1.5 * len(starts) + 0.7, 1.75 * len(columns) + 0.9
-    figure, axes = _figure(width, height, len(starts), len(columns))
+    figure, axes = grid_of_axes(width, height, len(starts), len(columns))
     for row, name in enumerate(starts):
         for number, column in enumerate(columns):
             axis = axes[row][number]
-            _draw_aliens(axis, behaviour, column.hits[row], COLOURS[column.thing])
+            draw_aliens(axis, behaviour, column.hits[row], COLOURS[column.thing])
             if row == 0:
                 axis.set_title(column.title, fontsize=10, color=COLOURS[column.thing], pad=8)
             if number == 0:
                 axis.set_ylabel(name, fontsize=9, color=_INK, labelpad=8)
-    return _rendered(figure)
+    return rendered(figure)
 
 
 def returns_figure(tiers: Sequence[int], returns: Sequence[float], tau: float) -> bytes:
@@ -101,14 +101,14 @@ def returns_figure(tiers: Sequence[int], returns: Sequence[float], tau: float) -
         returns: Its predicted return.
         tau: Kendall's tau between the two.
     """
-    figure, ((axis,),) = _figure(4.8, 3.2, 1, 1)
+    figure, ((axis,),) = grid_of_axes(4.8, 3.2, 1, 1)
     axis.plot(tiers, returns, "o", color=COLOURS["imitator"], markersize=6)
     axis.set_xlabel("rank given (1 is the best)", color=_INK)
     axis.set_ylabel("predicted return", color=_INK)
     axis.set_xticks(sorted(set(tiers)))
     axis.set_title(f"Kendall's tau {tau:.2f}", fontsize=10, loc="left", color=_INK)
-    _calm(axis)
-    return _rendered(figure)
+    calm(axis)
+    return rendered(figure)
 
 
 def curves_figure(
@@ -120,20 +120,28 @@ def curves_figure(
         curves: Of each its label, a colour and its points (step, value).
         x_label: What the steps count.
     """
-    figure, axes = _figure(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)
+    figure, axes = grid_of_axes(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)
     for (axis,), (label, colour, points) in zip(axes, curves, strict=True):
         if points:
             steps, values = zip(*points, strict=True)
             axis.plot(steps, values, color=colour, linewidth=1.6)
         axis.set_ylabel(label, fontsize=9, color=_INK)
-        _calm(axis)
+        calm(axis)
     axes[-1][0].set_xlabel(x_label, color=_INK)
-    return _rendered(figure)
+    return rendered(figure)
 
 
-def _draw_aliens(
+def draw_aliens(
     axis: Axes, behaviour: Behaviour, hits: tuple[Cell, ...] | None, colour: str
 ) -> None:
+    """Draw the grid of aliens after a game.
+
+    Args:
+        axis: Where.
+        behaviour: What was taught.
+        hits: The cells hit, in order of time; None where no game was played.
+        colour: Of the targets.
+    """
     axis.set_xlim(-0.6, COLUMNS - 0.4)
     axis.set_ylim(-0.6, ROWS - 0.4)
     axis.set_aspect("equal")
@@ -158,7 +166,7 @@ def _draw_aliens(
     axis.set_xlabel(text, fontsize=8, color=_INK, labelpad=3)
 
 
-def _figure(
+def grid_of_axes(
     width: float, height: float, n_rows: int, n_columns: int, share_x: bool = False
 ) -> tuple[Figure, list[list[Axes]]]:
     """A figure without the global state of pyplot, and its axes by row and column."""
@@ -168,14 +176,16 @@ def _figure(
     return figure, [list(row) for row in axes]
 
 
-def _calm(axis: Axes) -> None:
+def calm(axis: Axes) -> None:
+    """Take away what draws the eye from the data."""
     for side in ("top", "right"):
         axis.spines[side].set_visible(False)
     axis.tick_params(labelsize=8, colors=_INK)
     axis.grid(visible=True, color=_FAINT, linewidth=0.5, alpha=0.6)
 
 
-def _rendered(figure: Figure) -> bytes:
+def rendered(figure: Figure) -> bytes:
+    """Return the figure as PNG bytes."""
     target = BytesIO()
     figure.savefig(target, format="png", dpi=160, facecolor="white")
     return target.getvalue()

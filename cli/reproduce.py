@@ -1,0 +1,143 @@
+"""``tril reproduce``: every result of the published work, computed as far as it is missing."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.follow import worker_at_hand
+from cli.output import console, errors
+from cli.runs import chosen_recipe, start_run
+from cli.workspace import Workspace, open_workspace
+from tril.artifacts import ArtifactStore
+from tril.behaviours import READY_MADE
+from tril.errors import Invalid
+from tril.recipes import RECIPES, Recipe
+from tril.store import runs
+from tril.store.models import RunRow, RunStatus
+
+if TYPE_CHECKING:
+    from trainer.ledger import Cell
+
+POLL_S = 2.0
+COMMAND = "tril reproduce"
+
+
+def reproduce(
+    behaviour: Annotated[
+        list[str] | None,
+        typer.Option("--behaviour", "-b", help="Short name; repeat it. Else all seven."),
+    ] = None,
+    training_seed: Annotated[
+        list[int] | None, typer.Option("--training-seed", "-s", help="Repeat it. Else 0, 1, 2.")
+    ] = None,
+    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
+    steps: Annotated[int | None, typer.Option(min=1, help="PPO steps; else the recipe's.")] = None,
+    value: Annotated[
+        list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder of the ledger, pages and pictures.")
+    ] = Path("docs/results"),
+    page_only: Annotated[
+        bool, typer.Option("--page-only", help="Train nothing; write the page anew.")
+    ] = False,
+) -> None:
+    """Train what the ledger lacks, for every behaviour and training seed, and write the results.
+
+    A finished result is written at once, so that the command can be stopped at any time and goes on
+    where it was. Runs are queued like any other: more workers make it faster.
+    """
+    from trainer.ledger import Cell, Ledger
+    from trainer.reproduction import write_page
+
+    chosen = chosen_recipe(recipe, value)
+    chosen_steps = steps or chosen.default_steps
+    slugs = behaviour or [one.slug for one in READY_MADE]
+    if unknown := [slug for slug in slugs if slug not in {one.slug for one in READY_MADE}]:
+        raise typer.BadParameter(
+            f"There is no scripted example of {', '.join(unknown)}; choose among"
+            f" {', '.join(one.slug for one in READY_MADE)}."
+        )
+    with open_workspace() as workspace:
+        cells = [
+            Cell.of(slug, chosen, chosen_steps, seed)
+            for seed in training_seed or [0, 1, 2]
+            for slug in slugs
+        ]
+        missing = [] if page_only else Ledger(output).missing(cells)
+        if missing:
+            errors.print(f"{len(missing)} of {len(cells)} results are missing.")
+            with worker_at_hand(workspace):
+                failed = _compute(workspace, chosen, missing, output)
+        else:
+            failed = 0
+        page = write_page(output, COMMAND)
+        console.print(f"Results: {page}", soft_wrap=True)
+        if failed:
+            raise Invalid(
+                f"{failed} of {len(missing)} runs did not end well: see tril runs list. Run the"
+                " command again to have them computed anew."
+            )
+
+
+def _compute(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell], output: Path) -> int:
+    """Train the cells and write each into the ledger when it is done; return how many failed."""
+    from trainer.ledger import Ledger, read_entry
+    from trainer.report import write_report
+    from trainer.reproduction import cell_folder, write_page
+
+    store = ArtifactStore(workspace.settings.artifact_root)
+    waiting = dict.fromkeys(_runs_of(workspace, recipe, cells))
+    failed = 0
+    while waiting:
+        for run_id in list(waiting):
+            with workspace.database.reading() as session:
+                row = runs.get(session, run_id)
+            if not RunStatus(row.status).is_over:
+                continue
+            del waiting[run_id]
+            if row.status != RunStatus.DONE:
+                errors.print(f"Run {run_id} is {row.status}. {row.message}")
+                failed += 1
+                continue
+            entry = read_entry(workspace.database, run_id)
+            write_report(workspace.database, store, run_id, output / cell_folder(entry))
+            Ledger(output).add(entry)
+            write_page(output, COMMAND)
+            console.print(f"{entry.cell.behaviour}, training seed {entry.cell.training_seed}: done")
+        time.sleep(POLL_S)
+    return failed
+
+
+def _runs_of(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell]) -> list[str]:
+    """Return a run for each cell: one that is there and not lost, else a new one."""
+    from trainer.ledger import read_cell
+
+    with workspace.database.reading() as session:
+        present = {
+            read_cell(session, row): row.id
+            for row in reversed(runs.listing(session))
+            if _is_usable(row)
+        }
+    return [
+        present.get(cell)
+        or start_run(
+            workspace,
+            cell.behaviour,
+            recipe,
+            cell.steps,
+            cell.training_seed,
+            go_on_anyway=True,
+            example=True,
+        )
+        for cell in cells
+    ]
+
+
+def _is_usable(row: RunRow) -> bool:
+    return row.example and (row.status == RunStatus.DONE or not RunStatus(row.status).is_over)

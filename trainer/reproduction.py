@@ -1,0 +1,266 @@
+"""The results of all finished cells as one page: tables, pictures, and links to each cell's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from trainer.ledger import Entry, Ledger, LedgerGame
+from trainer.table_figures import AliensRow, ReturnsPanel, aliens_table, returns_table
+from tril.artifacts import write_whole
+from tril.behaviours import READY_MADE, Behaviour, score
+from tril.recipes import RECIPES, EvaluationRecipe
+from tril.summary import Interval, interval, winner
+
+STARTS = EvaluationRecipe().start_numbers
+POLICIES = ("imitator", "clone")
+
+
+@dataclass(frozen=True)
+class _Group:
+    """The finished cells of one behaviour and one recipe, by training seed."""
+
+    behaviour: Behaviour
+    recipe: str
+    steps: int
+    entries: tuple[Entry, ...]
+
+    def mean(self, policy: str, choice: str, name: str) -> Interval | None:
+        """Return the mean of a figure over the held-out games of all training seeds."""
+        values = [
+            float(value)
+            for entry in self.entries
+            for game in entry.games
+            if (game.policy, game.choice) == (policy, choice) and game.held_out
+            if (value := getattr(game.figures, name)) is not None
+        ]
+        return interval(values) if values else None
+
+
+def cell_folder(entry: Entry) -> str:
+    """Return the name, below the results, of the folder with a cell's own page."""
+    cell = entry.cell
+    return f"{cell.behaviour}/{cell.recipe}-{cell.steps}-{cell.training_seed}-{cell.digest}"
+
+
+def write_page(folder: Path, command: str) -> Path:
+    """Write ``README.md`` and its pictures from the folder's ledger.
+
+    Args:
+        folder: The folder of results.
+        command: The command that makes what is missing, for the page's reader.
+
+    Returns:
+        The page's path.
+
+    Raises:
+        Invalid: The ledger can't be read.
+    """
+    groups = _groups(Ledger(folder).entries)
+    by_recipe: dict[str, list[_Group]] = {}
+    for group in groups:
+        by_recipe.setdefault(group.recipe, []).append(group)
+    parts = [
+        "# Results",
+        "",
+        "Demonstrations by the scripted demonstrator: twelve ranked ones (appendix C of the"
+        " published work) and twelve perfect ones a behaviour. Every figure is of games that a"
+        " trained policy played; each game is a verified recording. The imitator is the policy"
+        " that PPO trained on the learned reward; the clone learned the perfect demonstrations by"
+        " classification. Starts that a demonstration began from don't count.",
+        "",
+        f"Made by `{command}`, which computes what is missing in ledger.jsonl.",
+        "",
+    ]
+    for recipe, of_recipe in by_recipe.items():
+        parts += _section(folder, recipe, of_recipe)
+    page = folder / "README.md"
+    write_whole(page, "\n".join(parts).encode())
+    return page
+
+
+def _groups(entries: Sequence[Entry]) -> list[_Group]:
+    """Return the entries by recipe, steps and behaviour, in the order that they are shown in."""
+    known = {behaviour.slug: behaviour for behaviour in READY_MADE}
+    found: dict[tuple[int, str, int, str, int], list[Entry]] = {}
+    names = list(RECIPES)
+    for entry in entries:
+        cell = entry.cell
+        if cell.behaviour not in known or cell.recipe not in names:
+            continue
+        place = list(known).index(cell.behaviour)
+        key = (names.index(cell.recipe), cell.digest, -cell.steps, cell.behaviour, place)
+        found.setdefault(key, []).append(entry)
+    ordered = sorted(found, key=lambda key: (key[0], key[1], key[2], key[4]))
+    return [_Group(known[key[3]], names[key[0]], -key[2], tuple(found[key])) for key in ordered]
+
+
+def _section(folder: Path, recipe: str, groups: Sequence[_Group]) -> list[str]:
+    aliens, returns = f"aliens-{recipe}.png", f"returns-{recipe}.png"
+    write_whole(folder / aliens, _aliens(groups))
+    write_whole(folder / returns, _returns(groups))
+    return [
+        f"## Recipe `{recipe}`",
+        "",
+        "Greedy games from all held-out evaluation starts, of all training seeds together, with 95%"
+        " bootstrap intervals over the games. Minutes are those of whole runs, from the recordings"
+        " to the attention maps, on the machine as it was; tau and left-out pairs are the reward"
+        " model's.",
+        "",
+        *_means(groups),
+        "",
+        "### Aliens hit from evaluation starts 0, 1, 2",
+        "",
+        "Targets + strays of the greedy game; a cross marks a game lost to a bomb. The winner hit"
+        " more targets, or as many with fewer strays.",
+        "",
+        *_hits(groups),
+        "",
+        f"![Aliens left, first training seed]({aliens})",
+        "",
+        "Squares are aliens left, rings targets hit, crosses strays; first training seed.",
+        "",
+        "### Predicted return against rank",
+        "",
+        f"![Predicted return against rank]({returns})",
+        "",
+        *_rewards(groups),
+        "",
+        "### Each run",
+        "",
+        *(
+            f"- [{group.behaviour.name}, training seed {entry.cell.training_seed}]"
+            f"({cell_folder(entry)}/README.md)"
+            for group in groups
+            for entry in group.entries
+        ),
+        "",
+    ]
+
+
+def _means(groups: Sequence[_Group]) -> list[str]:
+    lines = [
+        "| behaviour | steps | seeds | policy | targets | strays | order errors | lost"
+        " | targets, sampled | tau | left-out pairs | minutes |",
+        "|---|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for group in groups:
+        seeds = ", ".join(str(entry.cell.training_seed) for entry in group.entries)
+        for policy in POLICIES:
+            figures = [
+                _interval(group.mean(policy, "greedy", "targets")),
+                _interval(group.mean(policy, "greedy", "strays")),
+                _interval(group.mean(policy, "greedy", "order_errors"))
+                if group.behaviour.ordered
+                else "",
+                _interval(group.mean(policy, "greedy", "is_hit"), ".0%"),
+                _interval(group.mean(policy, "sampled", "targets")),
+            ]
+            if policy == "imitator":
+                head = f"| {group.behaviour.name} | {group.steps:,} | {seeds}"
+                tail = [
+                    _lowest(group, "tau", ".2f"),
+                    _lowest(group, "held_out_accuracy", ".1%"),
+                    "to ".join(
+                        dict.fromkeys(
+                            f"{edge([e.minutes for e in group.entries]):.0f} "
+                            for edge in (min, max)
+                        )
+                    ),
+                ]
+            else:
+                head, tail = "| | |", ["", "", ""]
+            lines.append(" | ".join([head, policy, *figures, *tail]) + " |")
+    return lines
+
+
+def _hits(groups: Sequence[_Group]) -> list[str]:
+    heads = [f"{policy} {start}" for start in STARTS for policy in POLICIES]
+    lines = [
+        f"| behaviour | seed | {' | '.join(heads)} | winner 0 / 1 / 2 |",
+        f"|---|---:|{'---|' * len(heads)}---|",
+    ]
+    for group in groups:
+        for entry in group.entries:
+            cells, winners = [], []
+            for start in STARTS:
+                ours, theirs = (entry.game(policy, start) for policy in POLICIES)
+                cells += [_game(ours), _game(theirs)]
+                who = winner(ours.figures, theirs.figures) if ours and theirs else None
+                winners.append(who or "")
+            lines.append(
+                f"| {group.behaviour.name} | {entry.cell.training_seed} | {' | '.join(cells)}"
+                f" | {' / '.join(winners)} |"
+            )
+    return lines
+
+
+def _rewards(groups: Sequence[_Group]) -> list[str]:
+    """The predicted return of each rank, as the published work's appendix tables it."""
+    ranks = sorted({one.rank for g in groups for one in g.entries[0].demonstrations})
+    lines = [
+        f"| rank | {' | '.join(group.behaviour.name for group in groups)} |",
+        f"|---:|{'---:|' * len(groups)}",
+    ]
+    for rank in ranks:
+        cells = []
+        for group in groups:
+            found = [one for one in group.entries[0].demonstrations if one.rank == rank]
+            cells.append(
+                ", ".join(
+                    f"{one.predicted_return:.0f} ({_counted(group.behaviour, one.hits)})"
+                    for one in found
+                )
+            )
+        lines.append(f"| {rank} | {' | '.join(cells)} |")
+    return lines
+
+
+def _aliens(groups: Sequence[_Group]) -> bytes:
+    columns = [(policy, start) for policy in POLICIES for start in STARTS]
+    rows = []
+    for group in groups:
+        games = [group.entries[0].game(policy, start) for policy, start in columns]
+        rows.append(
+            AliensRow(group.behaviour, tuple(None if game is None else game.hits for game in games))
+        )
+    return aliens_table(rows, [(policy, f"{policy}, start {start}") for policy, start in columns])
+
+
+def _returns(groups: Sequence[_Group]) -> bytes:
+    panels = []
+    for group in groups:
+        entry = group.entries[0]
+        panels.append(
+            ReturnsPanel(
+                group.behaviour.name,
+                [one.rank for one in entry.demonstrations],
+                [one.predicted_return for one in entry.demonstrations],
+                entry.check.get("tau"),
+            )
+        )
+    return returns_table(panels)
+
+
+def _game(game: LedgerGame | None) -> str:
+    if game is None:
+        return ""
+    figures = game.figures
+    return f"{figures.targets} + {figures.strays}{' ✗' if figures.is_hit else ''}"
+
+
+def _counted(behaviour: Behaviour, hits: tuple[tuple[int, int], ...]) -> str:
+    found = score(behaviour, hits)
+    return f"{len(hits)}" if found is None else f"{found.targets} + {found.strays}"
+
+
+def _interval(value: Interval | None, form: str = ".2f") -> str:
+    if value is None:
+        return ""
+    return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"
+
+
+def _lowest(group: _Group, name: str, form: str) -> str:
+    values = [v for entry in group.entries if (v := entry.check.get(name)) is not None]
+    return f"{min(values):{form}}" if values else ""
