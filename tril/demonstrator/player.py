@@ -90,23 +90,60 @@ class ScriptedPlayer:
 
         Args:
             recorder: The game to play, which it records.
-            wanted: The aliens to hit, as (row, column), in an order in which each stands free
-                when its turn comes.
+            wanted: As of Planner.
             style: How it plays.
             rng: Where its chances come from.
         """
         self._recorder = recorder
-        self._episode = recorder.episode
+        self._planner = Planner(recorder.episode, wanted, style, rng)
+
+    def play(self) -> None:
+        """Play until the game ends. Wanted hits that never come off are left out."""
+        while self._recorder.episode.end is None:
+            self._execute(self._planner.next_actions())
+
+    def _execute(self, actions: Iterable[int]) -> None:
+        for action in actions:
+            for _ in range(FRAMES_PER_STEP):
+                if self._recorder.episode.end is not None:
+                    return
+                self._recorder.advance(action)
+
+
+class Planner:
+    """Decides what to do next in a game, by trying it out on the game itself."""
+
+    def __init__(
+        self, episode: Episode, wanted: Sequence[Cell], style: Style, rng: np.random.Generator
+    ) -> None:
+        """Look at a game.
+
+        Args:
+            episode: The game, which ends at the hit; it is left as it was found.
+            wanted: The aliens to hit, as (row, column), in an order in which each stands free
+                when its turn comes, after as many cells as have been hit already.
+            style: How it is to be played.
+            rng: Where the chances come from.
+        """
+        self._episode = episode
         self._wanted = list(wanted)
         self._style = style
         self._rng = rng
         self._due = self._draw_times()
         self._next_try = 0
 
-    def play(self) -> None:
-        """Play until the game ends. Wanted hits that never come off are left out."""
-        while self._episode.end is None:
-            self._execute(self._next_actions())
+    def next_actions(self) -> Sequence[int]:
+        """Return the actions of the next steps, at least one; play them all before asking again."""
+        n_hits = len(self._episode.hits)
+        if n_hits == len(self._wanted):
+            return self._walk(_player_x(self._episode))
+        cell = self._wanted[n_hits]
+        if self._episode.frame >= max(self._due[n_hits], self._next_try):
+            shot = self._shot(cell)
+            if shot is not None:
+                return shot
+            self._next_try = self._episode.frame + _RETRY_FRAMES
+        return self._walk(_alien_x(self._episode, cell) - game.MISSILE_OFFSET)
 
     def _draw_times(self) -> list[float]:
         """Draw when each wanted hit is tried at the earliest, in frames."""
@@ -119,25 +156,6 @@ class ScriptedPlayer:
         if leaving:
             times[: leaving[-1] + 1] = 0
         return [float(time) for time in times]
-
-    def _next_actions(self) -> Sequence[int]:
-        n_hits = len(self._episode.hits)
-        if n_hits == len(self._wanted):
-            return self._walk(_player_x(self._episode))
-        cell = self._wanted[n_hits]
-        if self._episode.frame >= max(self._due[n_hits], self._next_try):
-            shot = self._shot(cell)
-            if shot is not None:
-                return shot
-            self._next_try = self._episode.frame + _RETRY_FRAMES
-        return self._walk(_alien_x(self._episode, cell) - game.MISSILE_OFFSET)
-
-    def _execute(self, actions: Iterable[int]) -> None:
-        for action in actions:
-            for _ in range(FRAMES_PER_STEP):
-                if self._episode.end is not None:
-                    return
-                self._recorder.advance(action)
 
     # Walking and waiting
 
