@@ -32,6 +32,7 @@ class Choice(StrEnum):
 
     GREEDY = "greedy"
     SAMPLED = "sampled"
+    STICKY = "sticky"
 
 
 def evaluate(
@@ -40,9 +41,15 @@ def evaluate(
     choice: Annotated[Choice, typer.Option(help="How it chooses actions.")] = Choice.GREEDY,
     starts: Annotated[str, typer.Option(help="Evaluation starts, e.g. 0,1,2 or 0-31.")] = "0-22",
     sticky: Annotated[
-        float, typer.Option(min=0, max=1, help="Chance of repeating the last frame's action.")
-    ] = 0.0,
-    sampling_seed: Annotated[int, typer.Option(min=0, help="Of the draws of actions.")] = 0,
+        float | None,
+        typer.Option(
+            min=0,
+            max=1,
+            help="Chance of repeating the last frame's action; else 0.25 where the choice is"
+            " sticky.",
+        ),
+    ] = None,
+    sampling_seed: Annotated[int, typer.Option(min=0, help="Of all draws.")] = 0,
     as_json: JsonOption = False,
 ) -> None:
     """Let a trained policy play one game from each evaluation start; nothing is stored."""
@@ -71,7 +78,7 @@ def _play(
     policy: Policy,
     choice: Choice,
     numbers: list[int],
-    sticky: float,
+    sticky: float | None,
     sampling_seed: int,
 ) -> tuple[Behaviour, list[Any]]:
     from trainer.evaluation import play

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import typer
@@ -15,6 +16,7 @@ from tril.jobs import estimate, overall_progress
 from tril.recipes import RECIPES, Recipe, recipe_named, with_values
 from tril.store import behaviours, evaluations, players, runs
 from tril.store.models import RunRow
+from tril.summary import PolicySummary
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
@@ -172,7 +174,7 @@ def run_entry(row: RunRow) -> dict[str, Any]:
 
 
 def print_results(workspace: Workspace, row: RunRow) -> None:
-    """Print the evaluation games of a run, policy by policy."""
+    """Print the evaluation games of a run and their means, policy by policy."""
     with workspace.database.reading() as session:
         of = behaviours.get(session, row.behaviour_id)
         games = evaluations.listing(session, row.id)
@@ -185,6 +187,24 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
         returned = "" if game.predicted_return is None else f"{game.predicted_return:.1f}"
         table.add_row(name, game.policy, game.choice, game.recording.end or "", *numbers, returned)
     console.print(table if games else "No evaluation games yet.")
+    _print_means(evaluations.summaries(games))
+
+
+def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
+    """Print what the games from held-out starts come to."""
+    if not summaries:
+        return
+    title = "Means over held-out starts, with 95% intervals"
+    table = Table("policy", "choice", title=title, box=None, title_justify="left")
+    for heading in ("games", "targets", "strays", "lost to a bomb"):
+        table.add_column(heading, justify="right")
+    for (policy, choice), one in summaries.items():
+        cells = (
+            "" if value is None else f"{value.mean:.2f} ({value.low:.2f} to {value.high:.2f})"
+            for value in (one.targets, one.strays, one.hit_share)
+        )
+        table.add_row(policy, choice, str(one.steps.n), *cells)
+    console.print(table)
 
 
 def _value(text: str) -> Any:

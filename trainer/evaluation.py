@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +16,10 @@ from tril.game.episode import Ending, EndReason, Hit
 from tril.game.starts import Start
 from tril.game.vector import FinishedGame, FixedStarts, VectorGame
 from tril.recording import Recording
+from tril.store.evaluations import Choice
 
-Choice = Literal["greedy", "sampled"]
-CHOICES: tuple[Choice, ...] = ("greedy", "sampled")
+STICKY_ACTION_PROBABILITY = 0.25
+"""Of the choice "sticky", as Machado et al. 2018, section 5.1, propose."""
 
 
 class Actor(Protocol):
@@ -67,7 +68,7 @@ def play(
     model: RewardModel | None = None,
     ending: Ending = Ending.HIT,
     sampling_seed: int = 0,
-    sticky_action_probability: float = 0.0,
+    sticky_action_probability: float | None = None,
     n_processes: int | None = None,
     progress: Progress | None = None,
 ) -> list[PlayedGame]:
@@ -76,12 +77,14 @@ def play(
     Args:
         actor: The policy.
         starts: Where the games begin.
-        choice: "greedy" takes the likeliest action, "sampled" draws by the probabilities.
+        choice: "greedy" takes the likeliest action, "sampled" draws by the probabilities,
+            "sticky" takes the likeliest one while actions stick.
         model: Scores the states that the policy reaches.
         ending: Which rule for the player's death ends a game.
-        sampling_seed: Of the draws; each game has its own generator, so that a game does not
+        sampling_seed: Of the draws; each game has generators of its own, so that a game does not
             depend on which others are played beside it.
-        sticky_action_probability: Of repeating the action of the frame before.
+        sticky_action_probability: Of repeating the action of the frame before; the recordings
+            hold what was executed. None means that of the choice.
         n_processes: As of VectorGame.
         progress: Told about steps, of the most that a game can have.
 
@@ -89,6 +92,8 @@ def play(
         The games in the order of the starts.
     """
     progress = progress or Unobserved()
+    if sticky_action_probability is None:
+        sticky_action_probability = stickiness(choice)
     generators = [
         np.random.default_rng((sampling_seed, start.idle_frames, start.difficulty))
         for start in starts
@@ -125,12 +130,17 @@ def play(
     ]
 
 
+def stickiness(choice: Choice) -> float:
+    """Return the probability with which games of a choice repeat the action of the frame before."""
+    return STICKY_ACTION_PROBABILITY if choice == "sticky" else 0.0
+
+
 def _choose(
     probabilities: npt.NDArray[np.float32],
     choice: Choice,
     generators: Sequence[np.random.Generator],
 ) -> npt.NDArray[np.int64]:
-    if choice == "greedy":
+    if choice != "sampled":
         best: npt.NDArray[np.int64] = probabilities.argmax(1)
         return best
     draws = np.array([rng.random() for rng in generators])

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from trainer.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.figures import (
     COLOURS,
     PlayedColumn,
@@ -18,13 +19,12 @@ from tril.behaviours import Behaviour, Cell, score
 from tril.recipes import Recipe, recipe_from_dict
 from tril.store import artifacts, behaviours, evaluations, metrics, recordings, runs
 from tril.store.database import Database
+from tril.store.evaluations import POLICIES
 from tril.store.metrics import Series
 from tril.store.models import ArtifactRow, EvaluationRow, RecordingRow, RunRow
-from tril.summary import Interval, PolicySummary, summarise, winner
+from tril.summary import Interval, PolicySummary, winner
 
 STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
-POLICIES = ("imitator", "clone")
-CHOICES = ("greedy", "sampled")
 
 
 @dataclass(frozen=True)
@@ -203,21 +203,16 @@ def _comparison(facts: _Facts) -> list[str]:
 
 def _means(facts: _Facts) -> list[str]:
     lines = [
-        "Means over all held-out starts, with 95% bootstrap intervals:",
+        "Means over all held-out starts, with 95% bootstrap intervals. Greedy: the policy takes the"
+        " likeliest action; sampled: it draws by the probabilities; sticky: it takes the likeliest"
+        f" one, and at every frame the machine repeats the last action with probability"
+        f" {STICKY_ACTION_PROBABILITY}.",
         "",
         "| policy | actions | games | targets | strays | lost to a bomb | steps |",
         "|---|---|---:|---:|---:|---:|---:|",
     ]
-    for policy in POLICIES:
-        for choice in CHOICES:
-            rows = [
-                row
-                for row in facts.games
-                if (row.policy, row.choice) == (policy, choice) and row.held_out
-            ]
-            if rows:
-                summary = summarise([evaluations.figures_of(row) for row in rows])
-                lines.append(f"| {policy} | {choice} | {len(rows)} | {_summary(summary)} |")
+    for (policy, choice), summary in evaluations.summaries(facts.games).items():
+        lines.append(f"| {policy} | {choice} | {summary.steps.n} | {_summary(summary)} |")
     return [*lines, ""]
 
 

@@ -25,7 +25,7 @@ from server.api.views import RecordingViews
 from tril.recipes import recipe_from_dict
 from tril.store import artifacts, evaluations, recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
-from tril.summary import summarise, winner
+from tril.summary import winner
 
 _STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
 
@@ -131,19 +131,11 @@ def _comparison(
 
 def _summaries(games: list[EvaluationRow]) -> list[PolicyChoiceSummary]:
     """Means over the games from starts that no demonstration began from."""
-    groups: dict[tuple[str, str], list[EvaluationRow]] = defaultdict(list)
-    for row in games:
-        if row.held_out:
-            groups[row.policy, row.choice].append(row)
     return [
         PolicyChoiceSummary(
-            policy=policy,
-            choice=choice,
-            summary=PolicySummary.model_validate(
-                summarise([evaluations.figures_of(row) for row in rows])
-            ),
+            policy=policy, choice=choice, summary=PolicySummary.model_validate(summary)
         )
-        for (policy, choice), rows in sorted(groups.items())
+        for (policy, choice), summary in evaluations.summaries(games).items()
     ]
 
 

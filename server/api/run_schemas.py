@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas import Id, Recording, Schema
+from tril.store.evaluations import Choice
 
 
 class Recipe(Schema):
@@ -156,10 +157,14 @@ class AttentionMap(Schema):
 
 
 class EvaluationGame(Schema):
-    """One game that a trained policy played."""
+    """One game that a trained policy played.
+
+    ``choice``: "greedy" takes the likeliest action, "sampled" draws by the probabilities, "sticky"
+    takes the likeliest one while the machine repeats a quarter of the actions at random.
+    """
 
     policy: Literal["imitator", "clone"]
-    choice: Literal["greedy", "sampled"]
+    choice: Choice
     start_number: int
     held_out: bool
     predicted_return: float | None
@@ -180,7 +185,7 @@ class PolicyChoiceSummary(Schema):
     """Means over a policy's games from held-out starts."""
 
     policy: Literal["imitator", "clone"]
-    choice: Literal["greedy", "sampled"]
+    choice: Choice
     summary: PolicySummary
 
 

@@ -69,17 +69,22 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
         games = evaluations.listing(session, run.id)
         assert {(game.policy, game.choice, game.start_number) for game in games} == {
             (policy, choice, number)
-            for policy in ("imitator", "clone")
-            for choice in ("greedy", "sampled")
+            for policy in evaluations.POLICIES
+            for choice in evaluations.CHOICES
             for number in (0, 7)
         }
     database.close()
 
-    (again,) = _tril("evaluate", run.id, "--starts", "7", "--json").splitlines()
-    stored = next(
-        game
-        for game in games
-        if (game.policy, game.choice, game.start_number) == ("imitator", "greedy", 7)
-    )
-    assert json.loads(again)["targets"] == stored.targets
-    assert json.loads(again)["predicted_return"] == pytest.approx(stored.predicted_return, rel=1e-3)
+    for choice in ("greedy", "sticky"):
+        (again,) = _tril(
+            "evaluate", run.id, "--starts", "7", "--choice", choice, "--json"
+        ).splitlines()
+        stored = next(
+            game
+            for game in games
+            if (game.policy, game.choice, game.start_number) == ("imitator", choice, 7)
+        )
+        assert json.loads(again)["targets"] == stored.targets
+        assert json.loads(again)["predicted_return"] == pytest.approx(
+            stored.predicted_return, rel=1e-3
+        )

@@ -75,10 +75,15 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
         _, curves = metrics.series(session, row.id)
         library = recordings.listing(session, workplace.behaviour_id)
     assert {(game.policy, game.choice, game.start_number) for game in games} == {
-        (policy, choice, 0) for policy in ("imitator", "clone") for choice in ("greedy", "sampled")
+        (policy, choice, 0) for policy in evaluations.POLICIES for choice in evaluations.CHOICES
     }
-    assert len(games) == 4
+    assert len(games) == 6
     for game in games:
+        assert game.recording.conditions == {
+            "policy": game.policy,
+            "choice": game.choice,
+            **({"sticky_action_probability": 0.25} if game.choice == "sticky" else {}),
+        }
         assert game.held_out
         assert game.recording.run_id == row.id
         assert verify(recordings.as_recording(game.recording)).n_cut == 0

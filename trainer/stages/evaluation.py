@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from trainer.evaluation import CHOICES, Choice, PlayedGame, play
+from trainer.evaluation import PlayedGame, play, stickiness
 from trainer.progress import Part, Progress
 from trainer.run_data import RunData
 from tril.behaviours import score
@@ -14,13 +14,12 @@ from tril.game.episode import Ending
 from tril.game.starts import evaluation_number, evaluation_start
 from tril.recording import verify
 from tril.store import claims, evaluations, recordings
-from tril.store.evaluations import POLICIES, EvaluationKey
+from tril.store.evaluations import CHOICES, POLICIES, Choice, EvaluationKey
 from tril.store.models import Source
-from tril.summary import summarise
 
 
 def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
-    """Let both policies play all evaluation starts, greedily and sampled, as far as is missing."""
+    """Let both policies play all evaluation starts in every choice, as far as is missing."""
     context = data.context
     recipe = context.recipe.evaluation
     numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
@@ -71,7 +70,7 @@ def keep_games(
                 confirmed.replay,
                 Source.POLICY,
                 run_id=context.run_id,
-                conditions={"policy": policy, "choice": choice},
+                conditions=conditions_of(policy, choice),
             )
             found = score(
                 context.behaviour, tuple((hit.row, hit.column) for hit in confirmed.replay.hits)
@@ -87,6 +86,14 @@ def keep_games(
             )
 
 
+def conditions_of(policy: str, choice: Choice) -> dict[str, Any]:
+    """Return how a policy's game was played, as its recording says it."""
+    sticky = stickiness(choice)
+    return {"policy": policy, "choice": choice} | (
+        {"sticky_action_probability": sticky} if sticky else {}
+    )
+
+
 def starts_seen(data: RunData) -> set[int]:
     """Return the evaluation starts from which a demonstration of the run began."""
     shown = data.recordings([*data.ranked, *data.perfect])
@@ -100,14 +107,9 @@ def headline(data: RunData) -> dict[str, Any]:
     check = context.outcome["check"]
     with context.database.reading() as session:
         games = evaluations.listing(session, context.run_id)
-    summaries: dict[str, Any] = {}
-    for policy in POLICIES:
-        rows = [
-            row for row in games if (row.policy, row.choice) == (policy, "greedy") and row.held_out
-        ]
-        found = [evaluations.figures_of(row) for row in rows]
-        summaries[policy] = summarise(found).to_dict() if found else None
+    found = evaluations.summaries(games)
+    greedy = {policy: found.get((policy, "greedy")) for policy in POLICIES}
     return {
-        **summaries,
+        **{policy: summary and summary.to_dict() for policy, summary in greedy.items()},
         **{name: check[name] for name in ("tau", "pair_accuracy", "held_out_accuracy")},
     }

@@ -86,6 +86,10 @@ class TrainingStarts:
             return DemonstrationStep(demonstration, step)
         return Start(self.idle_frames[int(rng.integers(len(self.idle_frames)))])
 
+    def generator_key(self, game_index: int) -> tuple[int, ...]:
+        """Return what tells a game's generator of repeated actions from the other games'."""
+        return (game_index,)
+
 
 @dataclass(frozen=True)
 class FixedStarts:
@@ -112,6 +116,16 @@ class FixedStarts:
     ) -> Start | DemonstrationStep | None:
         """Return the game's start, or None when it has been played."""
         return self.starts[game_index] if games_before == 0 else None
+
+    def generator_key(self, game_index: int) -> tuple[int, ...]:
+        """Return what tells a game's generator of repeated actions from the other games'.
+
+        It is the game's start, and how many games before it have the same one, so that a game does
+        not depend on which others are played beside it.
+        """
+        start = self.starts[game_index]
+        earlier = self.starts[:game_index].count(start)
+        return (start.idle_frames, start.mode, start.difficulty, earlier)
 
 
 StartSource = TrainingStarts | FixedStarts

@@ -73,7 +73,8 @@ class Assignment:
         ending: which rule for the player's death ends an episode.
         max_frames: after how many frames an episode ends in any case.
         sticky_action_probability: see StickyActions.
-        training_seed: each game draws from generators of its own, made of this and its index.
+        training_seed: each game draws from generators of its own, made of this and its index or
+            start.
     """
 
     n_games: int
@@ -170,7 +171,7 @@ class GameSlot:
         self._demonstrations = demonstrations
         seed = assignment.training_seed
         self._start_rng = np.random.default_rng((seed, index, 0))
-        self._sticky_rng = np.random.default_rng((seed, index, 1))
+        self._sticky_rng = np.random.default_rng((seed, *self._starts.generator_key(index), 1))
         sticky_probability = assignment.sticky_action_probability
         self._game = AgentGame(
             Console(known_starts),

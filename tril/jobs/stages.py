@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tril.errors import Invalid
 from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
+from tril.store.evaluations import CHOICES, POLICIES
 from tril.store.models import RunRow, RunStatus
 
 STAGES = (
@@ -32,7 +33,6 @@ REWARD_UPDATE_S = 0.003
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 250.0, "small": 480.0}
 EVALUATION_STEPS_PER_S = 900.0
-N_POLICIES_BY_CHOICES = 4
 
 
 def stages_of(run: RunRow) -> tuple[str, ...]:
@@ -49,7 +49,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
     n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
-    games = n_starts * N_POLICIES_BY_CHOICES
+    games = n_starts * len(POLICIES) * len(CHOICES)
     demonstrated = N_DEMONSTRATIONS * MEAN_STEPS
     return {
         "demonstrations": DEMONSTRATIONS_S,

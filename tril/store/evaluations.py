@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
@@ -12,9 +15,14 @@ from tril.game.episode import EndReason
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
-from tril.summary import GameFigures
+from tril.summary import GameFigures, PolicySummary, summarise
 
 POLICIES = ("imitator", "clone")
+
+Choice = Literal["greedy", "sampled", "sticky"]
+CHOICES: tuple[Choice, ...] = ("greedy", "sampled", "sticky")
+"""How a policy's actions come about: the likeliest one; drawn by their probabilities; the likeliest
+one, repeated at random by the machine. Runs of earlier versions have no sticky games."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +31,7 @@ class EvaluationKey:
 
     Attributes:
         policy: One of POLICIES.
-        choice: How it chose its actions, "greedy" or "sampled".
+        choice: One of CHOICES.
         start_number: The evaluation start.
     """
 
@@ -98,3 +106,17 @@ def figures_of(row: EvaluationRow) -> GameFigures:
         is_hit=row.recording.end == EndReason.HIT,
         predicted_return=row.predicted_return,
     )
+
+
+def summaries(games: Sequence[EvaluationRow]) -> dict[tuple[str, str], PolicySummary]:
+    """Return means over the games from held-out starts, by (policy, choice), the headline first.
+
+    Args:
+        games: A run's evaluation games, loaded with their recordings.
+    """
+    groups: dict[tuple[str, str], list[GameFigures]] = defaultdict(list)
+    for row in games:
+        if row.held_out:
+            groups[row.policy, row.choice].append(figures_of(row))
+    order = [(policy, choice) for policy in POLICIES for choice in CHOICES]
+    return {key: summarise(groups[key]) for key in order if key in groups}

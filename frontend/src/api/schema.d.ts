@@ -814,13 +814,16 @@ export interface components {
         /**
          * EvaluationGame
          * @description One game that a trained policy played.
+         *
+         *     ``choice``: "greedy" takes the likeliest action, "sampled" draws by the probabilities, "sticky"
+         *     takes the likeliest one while the machine repeats a quarter of the actions at random.
          */
         EvaluationGame: {
             /**
              * Choice
              * @enum {string}
              */
-            choice: "greedy" | "sampled";
+            choice: "greedy" | "sampled" | "sticky";
             /** Held Out */
             held_out: boolean;
             /**
@@ -976,7 +979,7 @@ export interface components {
              * Choice
              * @enum {string}
              */
-            choice: "greedy" | "sampled";
+            choice: "greedy" | "sampled" | "sticky";
             /**
              * Policy
              * @enum {string}

@@ -16,6 +16,7 @@ export type ImportResult = Schemas["ImportResult"];
 export type Interval = Schemas["Interval"];
 export type Metrics = Schemas["Metrics"];
 export type Player = Schemas["Player"];
+export type PolicyChoiceSummary = Schemas["PolicyChoiceSummary"];
 export type PolicySummary = Schemas["PolicySummary"];
 export type Ranking = Schemas["Ranking"];
 export type RankingCheck = Schemas["RankingCheck"];

@@ -155,6 +155,25 @@ describe("the results", () => {
     expect(screen.getByText(/Means of 23 games/)).toBeVisible();
   });
 
+  it("are shown for every way of playing that was played", async () => {
+    const sticky = { ...SUMMARY, targets: { mean: 3.1, low: 2.5, high: 3.7, n: 23 } };
+    open(one, {
+      ...results,
+      summaries: [
+        ...(results.summaries ?? []),
+        { policy: "imitator", choice: "sticky", summary: sticky },
+      ],
+    });
+    await userEvent.click(await screen.findByText("With sticky actions"));
+    expect(screen.getByText(/a chance of 25 % that the last frame’s action/)).toBeVisible();
+    const table = within(
+      screen.getByRole("table", { name: "Imitator and clone, with sticky actions" }),
+    );
+    expect(table.getByRole("row", { name: /Targets hit, of 2/ })).toHaveTextContent("3.12.5 to 3.7");
+    // An earlier version's run may lack some.
+    expect(screen.queryByText("With actions drawn by chance instead")).not.toBeInTheDocument();
+  });
+
   it("set the games of a start side by side, with the winner", async () => {
     open(one, results);
     const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));

@@ -13,7 +13,13 @@ import { SummaryTable } from "./SummaryTable";
 
 import { resultsQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
-import type { Behaviour, PolicySummary, Run, RunResults } from "@/api/types";
+import type {
+  Behaviour,
+  PolicyChoiceSummary,
+  PolicySummary,
+  Run,
+  RunResults,
+} from "@/api/types";
 import { Ago } from "@/components/Ago";
 import { RunStatus } from "@/components/Badges";
 import { Failed, Loading, Notice } from "@/components/States";
@@ -181,12 +187,35 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
   ].filter((plan) => plan !== null && plan !== false);
 }
 
+type Choice = PolicyChoiceSummary["choice"];
+
+/** Ways of playing beside the headline's; runs of earlier versions have no sticky games. */
+const OTHER_CHOICES = [
+  {
+    choice: "sampled",
+    title: "With actions drawn by chance instead",
+    note: "Each policy draws its action by the probabilities that it gives them.",
+    label: "Imitator and clone, actions drawn by chance",
+  },
+  {
+    choice: "sticky",
+    title: "With sticky actions",
+    note:
+      "Each policy takes the action it thinks best, but at every frame there is a chance of 25 % " +
+      "that the last frame’s action is executed again: a test of whether it can recover.",
+    label: "Imitator and clone, with sticky actions",
+  },
+] as const;
+
 function Result({ results, behaviour }: { results: RunResults; behaviour: Behaviour }) {
-  const find = (policy: "imitator" | "clone", choice: "greedy" | "sampled"): PolicySummary | null =>
+  const find = (policy: "imitator" | "clone", choice: Choice): PolicySummary | null =>
     results.summaries.find((one) => one.policy === policy && one.choice === choice)?.summary ??
     null;
-  const greedy = { imitator: find("imitator", "greedy"), clone: find("clone", "greedy") };
-  const sampled = { imitator: find("imitator", "sampled"), clone: find("clone", "sampled") };
+  const both = (choice: Choice) => ({
+    imitator: find("imitator", choice),
+    clone: find("clone", choice),
+  });
+  const greedy = both("greedy");
   const n = greedy.imitator?.steps.n ?? greedy.clone?.steps.n ?? 0;
   return (
     <>
@@ -195,16 +224,18 @@ function Result({ results, behaviour }: { results: RunResults; behaviour: Behavi
         Means of {count(n, "game")} from starts that no training or demonstration game began from,
         with 95 % bootstrap intervals. Each policy takes the action it thinks best.
       </p>
-      {(sampled.imitator ?? sampled.clone) && (
-        <details>
-          <summary className={styles.note}>With actions drawn by chance instead</summary>
-          <SummaryTable
-            {...sampled}
-            behaviour={behaviour}
-            label="Imitator and clone, actions drawn by chance"
-          />
-        </details>
-      )}
+      {OTHER_CHOICES.map(({ choice, title, note, label }) => {
+        const found = both(choice);
+        return (
+          (found.imitator ?? found.clone) && (
+            <details key={choice} className={styles.choice}>
+              <summary className={styles.note}>{title}</summary>
+              <p className={styles.note}>{note}</p>
+              <SummaryTable {...found} behaviour={behaviour} label={label} />
+            </details>
+          )
+        );
+      })}
     </>
   );
 }
