@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,7 +12,7 @@ from sqlalchemy import inspect, text
 
 from tril.errors import Unavailable
 from tril.store import behaviours, players
-from tril.store.database import Database, create_database
+from tril.store.database import Database, create_database, use_wal
 from tril.store.models import Base
 from tril.store.schema import check_schema, upgrade
 
@@ -53,6 +54,20 @@ def test_processes_that_upgrade_at_once_do_not_get_into_each_others_way(tmp_path
     with database.reading() as session:
         assert len(behaviours.listing(session)) == 7
     database.close()
+
+
+def test_a_fresh_file_can_be_switched_to_wal_while_others_do_the_same(tmp_path: Path) -> None:
+    path = tmp_path / "fresh.sqlite"
+    slow = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+    slow.execute("BEGIN EXCLUSIVE")
+    hold = threading.Timer(0.2, slow.execute, ["COMMIT"])
+    hold.start()
+    connection = sqlite3.connect(path, timeout=0.0)
+    use_wal(connection.cursor())
+    assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
+    hold.join()
+    connection.close()
+    slow.close()
 
 
 def test_a_newer_database_is_refused_and_left_alone(tmp_path: Path) -> None:

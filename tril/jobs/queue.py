@@ -10,6 +10,7 @@ from dbos import DBOS, DBOSClient, DBOSPortableJSONSerializer, Serializer
 from sqlalchemy import make_url
 
 from tril.settings import Settings
+from tril.store.database import use_wal
 
 APPLICATION = "tril"
 QUEUE = "runs"
@@ -64,6 +65,6 @@ def quiet_dbos() -> None:
 def _use_wal(path: Path) -> None:
     connection = sqlite3.connect(path, timeout=30.0)
     try:
-        connection.execute("PRAGMA journal_mode=WAL")
+        use_wal(connection.cursor())
     finally:
         connection.close()

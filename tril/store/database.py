@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +13,7 @@ from sqlalchemy import Engine, create_engine, event, make_url
 from sqlalchemy.orm import Session, sessionmaker
 
 BUSY_TIMEOUT_MS = 15_000
+WAL_RETRY_S = 0.01
 
 
 def create_database(url: str) -> Database:
@@ -64,6 +67,28 @@ class Database:
         self.engine.dispose()
 
 
+def use_wal(cursor: sqlite3.Cursor) -> None:
+    """Switch an SQLite file to write-ahead logging, waiting for others that do the same.
+
+    SQLite's own timeout does not cover this: of two processes that switch a fresh file at once, one
+    is told at once that the file is locked.
+
+    Raises:
+        sqlite3.OperationalError: The file stayed locked, or can't be written.
+    """
+    give_up_at = time.monotonic() + BUSY_TIMEOUT_MS / 1000
+    while True:
+        try:
+            cursor.execute("PRAGMA journal_mode=WAL")
+        except sqlite3.OperationalError as error:
+            locked = error.sqlite_errorcode & 0xFF in {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
+            if not locked or time.monotonic() >= give_up_at:
+                raise
+            time.sleep(WAL_RETRY_S)
+        else:
+            return
+
+
 def _set_up_sqlite(engine: Engine) -> None:
     """Durable WAL, foreign keys, waiting writers; transactions begin where SQLAlchemy says."""
 
@@ -72,7 +97,7 @@ def _set_up_sqlite(engine: Engine) -> None:
         connection.isolation_level = None
         cursor = connection.cursor()
         cursor.execute(f"PRAGMA busy_timeout={BUSY_TIMEOUT_MS}")
-        cursor.execute("PRAGMA journal_mode=WAL")
+        use_wal(cursor)
         cursor.execute("PRAGMA synchronous=FULL")
         cursor.execute("PRAGMA foreign_keys=ON")
         cursor.close()
