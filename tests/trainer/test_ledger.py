@@ -1,0 +1,106 @@
+"""The ledger of finished results and the page made from it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from trainer.ledger import (
+    Cell,
+    Entry,
+    Ledger,
+    LedgerDemonstration,
+    LedgerGame,
+    recipe_digest,
+)
+from trainer.reproduction import cell_folder, write_page
+from tril.errors import Invalid
+from tril.recipes import FAST, PAPER, with_values
+from tril.summary import GameFigures
+
+
+def game(policy: str, start: int, targets: int, strays: int, *, hit: bool = False) -> LedgerGame:
+    figures = GameFigures(targets, strays, 0, 300, hit, 12.5)
+    cells = tuple((row, 1) for row in range(targets)) + tuple((row, 0) for row in range(strays))
+    return LedgerGame(policy, "greedy", start, held_out=start > 0, hits=cells, figures=figures)
+
+
+def entry(behaviour: str = "column-2", seed: int = 0) -> Entry:
+    return Entry(
+        cell=Cell.of(behaviour, FAST, 1000, seed),
+        finished_at="2026-01-02T03:04:05+00:00",
+        seconds={"demonstrations": 600.0, "reward": 60.0, "imitator": 120.0},
+        check={"tau": 1.0, "pair_accuracy": 0.99, "held_out_accuracy": 0.97},
+        demonstrations=(
+            LedgerDemonstration(1, ((0, 1), (1, 1)), 20.0),
+            LedgerDemonstration(2, ((0, 0),), -3.0),
+        ),
+        games=(
+            game("imitator", 0, 6, 0),
+            game("clone", 0, 6, 0),
+            game("imitator", 1, 5, 0),
+            game("clone", 1, 5, 1),
+            game("imitator", 2, 2, 0, hit=True),
+            game("clone", 2, 3, 0),
+        ),
+        versions={"python": "3.11"},
+    )
+
+
+def test_what_is_added_is_read_back_and_no_longer_missing(tmp_path: Path) -> None:
+    first, second = entry(seed=0), entry(seed=1)
+    ledger = Ledger(tmp_path)
+    assert ledger.missing([first.cell, second.cell]) == [first.cell, second.cell]
+    ledger.add(first)
+    again = Ledger(tmp_path)
+    assert list(again.entries) == [first]
+    assert again.missing([first.cell, second.cell]) == [second.cell]
+    changed = replace(first, check={})
+    again.add(changed)
+    assert list(Ledger(tmp_path).entries) == [changed]
+
+
+def test_a_line_that_is_no_result_is_named(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    ledger.add(entry())
+    with ledger.path.open("a") as file:
+        file.write('{"cell": {}}\n')
+    with pytest.raises(Invalid, match=r"Line 2 of .*ledger\.jsonl"):
+        Ledger(tmp_path)
+
+
+def test_a_cell_is_another_when_a_value_of_its_recipe_is() -> None:
+    assert recipe_digest(FAST) != recipe_digest(PAPER)
+    assert recipe_digest(with_values(FAST, {"policy.epochs": 9})) != recipe_digest(FAST)
+    reworded = replace(FAST, summary="In other words.", default_steps=1)
+    assert recipe_digest(reworded) == recipe_digest(FAST)
+
+
+def test_minutes_leave_out_what_a_person_would_have_played() -> None:
+    assert entry().minutes == 3.0
+
+
+def test_the_headline_is_of_held_out_games() -> None:
+    summary = entry().headline("imitator")
+    assert summary is not None
+    assert summary.targets is not None
+    assert summary.targets.mean == 3.5
+    assert summary.targets.n == 2
+    assert summary.hit_share.mean == 0.5
+    assert entry().headline("imitator", "sampled") is None
+
+
+def test_the_page_says_who_won_and_links_each_run(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    ledger.add(entry(seed=0))
+    ledger.add(entry(seed=1))
+    ledger.add(entry("column-6"))
+    page = write_page(tmp_path, "tril reproduce").read_text()
+    assert "| Column 2 | 0 | 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 |" in page
+    assert "tie / imitator / clone" in page
+    assert "| Column 2 | 1,000 | 0, 1 | imitator | 3.50 [" in page
+    assert f"({cell_folder(entry(seed=1))}/README.md)" in page
+    assert (tmp_path / "aliens-fast.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "returns-fast.png").read_bytes().startswith(b"\x89PNG")
