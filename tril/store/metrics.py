@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
@@ -31,6 +31,29 @@ def drop_after(session: Session, run_id: str, stage: str, step: int) -> None:
             MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step > step
         )
     )
+
+
+def curves(
+    session: Session, run_id: str, stage: str, names: Sequence[str]
+) -> dict[str, list[tuple[int, float]]]:
+    """Return some of a stage's series, (step, value) in order of steps; quicker than all of them.
+
+    Args:
+        session: The transaction.
+        run_id: The run.
+        stage: One of its stages.
+        names: Of the series; one without points is empty.
+    """
+    values = (MetricRow.values[name].as_float() for name in names)
+    rows = session.execute(
+        select(MetricRow.step, *values)
+        .where(MetricRow.run_id == run_id, MetricRow.stage == stage)
+        .order_by(MetricRow.step)
+    ).all()
+    return {
+        name: [(row[0], row[place]) for row in rows if row[place] is not None]
+        for place, name in enumerate(names, start=1)
+    }
 
 
 def series(session: Session, run_id: str, after: int = 0) -> tuple[int, Series]:
