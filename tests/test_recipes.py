@@ -7,10 +7,10 @@ import json
 import pytest
 
 from tril.errors import Invalid
-from tril.recipes import FAST, PAPER, Recipe, recipe_from_dict, recipe_named, with_values
+from tril.recipes import FAST, PAPER, RECIPES, Recipe, recipe_from_dict, recipe_named, with_values
 
 
-@pytest.mark.parametrize("recipe", [FAST, PAPER])
+@pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
 def test_a_recipe_survives_being_stored(recipe: Recipe) -> None:
     assert recipe_from_dict(json.loads(json.dumps(recipe.to_dict()))) == recipe
 
@@ -22,6 +22,19 @@ def test_a_recipe_of_another_version_stays_readable() -> None:
     read = recipe_from_dict(stored)
     assert read.policy.reward_scale == PAPER.policy.reward_scale
     assert read.reward == FAST.reward
+
+
+def test_a_recipe_from_before_there_were_methods_is_ppos() -> None:
+    stored = FAST.to_dict()
+    for name in ("method", "dagger", "gail"):
+        del stored[name]
+    assert recipe_from_dict(stored) == FAST
+
+
+def test_the_method_is_a_value_like_others() -> None:
+    assert with_values(FAST, {"method": "dagger", "dagger.expert_decay": 0}).method == "dagger"
+    with pytest.raises(Invalid, match="no method 'magic'; choose one of ppo, dagger, gail"):
+        with_values(FAST, {"method": "magic"})
 
 
 def test_what_is_no_recipe_is_refused() -> None:
@@ -38,5 +51,5 @@ def test_values_are_replaced_by_their_path() -> None:
 
 
 def test_an_unknown_recipe_names_those_there_are() -> None:
-    with pytest.raises(Invalid, match="fast, paper"):
+    with pytest.raises(Invalid, match="fast, paper, dagger, gail"):
         recipe_named("slow")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 
@@ -35,6 +35,21 @@ class Unobserved:
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Do nothing."""
+
+
+class Ticking:
+    """A progress of a part of the work that has no share of its own in the stage's units.
+
+    Args:
+        tick: Says where the stage is; called for every unit of the part.
+    """
+
+    def __init__(self, tick: Callable[[], None]) -> None:
+        self._tick = tick
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        """Say where the stage is."""
+        self._tick()
 
 
 class Part:

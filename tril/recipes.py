@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from tril.errors import Invalid
+
+Method = Literal["ppo", "dagger", "gail"]
+
+MOST_DAGGER_STEPS = 60_000
+"""DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +63,9 @@ class PolicyRecipe:
             the channels and features.
         reward: "sigmoid" pays sigmoid(R(s')) per step (thesis, section 5.1); "level" pays R(s')
             scaled so that the worst demonstrations' states pay 0 and the best ones' end 1;
-            "difference" pays the change of that level, so that progress pays and waiting doesn't.
+            "difference" pays the change of that level, so that progress pays and waiting doesn't;
+            "softplus" pays log(1 + exp(R(s'))), which is GAIL's reward where R is the logit of
+            its discriminator.
         death_penalty: Subtracted from the reward of the step in which the player is hit.
         reward_scale: What all this is multiplied by, so that the critic's errors, which grow with
             the rewards' squares, don't drown what the policy learns from.
@@ -89,7 +96,7 @@ class PolicyRecipe:
     """
 
     network: Literal["nature", "small"] = "nature"
-    reward: Literal["sigmoid", "level", "difference"] = "sigmoid"
+    reward: Literal["sigmoid", "level", "difference", "softplus"] = "sigmoid"
     death_penalty: float = 0.0
     reward_scale: float = 1.0
     n_games: int = 9
@@ -135,6 +142,40 @@ class CloningRecipe:
 
 
 @dataclass(frozen=True)
+class DaggerRecipe:
+    """How the imitator is learned from an expert's corrections (DAgger, Ross et al. 2011).
+
+    The network and its learning rate are those of PolicyRecipe, how it is trained on what has been
+    collected is that of CloningRecipe.
+
+    Attributes:
+        games_per_iteration: Games played and labelled between two trainings of the policy.
+        expert_decay: p of beta_i = p^(i-1), the probability with which a step of iteration i is
+            the expert's; in the first all are (Ross et al. 2011, section 3).
+    """
+
+    games_per_iteration: int = 5
+    expert_decay: float = 0.5
+
+
+@dataclass(frozen=True)
+class GailRecipe:
+    """How GAIL's discriminator is learned (Ho and Ermon 2016); the policy is as PolicyRecipe says.
+
+    Attributes:
+        learning_rate: Adam's step size.
+        updates: Gradient updates after each rollout.
+        batch_size: Observations of the policy in an update, and as many of the demonstrations.
+        weight_decay: L2 penalty.
+    """
+
+    learning_rate: float = 1e-4
+    updates: int = 8
+    batch_size: int = 64
+    weight_decay: float = 1e-4
+
+
+@dataclass(frozen=True)
 class EvaluationRecipe:
     """Which games the trained policies play.
 
@@ -152,20 +193,36 @@ class Recipe:
     """A complete way of learning.
 
     Attributes:
-        name: ``paper`` or ``fast``.
+        name: One of RECIPES, or a name of its own.
         summary: One sentence for people.
-        default_steps: PPO steps offered on the page.
+        default_steps: Steps of the imitator's training games offered on the page.
         ending: Which event ends a training or evaluation game, see tril.game.episode.Ending.
+        method: What trains the imitator: "ppo" on the learned reward, "dagger" on the corrections
+            of the scripted demonstrator, "gail" by PPO against a discriminator of the perfect
+            demonstrations. All else of a run is the same.
     """
 
     name: str
     summary: str
     default_steps: int
     ending: str = "hit"
+    method: Method = "ppo"
     reward: RewardRecipe = field(default_factory=RewardRecipe)
     policy: PolicyRecipe = field(default_factory=PolicyRecipe)
     cloning: CloningRecipe = field(default_factory=CloningRecipe)
     evaluation: EvaluationRecipe = field(default_factory=EvaluationRecipe)
+    dagger: DaggerRecipe = field(default_factory=DaggerRecipe)
+    gail: GailRecipe = field(default_factory=GailRecipe)
+
+    def __post_init__(self) -> None:
+        """Check the method.
+
+        Raises:
+            Invalid: There is no such method.
+        """
+        if self.method not in get_args(Method):
+            methods = ", ".join(get_args(Method))
+            raise Invalid(f"There is no method {self.method!r}; choose one of {methods}.")
 
     def to_dict(self) -> dict[str, Any]:
         """The recipe as JSON-ready data; ``from_dict`` gives it back."""
@@ -215,7 +272,51 @@ FAST = Recipe(
     cloning=CloningRecipe(network="small"),
 )
 
-RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER)}
+DAGGER = Recipe(
+    name="dagger",
+    summary=(
+        "Yardstick with a privileged teacher: the scripted player, which reads the game's memory,"
+        " corrects the policy's own games."
+    ),
+    default_steps=15_000,
+    method="dagger",
+    reward=FAST.reward,
+    policy=PolicyRecipe(
+        network="small",
+        reward="level",
+        death_penalty=5.0,
+        reward_scale=0.05,
+        learning_rate=5e-4,
+        snapshot_episodes=24,
+    ),
+    cloning=FAST.cloning,
+)
+
+GAIL = Recipe(
+    name="gail",
+    summary=(
+        "Yardstick without a ranking: PPO from the clone on, against a network that tells its games"
+        " from the perfect ones."
+    ),
+    default_steps=300_000,
+    method="gail",
+    reward=FAST.reward,
+    policy=PolicyRecipe(
+        network="small",
+        reward="softplus",
+        reward_scale=0.05,
+        n_games=16,
+        minibatches=8,
+        entropy=0.0,
+        warm_start=True,
+        critic_warm_up_steps=12_000,
+        snapshot_steps=(),
+        snapshot_episodes=24,
+    ),
+    cloning=FAST.cloning,
+)
+
+RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DAGGER, GAIL)}
 
 
 def recipe_named(name: str) -> Recipe:
@@ -243,6 +344,8 @@ def recipe_from_dict(data: dict[str, Any]) -> Recipe:
                 "policy": PolicyRecipe(**_known(PolicyRecipe, data["policy"])),
                 "cloning": CloningRecipe(**_known(CloningRecipe, data["cloning"])),
                 "evaluation": EvaluationRecipe(**_known(EvaluationRecipe, data["evaluation"])),
+                "dagger": DaggerRecipe(**_known(DaggerRecipe, data.get("dagger", {}))),
+                "gail": GailRecipe(**_known(GailRecipe, data.get("gail", {}))),
             }
         )
     except (KeyError, TypeError) as error:

@@ -10,7 +10,7 @@ import pytest
 from tests.workplace import TINY, Workplace, make_workplace
 from tril.jobs import STAGES, Forecast, estimate, overall_progress, stages_of
 from tril.jobs.stages import expected_seconds
-from tril.recipes import FAST, PAPER, Recipe
+from tril.recipes import FAST, RECIPES, Recipe
 from tril.store import claims
 from tril.store.models import RunRow, RunStatus
 
@@ -35,7 +35,7 @@ def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
     )
 
 
-@pytest.mark.parametrize("recipe", [FAST, PAPER], ids=["fast", "paper"])
+@pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
 def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> None:
     values = [
         overall_progress(run_at(stage, done, recipe))

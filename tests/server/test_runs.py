@@ -58,6 +58,16 @@ def test_a_ranking_that_does_not_suffice_says_what_to_do(
     answer = client.post("/api/runs", json={"behaviour_id": 2})
     assert answer.status_code == 422
     assert "two tiers" in answer.json()["detail"]
+
+
+def test_dagger_is_refused_where_its_expert_knows_nothing(
+    client: TestClient, workplace: Workplace
+) -> None:
+    own = client.post("/api/behaviours", json={"name": "Play nicely"}).json()
+    new = {"behaviour_id": own["id"], "recipe": "dagger", "steps": 1_000}
+    answer = client.post("/api/runs", json=new)
+    assert answer.status_code == 422
+    assert "Play nicely has no target cells" in answer.json()["detail"]
     client.patch(f"/api/recordings/{workplace.ranked[0]}", json={"perfect": False})
     answer = client.post("/api/runs", json={"behaviour_id": 1})
     assert answer.status_code == 422

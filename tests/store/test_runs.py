@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from sqlalchemy import update
 
 from tests.workplace import TINY, Workplace, make_workplace
 from tril.errors import Conflict, Invalid, NotFound
-from tril.store import claims, processes, rankings, recordings, runs
+from tril.store import behaviours, claims, processes, rankings, recordings, runs
 from tril.store.claims import RunLost
 from tril.store.models import RunRow, RunStatus, now
 
@@ -70,6 +71,18 @@ def test_a_ranking_of_an_unverified_recording_is_refused(workplace: Workplace) -
         recordings.get(session, workplace.ranked[2]).verification = "failed"
     with pytest.raises(Invalid, match=f"Recordings {workplace.ranked[2]} .* not verified"):
         workplace.make_run()
+
+
+def test_dagger_is_refused_where_its_expert_knows_nothing(workplace: Workplace) -> None:
+    dagger = replace(TINY, method="dagger")
+    with pytest.raises(Invalid, match="at most 60,000 steps, not 60,001"):
+        workplace.make_run(dagger, steps=60_001)
+    assert workplace.run(workplace.make_run(dagger)).recipe["method"] == "dagger"
+    with workplace.database.writing() as session:
+        free = behaviours.create(session, "Play nicely").id
+    elsewhere = replace(workplace, behaviour_id=free)
+    with pytest.raises(Invalid, match="Play nicely has no target cells"):
+        elsewhere.make_run(dagger)
 
 
 def test_an_example_needs_no_ranking_yet(workplace: Workplace) -> None:

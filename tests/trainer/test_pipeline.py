@@ -10,9 +10,7 @@ import pytest
 
 from tests.workplace import TINY, Workplace
 from trainer.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
-from trainer.reward.check import ConfusedTiers, RankingCheck
 from trainer.stages import demonstrations
-from trainer.stages.learning import advice
 from tril.demonstrator import example_tasks
 from tril.errors import Unavailable
 from tril.jobs import STAGES
@@ -152,16 +150,6 @@ def test_failures_are_explained_with_what_to_do() -> None:
     unexpected = explain("clone", ZeroDivisionError("division by zero"), "abc")
     assert "ZeroDivisionError: division by zero" in unexpected
     assert "logs/runs/abc.log" in unexpected
-
-
-def test_advice_names_what_is_confused() -> None:
-    confused = tuple(ConfusedTiers(1, worse, held_out=False) for worse in range(2, 7))
-    said = advice(RankingCheck({}, 0.5, 0.6, 0.72, confused, passed=False))
-    assert "tau is 0.50" in said
-    assert "72% of the pairs" in said
-    assert "tiers 1 and 2, 1 and 3, 1 and 4 and 2 more pairs" in said
-    assert "other demonstrations or another order" in said
-    assert advice(RankingCheck({}, 0.95, 0.9, None, (), passed=True)) == ""
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ as one that was not, given the same number of threads.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,13 @@ FORMAT = "tril-ppo-checkpoint"
 FORMAT_VERSION = 1
 
 
-def save_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv, extra: dict[str, Any]) -> None:
+def save_checkpoint(
+    path: Path,
+    ppo: ImitationPPO,
+    env: TrilVecEnv,
+    extra: dict[str, Any],
+    beside: Mapping[str, Tensor] | None = None,
+) -> None:
     """Write a checkpoint; call it between two rollouts only.
 
     Args:
@@ -34,6 +41,7 @@ def save_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv, extra: dict[
         ppo: The training.
         env: Its games.
         extra: What else is to be kept, JSON-ready.
+        beside: Tensors of what learns beside the policy.
     """
     arrays = {f"games/{name}": array for name, array in env.save().items()}
     arrays["last/observations"] = ppo._last_obs
@@ -42,6 +50,7 @@ def save_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv, extra: dict[
     tensors |= {f"policy/{name}": t for name, t in _own_tensors(ppo).items()}
     adam = optimizer_tensors(ppo.policy.optimizer, list(ppo.policy.parameters()))
     tensors |= {f"optimizer/{name}": t for name, t in adam.items()}
+    tensors |= {f"beside/{name}": tensor for name, tensor in (beside or {}).items()}
     tensors["draws/actions"] = ppo.draws.actions.get_state()
     state = {
         "steps": ppo.num_timesteps,
@@ -53,8 +62,10 @@ def save_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv, extra: dict[
     write_whole(path, save({name: t.contiguous() for name, t in tensors.items()}, metadata))
 
 
-def load_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv) -> dict[str, Any]:
-    """Put a training where its checkpoint was; returns ``extra``.
+def load_checkpoint(
+    path: Path, ppo: ImitationPPO, env: TrilVecEnv
+) -> tuple[dict[str, Any], dict[str, Tensor]]:
+    """Put a training where its checkpoint was; returns ``extra`` and ``beside``.
 
     Args:
         path: The file.
@@ -93,8 +104,7 @@ def load_checkpoint(path: Path, ppo: ImitationPPO, env: TrilVecEnv) -> dict[str,
     env.restore({name: tensor.numpy() for name, tensor in groups["games"].items()})
     ppo._last_obs = groups["last"]["observations"].numpy()
     ppo._last_episode_starts = groups["last"]["episode_starts"].numpy()
-    extra: dict[str, Any] = state["extra"]
-    return extra
+    return state["extra"], groups.get("beside", {})
 
 
 def _own_tensors(ppo: ImitationPPO) -> dict[str, Tensor]:

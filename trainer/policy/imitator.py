@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -15,16 +15,17 @@ from stable_baselines3.common.callbacks import BaseCallback
 from trainer.evaluation import play
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
 from trainer.policy.cloning import best_demonstrations
+from trainer.policy.discriminator import Discriminator
 from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
 from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
-from trainer.progress import Progress
+from trainer.progress import Progress, Ticking
 from trainer.reward.model import RewardModel
 from tril.artifacts import write_whole
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
-from tril.game.episode import Ending
+from tril.game.episode import Ending, Hit
 from tril.game.starts import TRAINING_IDLE_FRAMES, Start
 from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recipes import Recipe
@@ -52,7 +53,7 @@ class ImitationTask:
             them.
         clone: File of the run's clone, which a warm start begins with.
         recipe: How it is trained.
-        steps: PPO steps, rounded up to whole rollouts.
+        steps: Steps of the training games, rounded up to whole rollouts.
         training_seed: Feeds every random choice.
         behaviour: For the curves of hits only; learning never looks at it.
     """
@@ -73,10 +74,10 @@ class SnapshotScore:
     """How good the policy was in the middle of its training.
 
     Attributes:
-        steps: After how many PPO steps.
+        steps: After how many steps of the training games.
         predicted_return: Mean over games from training starts of what the learned reward pays, in
             the shape that the policy is trained on: with the unbounded raw R, whose offset is
-            arbitrary, dying early may look best.
+            arbitrary, dying early may look best. With GAIL, of what its discriminator pays then.
     """
 
     steps: int
@@ -103,8 +104,9 @@ def train_imitator(
     progress: Progress,
     *,
     n_processes: int | None = None,
+    discriminator: Discriminator | None = None,
 ) -> ImitatorResult:
-    """Train an imitator, or go on training it, and save the best snapshot.
+    """Train an imitator by PPO, or go on training it, and save the best snapshot.
 
     Args:
         task: What it is trained from.
@@ -113,16 +115,17 @@ def train_imitator(
             killed left there is gone on from.
         progress: Told of steps, with the curves after every rollout.
         n_processes: As of VectorGame; changes the speed only.
+        discriminator: Takes the place of the learned reward, and learns after each rollout.
 
     Raises:
         RunCancelled: Raised by ``progress``.
     """
     recipe = task.recipe.policy
-    progress_at = _Reporter(task, progress)
+    progress_at = _Reporter(task, progress, paid_by_model=discriminator is None)
     checkpoint = checkpoint_folder / _CHECKPOINT
     if not checkpoint.exists():
         progress_at.tick()
-    payment = Payment.of(task.model, recipe)
+    payment = Payment.of(task.model if discriminator is None else discriminator.model, recipe)
     games = VectorGame(
         recipe.n_games,
         _training_starts(task),
@@ -141,7 +144,7 @@ def train_imitator(
             progress_at.add_episode,
         )
         progress_at.ppo = ppo
-        training = _Training(task, ppo, env, checkpoint_folder, progress_at)
+        training = _Training(task, ppo, env, checkpoint_folder, progress_at, discriminator)
         training.begin()
         ppo.learn(
             max(0, task.steps - ppo.num_timesteps),
@@ -185,9 +188,10 @@ def _training_starts(task: ImitationTask) -> TrainingStarts:
 class _Reporter:
     """Keeps what the curves show and passes it on."""
 
-    def __init__(self, task: ImitationTask, progress: Progress) -> None:
+    def __init__(self, task: ImitationTask, progress: Progress, paid_by_model: bool) -> None:
         self._task = task
         self._progress = progress
+        self._paid_by_model = paid_by_model
         self.ppo: ImitationPPO | None = None
         self.recent: deque[dict[str, float]] = deque(maxlen=CURVE_EPISODES)
         self._since = time.monotonic()
@@ -206,16 +210,11 @@ class _Reporter:
         """Note an episode that has ended; those begun in a demonstration are left out."""
         if not episode.is_whole:
             return
-        values = {
-            "predicted_return": episode.predicted_return,
-            "paid_return": episode.paid,
-            "episode_steps": float(episode.n_steps),
-            "hit_share": float(episode.died),
-        }
-        cells = tuple((hit.row, hit.column) for hit in episode.game.hits)
-        scored = score(self._task.behaviour, cells) if self._task.behaviour else None
-        if scored is not None:
-            values |= {"hits": float(scored.targets), "strays": float(scored.strays)}
+        values = {"paid_return": episode.paid}
+        if self._paid_by_model:
+            values["predicted_return"] = episode.predicted_return
+        game = episode.game
+        values |= game_values(self._task.behaviour, episode.n_steps, game.hits, episode.died)
         self.recent.append(values)
 
     def rate(self) -> float:
@@ -227,10 +226,10 @@ class _Reporter:
         self._since, self._steps_since = now, self.ppo.num_timesteps
         return result
 
-    def report_rollout(self) -> None:
-        """Pass the curves' next point on."""
+    def report_rollout(self, beside: Mapping[str, float]) -> None:
+        """Pass the curves' next point on, with what was found of something that learns beside."""
         assert self.ppo is not None
-        values = {"steps_per_s": self.rate()}
+        values = {"steps_per_s": self.rate(), **beside}
         values |= {
             name: value
             for name, value in self.ppo.update_values.items()
@@ -252,8 +251,10 @@ class _Training(BaseCallback):
         env: TrilVecEnv,
         folder: Path,
         reporter: _Reporter,
+        discriminator: Discriminator | None,
     ) -> None:
         super().__init__()
+        self._discriminator = discriminator
         self._task = task
         self._ppo = ppo
         self._env = env
@@ -272,7 +273,9 @@ class _Training(BaseCallback):
         """Take the checkpoint up, or make the first policy."""
         ppo, folder = self._ppo, self._folder
         if (folder / _CHECKPOINT).exists():
-            extra = load_checkpoint(folder / _CHECKPOINT, ppo, self._env)
+            extra, beside = load_checkpoint(folder / _CHECKPOINT, ppo, self._env)
+            if self._discriminator:
+                self._discriminator.restore(extra["discriminator_rounds"], beside)
             self.snapshots = [SnapshotScore(**snapshot) for snapshot in extra["snapshots"]]
             self._reporter.recent.extend(extra["recent"])
             self._reporter.rate()
@@ -290,7 +293,7 @@ class _Training(BaseCallback):
         self._rollouts += 1
 
     def _between_rollouts(self) -> None:
-        self._reporter.report_rollout()
+        self._reporter.report_rollout(self._learn_beside())
         done = self._ppo.num_timesteps
         last = max((s.steps for s in self.snapshots), default=0)
         is_due = any(last < due <= done for due in self._task.recipe.policy.snapshot_steps)
@@ -298,6 +301,13 @@ class _Training(BaseCallback):
             self._take_snapshot()
         if is_due or time.monotonic() - self._saved_at >= CHECKPOINT_EVERY_S:
             self._save()
+
+    def _learn_beside(self) -> dict[str, float]:
+        """Let the discriminator learn from the rollout that the policy has just learned from."""
+        if self._discriminator is None:
+            return {}
+        screens = self._ppo.rollout_buffer.screens
+        return self._discriminator.learn(screens, self._reporter.tick)
 
     def end(self) -> None:
         """Do what is due after the last rollout."""
@@ -309,22 +319,10 @@ class _Training(BaseCallback):
 
     def _take_snapshot(self) -> None:
         """Judge the policy by the learned reward on training starts; keep it if it is the best."""
-        recipe = self._task.recipe
-        starts = judging_starts(recipe.policy.snapshot_episodes)
         self._ppo.policy.set_training_mode(False)
-        games = play(
-            Policy(self._ppo.policy),
-            starts,
-            "greedy",
-            model=self._task.model,
-            ending=Ending(recipe.ending),
-            progress=_Ticking(self._reporter.tick),
-        )
-        payment = Payment.of(self._task.model, recipe.policy)
-        totals = [
-            payment.total(game.rewards, game.end) for game in games if game.rewards is not None
-        ]
-        self.snapshots.append(SnapshotScore(self._ppo.num_timesteps, float(np.mean(totals))))
+        policy = Policy(self._ppo.policy)
+        judged = judge(policy, self._env.payment, self._task.recipe, self._reporter.tick)
+        self.snapshots.append(SnapshotScore(self._ppo.num_timesteps, judged))
         if self.best_steps == self._ppo.num_timesteps:
             save_policy(self._ppo.policy, self._folder / _BEST)
 
@@ -333,21 +331,48 @@ class _Training(BaseCallback):
             "snapshots": [asdict(snapshot) for snapshot in self.snapshots],
             "recent": list(self._reporter.recent),
         }
-        save_checkpoint(self._folder / _CHECKPOINT, self._ppo, self._env, extra)
+        beside = None
+        if self._discriminator:
+            extra["discriminator_rounds"] = self._discriminator.rounds
+            beside = self._discriminator.tensors()
+        save_checkpoint(self._folder / _CHECKPOINT, self._ppo, self._env, extra, beside)
         self._saved_at = time.monotonic()
 
     def _on_step(self) -> bool:
         return True
 
 
-class _Ticking:
-    """A progress of a part of the work that has no share of its own in the steps."""
+def game_values(
+    behaviour: Behaviour | None, n_steps: int, hits: Sequence[Hit], died: bool
+) -> dict[str, float]:
+    """Return what the curves show of a training game; hits where the behaviour has targets."""
+    values = {"episode_steps": float(n_steps), "hit_share": float(died)}
+    cells = tuple((hit.row, hit.column) for hit in hits)
+    scored = score(behaviour, cells) if behaviour else None
+    if scored is not None:
+        values |= {"hits": float(scored.targets), "strays": float(scored.strays)}
+    return values
 
-    def __init__(self, tick: Callable[[], None]) -> None:
-        self._tick = tick
 
-    def advance(self, done: int, total: int, values: object = None) -> None:
-        self._tick()
+def judge(policy: Policy, payment: Payment, recipe: Recipe, tick: Callable[[], None]) -> float:
+    """Return the mean of what a policy's greedy games from training starts are paid.
+
+    Args:
+        policy: The policy.
+        payment: What pays.
+        recipe: How many games, and what ends them.
+        tick: Called after every step of the games; what it raises ends them.
+    """
+    games = play(
+        policy,
+        judging_starts(recipe.policy.snapshot_episodes),
+        "greedy",
+        model=payment.model,
+        ending=Ending(recipe.ending),
+        progress=Ticking(tick),
+    )
+    totals = [payment.total(game.rewards, game.end) for game in games if game.rewards is not None]
+    return float(np.mean(totals))
 
 
 def judging_starts(count: int) -> list[Start]:

@@ -1,4 +1,4 @@
-"""What a policy is paid: the learned reward R in one of three shapes."""
+"""What a policy is paid: the learned reward R in one of four shapes."""
 
 from __future__ import annotations
 
@@ -25,11 +25,13 @@ class Payment:
     behaviour. "level" pays R scaled so that the worst demonstrations' states give 0 and the best
     ones' end gives 1, without a bound, so that a step of progress counts for the rest of the game.
     "difference" pays what the level has gained, once (a potential, Ng et al. 1999, without the
-    discount).
+    discount). "softplus" pays log(1 + exp(R)): where R is the logit of GAIL's discriminator D that
+    a state is demonstrated, that is -log(1 - D), the negative of the cost in Ho and Ermon 2016
+    (algorithm 1), whose D is the probability that a state is the policy's.
 
     Attributes:
         model: The reward model, for its levels.
-        kind: "sigmoid", "level" or "difference".
+        kind: "sigmoid", "level", "difference" or "softplus".
         death_penalty: Subtracted in the step in which the player is hit.
         scale: What all of it is multiplied by.
     """
@@ -60,6 +62,8 @@ class Payment:
         """
         if self.kind == "sigmoid":
             paid = 0.5 * (1.0 + np.tanh(0.5 * reached))
+        elif self.kind == "softplus":
+            paid = np.logaddexp(0.0, reached)
         elif self.kind == "level":
             paid = self.model.level(reached)
         else:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,24 +28,55 @@ from tril.recording import Trajectory
 PASSING_TAU = 0.9
 PASSING_HELD_OUT_ACCURACY = 0.9
 SNIPPETS_CHECKED = 5_000
+SURE = 0.95
+"""Share of comparisons that a model which knows the order of two tiers puts right."""
+EVIDENCE = 5.0
+"""How much likelier guessing has to make what was found, for two tiers to count as not told apart.
+"""
 _CHECK_STREAM = 1_000_003
 """Keeps the draws of the check apart from those of the training with the same training seed."""
 
 
+Comparison = tuple[Pair, bool]
+"""A preference pair, and whether the model orders it as it was ranked."""
+
+
 @dataclass(frozen=True)
 class ConfusedTiers:
-    """Two tiers that the model orders the other way round, or that it cannot tell apart.
+    """Two tiers of which the model puts at least one pair of demonstrations the other way round.
 
     Attributes:
         better: The tier that was ranked better, counted from 1 for the best.
         worse: The tier that was ranked worse.
         held_out: Whether the order was wrong when one of the two demonstrations was left out of
             the learning; otherwise the predicted returns of the final model contradict it.
+        n_right: Comparisons of their demonstrations that were in order.
+        n_compared: All comparisons of their demonstrations.
     """
 
     better: int
     worse: int
     held_out: bool
+    n_right: int
+    n_compared: int
+
+    @property
+    def told_apart(self) -> bool:
+        """Whether the comparisons speak for a model that knows the order, some mistakes aside."""
+        return are_told_apart(self.n_right, self.n_compared)
+
+
+def are_told_apart(n_right: int, n_compared: int) -> bool:
+    """Tell by how many comparisons were in order whether two tiers are told apart.
+
+    They are not where guessing (half of them in order) explains what was found at least five times
+    as well as knowing the order does (95% in order). That is at most 1 of 2, 1 of 3, 4 of 6, 7 of
+    10, 15 of 20 and ever closer to 78%: the fewer comparisons, the closer to chance.
+    """
+    n_wrong = n_compared - n_right
+    guessing = n_compared * math.log(0.5)
+    knowing = n_right * math.log(SURE) + n_wrong * math.log(1.0 - SURE)
+    return guessing - knowing < math.log(EVIDENCE)
 
 
 @dataclass(frozen=True)
@@ -57,7 +90,7 @@ class RankingCheck:
         pair_accuracy: Share of newly drawn snippet pairs that the model orders as ranked.
         held_out_accuracy: Share of preference pairs ordered as ranked by models that were trained
             without at least one of the two; None where that was not measured.
-        confused: The tiers that are confused, worst first.
+        confused: The tiers of which some demonstrations are confused, worst first.
         passed: Whether tau and the held-out accuracy are at least 0.9.
     """
 
@@ -67,6 +100,12 @@ class RankingCheck:
     held_out_accuracy: float | None
     confused: tuple[ConfusedTiers, ...]
     passed: bool
+
+    @property
+    def not_told_apart(self) -> list[tuple[int, int]]:
+        """The pairs of tiers (better, worse) that the model can't tell apart, worst first."""
+        found = [(pair.better, pair.worse) for pair in self.confused if not pair.told_apart]
+        return list(dict.fromkeys(found))
 
     def to_dict(self) -> dict[str, Any]:
         """The check as JSON-ready data; trajectory indices become text."""
@@ -106,11 +145,11 @@ def check_ranking(
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in scores.items()}
     tau = kendall_tau(tiers, returns)
     seed = (training_seed, _CHECK_STREAM)
-    held_out, wrong = _cross_validate(
-        trajectories, tiers, recipe, seed, progress, checkpoint_folder
-    )
+    left_out = _cross_validate(trajectories, tiers, recipe, seed, progress, checkpoint_folder)
+    held_out = float(np.mean([right for _, right in left_out])) if left_out else None
     tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
-    confused = _confused(tier_of, [p for p in pairs if returns[p[0]] <= returns[p[1]]], wrong)
+    by_return = [(pair, returns[pair[0]] > returns[pair[1]]) for pair in pairs]
+    confused = _confused(tier_of, by_return, left_out)
     return RankingCheck(
         predicted_returns=returns,
         tau=tau,
@@ -148,8 +187,8 @@ def _cross_validate(
     seed: Seed,
     progress: Progress,
     checkpoint_folder: Path | None,
-) -> tuple[float | None, list[Pair]]:
-    """Train without some demonstrations and order them; return the accuracy and the wrong pairs.
+) -> list[Comparison]:
+    """Train without some demonstrations and order them; return which pairs were in order.
 
     A pair counts in each fold that leaves at least one of its two demonstrations out. Games are
     compared over as many steps as the shorter one has, as snippets are.
@@ -157,11 +196,10 @@ def _cross_validate(
     ranked = [i for tier in tiers for i in tier]
     n_folds = min(recipe.folds, len(ranked))
     if n_folds < 2:
-        return None, []
+        return []
     # Spread over the ranks, so that each fold leaves out good and bad ones.
     fold_of = {i: place % n_folds for place, i in enumerate(ranked)}
-    n_right = n_all = 0
-    wrong: list[Pair] = []
+    compared: list[Comparison] = []
     for fold in range(n_folds):
         kept = [[i for i in tier if fold_of[i] != fold] for tier in tiers]
         kept = [tier for tier in kept if tier]
@@ -181,13 +219,11 @@ def _cross_validate(
         model = calibrate([network], trajectories, kept, standardise=False)
         scores = {i: model.score(trajectories[i].observations) for i in ranked}
         pairs = [p for p in preference_pairs(tiers) if fold in (fold_of[p[0]], fold_of[p[1]])]
-        bad = [p for p in pairs if not _in_order(scores[p[0]], scores[p[1]])]
-        n_right += len(pairs) - len(bad)
-        n_all += len(pairs)
-        wrong += bad
-        accuracy = 1.0 - len(bad) / len(pairs)
+        found = [(p, _in_order(scores[p[0]], scores[p[1]])) for p in pairs]
+        compared += found
+        accuracy = float(np.mean([right for _, right in found]))
         section.advance(recipe.fold_updates, recipe.fold_updates, {"held_out_accuracy": accuracy})
-    return (n_right / n_all if n_all else None), wrong
+    return compared
 
 
 def _in_order(better: npt.NDArray[np.float32], worse: npt.NDArray[np.float32]) -> bool:
@@ -196,13 +232,17 @@ def _in_order(better: npt.NDArray[np.float32], worse: npt.NDArray[np.float32]) -
 
 
 def _confused(
-    tier_of: dict[int, int], by_return: Sequence[Pair], held_out: Sequence[Pair]
+    tier_of: dict[int, int], by_return: Sequence[Comparison], held_out: Sequence[Comparison]
 ) -> tuple[ConfusedTiers, ...]:
-    found = {
-        ConfusedTiers(tier_of[better], tier_of[worse], left_out)
-        for pairs, left_out in ((by_return, False), (held_out, True))
-        for better, worse in pairs
-    }
+    by_tiers: dict[tuple[int, int, bool], list[bool]] = defaultdict(list)
+    for compared, left_out in ((by_return, False), (held_out, True)):
+        for (better, worse), right in compared:
+            by_tiers[tier_of[better], tier_of[worse], left_out].append(right)
+    found = [
+        ConfusedTiers(*tiers, n_right=sum(right), n_compared=len(right))
+        for tiers, right in by_tiers.items()
+        if not all(right)
+    ]
     # The final model's own contradictions first, then those that are furthest apart.
     return tuple(sorted(found, key=lambda c: (c.held_out, c.better - c.worse, c.better)))
 

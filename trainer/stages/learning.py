@@ -8,17 +8,10 @@ from typing import Any
 from trainer.policy.cloning import train_clone
 from trainer.policy.imitator import ImitationTask, train_imitator
 from trainer.progress import Progress
-from trainer.reward.check import (
-    PASSING_HELD_OUT_ACCURACY,
-    PASSING_TAU,
-    RankingCheck,
-    check_ranking,
-)
+from trainer.reward.advice import advice, warning
+from trainer.reward.check import check_ranking
 from trainer.reward.training import train_reward
 from trainer.run_data import RunData
-
-MOST_CONFUSED = 3
-"""Pairs of tiers that the advice names."""
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
@@ -58,30 +51,7 @@ def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
     found["predicted_returns"] = {
         str(data.ranked[index]): value for index, value in check.predicted_returns.items()
     }
-    return {"check": {**found, "advice": advice(check)}}
-
-
-def advice(check: RankingCheck) -> str:
-    """Say to a person what of their ranking was not understood, and what to do."""
-    if check.passed:
-        return ""
-    measured = [f"Kendall's tau is {check.tau:.2f} (at least {PASSING_TAU} is needed)"]
-    if check.held_out_accuracy is not None:
-        measured.append(
-            f"{check.held_out_accuracy:.0%} of the pairs with demonstrations left out are in "
-            f"order (at least {PASSING_HELD_OUT_ACCURACY:.0%} is needed)"
-        )
-    pairs = [f"{pair.better} and {pair.worse}" for pair in check.confused[:MOST_CONFUSED]]
-    more = len(check.confused) - len(pairs)
-    confused = ""
-    if pairs:
-        confused = (
-            f" It confuses tiers {', '.join(pairs)}{f' and {more} more pairs' if more else ''}."
-        )
-    return (
-        f"The reward model has not understood the ranking: {'; '.join(measured)}.{confused} It "
-        "needs other demonstrations or another order. You can also go on anyway."
-    )
+    return {"check": {**found, "advice": advice(check), "warning": warning(check)}}
 
 
 def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:

@@ -32,6 +32,9 @@ REWARD_UPDATE_S = 0.003
 """What an update of the reward model costs beside its observations."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 250.0, "small": 480.0}
+DAGGER_LABELS_PER_S = 100.0
+DAGGER_EPOCHS_SHARE = 0.4
+"""Of the passes that early stopping leaves."""
 EVALUATION_STEPS_PER_S = 900.0
 
 
@@ -45,7 +48,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
 
     It is where an estimate begins before anything was measured on the machine at hand.
     """
-    reward, policy = recipe.reward, recipe.policy
+    reward = recipe.reward
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
     n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
@@ -57,10 +60,25 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
         "reward": 1.0 + reward.updates * update_s * reward.ensemble,
         "check": CHECK_S + reward.fold_updates * update_s * reward.folds,
         "clone": 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
-        "imitator": 2.0 + steps / IMITATOR_STEPS_PER_S[policy.network],
+        "imitator": 2.0 + _imitator_seconds(recipe, steps),
         "evaluation": 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
         "attention": ATTENTION_S,
     }
+
+
+def _imitator_seconds(recipe: Recipe, steps: int) -> float:
+    """Return what the imitator's training takes."""
+    if recipe.method != "dagger":
+        return steps / IMITATOR_STEPS_PER_S[recipe.policy.network]
+    iterations = max(1.0, steps / (recipe.dagger.games_per_iteration * MEAN_STEPS))
+    # Every iteration learns all that was collected until then.
+    learned = recipe.cloning.epochs * steps * (iterations + 1) / 2
+    judged = iterations * recipe.policy.snapshot_episodes * MEAN_STEPS
+    return (
+        steps / DAGGER_LABELS_PER_S
+        + DAGGER_EPOCHS_SHARE * learned / CLONING_OBSERVATIONS_PER_S[recipe.policy.network]
+        + judged / EVALUATION_STEPS_PER_S
+    )
 
 
 def _observations_per_update(reward: RewardRecipe) -> float:

@@ -9,8 +9,9 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from tril.demonstrator import check_expert
 from tril.errors import Conflict, Invalid, NotFound
-from tril.recipes import Recipe
+from tril.recipes import MOST_DAGGER_STEPS, Recipe
 from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.models import RecordingState, RunRow, RunStatus, Verification, now
@@ -37,20 +38,28 @@ def create(
         session: The transaction.
         behaviour_id: What is taught.
         recipe: How it is learned; stored whole.
-        steps: PPO steps.
+        steps: Steps of the imitator's training games.
         training_seed: Feeds every random choice of learning.
-        go_on_anyway: Whether PPO starts even when the check of the ranking fails.
+        go_on_anyway: Whether the imitator is trained even when the check of the ranking fails.
         example: Whether the scripted demonstrations are made and ranked first where they are
             missing; the snapshot is then frozen once they exist.
         player_id: Who started it.
 
     Raises:
         NotFound: No such behaviour.
-        Invalid: The ranking or the perfect demonstrations don't suffice; says what to do.
+        Invalid: The ranking or the perfect demonstrations don't suffice, or the recipe is not
+            for this behaviour or this many steps; says what to do.
     """
-    behaviours.get(session, behaviour_id)
+    behaviour = behaviours.get(session, behaviour_id)
     if steps < 1:
-        raise Invalid(f"Expected at least one PPO step, got {steps}.")
+        raise Invalid(f"Expected at least one step, got {steps}.")
+    if recipe.method == "dagger":
+        check_expert(behaviours.as_behaviour(behaviour))
+        if steps > MOST_DAGGER_STEPS:
+            raise Invalid(
+                f"DAgger keeps every state that it has seen: train it for at most"
+                f" {MOST_DAGGER_STEPS:,} steps, not {steps:,}."
+            )
     row = RunRow(
         id=str(uuid.uuid4()),
         behaviour_id=behaviour_id,

@@ -16,6 +16,7 @@ DIED = np.array([False, False, True])
         ("sigmoid", [0.880797, 0.731059, 0.5 - 3.0]),
         ("level", [0.75, 0.5, 0.25 - 3.0]),
         ("difference", [0.5, 0.0, 0.25 - 3.0]),
+        ("softplus", [2.126928, 1.313262, 0.693147 - 3.0]),
     ],
 )
 def test_each_kind_pays_what_it_says(kind: str, expected: list[float]) -> None:

@@ -9,7 +9,7 @@ import torch
 from tests.trainer.planted import planted_trajectories, planted_trajectory
 from trainer.progress import RunCancelled, Unobserved
 from trainer.reward import training
-from trainer.reward.check import check_ranking
+from trainer.reward.check import are_told_apart, check_ranking
 from trainer.reward.model import RewardModel, predicted_return
 from trainer.reward.training import train_reward
 from tril.recipes import FAST, PAPER, RewardRecipe
@@ -86,6 +86,27 @@ def test_a_contradictory_ranking_fails_the_check_and_names_the_tiers() -> None:
     assert not check.passed
     assert check.confused
     assert all(1 <= pair.better < pair.worse <= 6 for pair in check.confused)
+    assert all(pair.n_right < pair.n_compared for pair in check.confused)
+
+
+def test_two_tiers_without_a_difference_are_not_told_apart_though_the_check_passes() -> None:
+    rng = np.random.default_rng(5)
+    qualities = (6, 5, 4, 3, 2, 1, 0, 0, 1)
+    trajectories = [planted_trajectory(rng, quality, 40) for quality in qualities]
+    tiers = [[0], [1], [2], [3], [4], [5, 6], [7, 8]]
+    recipe = RECIPES["fast"]
+    model = train_reward(trajectories, tiers, recipe, 1, Unobserved())
+    check = check_ranking(model, trajectories, tiers, recipe, 1, Unobserved())
+    assert check.passed, check
+    assert check.not_told_apart == [(6, 7)]
+
+
+def test_the_fewer_comparisons_the_closer_to_chance_they_have_to_be() -> None:
+    bounds = {
+        n: max(right for right in range(n + 1) if not are_told_apart(right, n))
+        for n in (1, 2, 3, 6, 10, 20, 1000)
+    }
+    assert bounds == {1: 0, 2: 1, 3: 1, 6: 4, 10: 7, 20: 15, 1000: 781}
 
 
 def test_an_ensemble_has_different_members_on_one_scale() -> None:

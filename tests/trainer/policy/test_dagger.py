@@ -1,0 +1,307 @@
+"""DAgger: the expert's labels, the mixture that plays, and the training as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.trainer.policy.made_up import random_model, tiny_recipe
+from tests.trainer.policy.test_imitator import Watched, same, weights
+from trainer.policy import dagger
+from trainer.policy.cloning import clone
+from trainer.policy.dagger import LabelledGame, play_labelled, train_by_dagger
+from trainer.policy.imitator import ImitationTask, judge
+from trainer.policy.networks import Policy, load_policy, new_policy
+from trainer.policy.rewards import Payment
+from trainer.progress import RunCancelled, Unobserved
+from tril.behaviours import READY_MADE, Behaviour
+from tril.demonstrator import EXPERT_STYLE, Expert
+from tril.demonstrator.player import Planner
+from tril.errors import Invalid
+from tril.game.agent import AgentGame
+from tril.game.console import Console
+from tril.game.episode import EndReason, Episode
+from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.game.starts import TRAINING_IDLE_FRAMES
+from tril.recipes import CloningRecipe, DaggerRecipe
+from tril.recording import Recording, step_actions, trajectory
+
+STEPS = 128
+COLUMN_2 = READY_MADE[1]
+
+
+class Firing:
+    """A policy that fires all the time, which hits what it should not."""
+
+    def probabilities(self, observations: np.ndarray) -> np.ndarray:
+        chances = np.zeros((len(observations), 6), np.float32)
+        chances[:, 1] = 1.0
+        return chances
+
+
+class Erratic:
+    """A policy that goes its own way."""
+
+    def __init__(self) -> None:
+        self._rng = np.random.default_rng(2)
+
+    def probabilities(self, observations: np.ndarray) -> np.ndarray:
+        return self._rng.dirichlet(np.full(6, 0.1), len(observations)).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def played() -> Callable[..., LabelledGame]:
+    game, expert = AgentGame(Console()), Expert(COLUMN_2, Console())
+
+    def play(policy: object, expert_share: float, seed: int = 3) -> LabelledGame:
+        rng = np.random.default_rng(seed)
+        return play_labelled(game, expert, policy, expert_share, rng, lambda: None)  # type: ignore[arg-type]
+
+    return play
+
+
+def test_the_labels_are_what_the_demonstrator_does_from_each_state(
+    played: Callable[..., LabelledGame],
+) -> None:
+    one = played(Erratic(), 0.0)
+    labels, done = one.seen.actions.tolist(), step_actions(one.executed).tolist()
+    assert len(set(labels)) > 2
+    # Wherever the label was not what was done, the expert was taken somewhere new, and plans for
+    # the targets that are left as the demonstrator would.
+    console = Console()
+    episode = Episode(console, one.start)
+    checked = 0
+    for step, label in enumerate(labels):
+        if step and labels[step - 1] != done[step - 1]:
+            hit = [(h.row, h.column) for h in episode.hits]
+            assert COLUMN_2.target is not None
+            wanted = [*hit, *(cell for cell in COLUMN_2.target if cell not in hit)]
+            state = episode.save()
+            said = {
+                Planner(episode, wanted, EXPERT_STYLE, np.random.default_rng(n)).next_actions()[0]
+                for n in range(4)
+            }
+            assert episode.save() == state
+            # Which of two equally good ways it dodges is drawn.
+            assert label in said
+            checked += 1
+        for frame in range(step * FRAMES_PER_STEP, (step + 1) * FRAMES_PER_STEP):
+            if frame < len(one.executed):
+                episode.advance(one.executed[frame])
+    assert checked > 10
+
+
+def test_the_expert_alone_shows_the_behaviour_and_agrees_with_itself(
+    played: Callable[..., LabelledGame],
+) -> None:
+    one = played(None, 1.0)
+    assert [(hit.row, hit.column) for hit in one.seen.hits] == list(COLUMN_2.target or ())
+    assert one.seen.end is EndReason.STEPS
+    assert one.agreed is None
+    np.testing.assert_array_equal(step_actions(one.executed), one.seen.actions)
+    assert one.start.idle_frames in TRAINING_IDLE_FRAMES
+
+
+def test_the_share_of_the_experts_steps_is_what_was_asked_for(
+    played: Callable[..., LabelledGame],
+) -> None:
+    half = played(Firing(), 0.5)
+    done, labels = step_actions(half.executed), half.seen.actions
+    differs = labels != 1
+    assert 0.3 < (done[differs] == labels[differs]).mean() < 0.7
+    assert half.agreed == pytest.approx((labels == 1).mean())
+
+
+def test_a_games_observations_come_back_from_its_actions(
+    played: Callable[..., LabelledGame],
+) -> None:
+    one = played(Firing(), 0.2)
+    again = trajectory(Recording(one.start, one.executed))
+    np.testing.assert_array_equal(again.observations, one.seen.observations)
+    assert (again.hits, again.end) == (one.seen.hits, one.seen.end)
+
+
+@pytest.fixture(scope="module")
+def task() -> ImitationTask:
+    recipe = replace(
+        tiny_recipe(warm_start=False),
+        method="dagger",
+        cloning=CloningRecipe(network="small", epochs=1),
+        dagger=DaggerRecipe(games_per_iteration=1, expert_decay=0.0),
+    )
+    return ImitationTask(
+        model=random_model(),
+        recordings=[],
+        tiers=[],
+        recipe=recipe,
+        steps=STEPS,
+        training_seed=5,
+        behaviour=COLUMN_2,
+    )
+
+
+@pytest.fixture(scope="module")
+def short_games(task: ImitationTask) -> object:
+    """Games of 50 steps, so that a training of a few iterations takes seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        whole = AgentGame.__init__
+
+        def shorter(self: AgentGame, console: Console, max_frames: int = 200) -> None:
+            whole(self, console, max_frames=max_frames)
+
+        patch.setattr(dagger, "AgentGame", type("Short", (AgentGame,), {"__init__": shorter}))
+        yield None
+
+
+class Finished:
+    def __init__(self, task: ImitationTask, folder: Path) -> None:
+        self.folder = folder
+        self.progress = Watched()
+        self.path = folder / "imitator.zip"
+        self.result = train_by_dagger(task, self.path, folder, self.progress)
+        self.weights = weights(self.path)
+
+
+@pytest.fixture(scope="module")
+def finished(
+    task: ImitationTask, short_games: object, tmp_path_factory: pytest.TempPathFactory
+) -> Finished:
+    return Finished(task, tmp_path_factory.mktemp("dagger"))
+
+
+def test_every_iteration_is_judged_and_the_best_policy_is_saved(
+    task: ImitationTask, finished: Finished
+) -> None:
+    snapshots = finished.result.snapshots
+    assert len(snapshots) >= 3
+    assert snapshots[-1].steps >= STEPS
+    assert all(0 < b.steps - a.steps <= 50 for a, b in pairwise(snapshots))
+    best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
+    assert finished.result.best_steps == best.steps
+    payment = Payment.of(task.model, task.recipe.policy)
+    judged = judge(load_policy(finished.path), payment, task.recipe, lambda: None)
+    assert judged == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
+
+
+def test_every_iteration_has_a_point_on_the_curves(finished: Finished) -> None:
+    points = finished.progress.points
+    steps = [min(snapshot.steps, STEPS) for snapshot in finished.result.snapshots]
+    assert [done for done, _ in points] == steps
+    assert finished.progress.done[0] == 0
+    shares = [values["expert_share"] for _, values in points]
+    assert shares[:2] == [1.0, 0.0]
+    assert "agreement" not in points[0][1]
+    always = {"hits", "strays", "episode_steps", "hit_share", "predicted_return", "accuracy"}
+    assert all(always | {"agreement"} <= set(values) for _, values in points[1:])
+
+
+@pytest.mark.parametrize("stop_at_step", [20, 70, 115])
+def test_a_training_that_was_interrupted_ends_with_the_same_weights(
+    task: ImitationTask,
+    finished: Finished,
+    short_games: object,
+    tmp_path: Path,
+    stop_at_step: int,
+) -> None:
+    path = tmp_path / "imitator.zip"
+    at = next(i for i, done in enumerate(finished.progress.done, 1) if done >= stop_at_step)
+    interrupted = Watched(at)
+    with pytest.raises(RunCancelled):
+        train_by_dagger(task, path, tmp_path, interrupted)
+    assert not path.exists()
+    resumed = Watched()
+    result = train_by_dagger(task, path, tmp_path, resumed)
+    assert result == finished.result
+    assert same(weights(path), finished.weights)
+    begun = resumed.done[0]
+    without_rates = [
+        [(done, {k: v for k, v in values.items() if k != "steps_per_s"}) for done, values in points]
+        for points in (
+            [p for p in interrupted.points if p[0] <= begun] + resumed.points,
+            finished.progress.points,
+        )
+    ]
+    assert without_rates[0] == without_rates[1]
+
+
+def test_a_training_killed_while_it_learned_learns_again(
+    task: ImitationTask,
+    finished: Finished,
+    short_games: object,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = tmp_path / "imitator.zip"
+    calls = []
+
+    def killed(*arguments: object) -> None:
+        calls.append(arguments)
+        raise RunCancelled
+
+    with monkeypatch.context() as patch:
+        patch.setattr(dagger, "judge", killed)
+        with pytest.raises(RunCancelled):
+            train_by_dagger(task, path, tmp_path, Watched())
+    assert len(calls) == 1
+    assert train_by_dagger(task, path, tmp_path, Watched()) == finished.result
+    assert same(weights(path), finished.weights)
+
+
+def test_only_the_best_and_the_latest_policy_are_kept(finished: Finished) -> None:
+    kept = {path.name for path in finished.folder.glob("policy-*.zip")}
+    wanted = {finished.result.best_steps, finished.result.snapshots[-1].steps}
+    assert kept == {f"policy-{steps}.zip" for steps in wanted}
+
+
+def test_a_finished_training_is_not_trained_again(
+    task: ImitationTask, finished: Finished, tmp_path: Path
+) -> None:
+    progress = Watched()
+    again = train_by_dagger(task, tmp_path / "again.zip", finished.folder, progress)
+    assert again == finished.result
+    assert not progress.points
+    assert same(weights(tmp_path / "again.zip"), finished.weights)
+
+
+def test_a_broken_checkpoint_says_what_to_do(task: ImitationTask, tmp_path: Path) -> None:
+    (tmp_path / "checkpoint.json").write_text("{")
+    with pytest.raises(Invalid, match="Remove it to begin anew"):
+        train_by_dagger(task, tmp_path / "a.zip", tmp_path, Watched())
+
+
+def test_what_the_demonstrator_does_not_know_is_refused_before_anything_is_played(
+    task: ImitationTask, tmp_path: Path
+) -> None:
+    progress = Watched()
+    for behaviour, reason in (
+        (Behaviour("free", "Play nicely", ""), "has no target cells"),
+        (None, "needs to know the behaviour"),
+    ):
+        other = replace(task, behaviour=behaviour)
+        with pytest.raises(Invalid, match=reason):
+            train_by_dagger(other, tmp_path / "a.zip", tmp_path, progress)
+    assert not progress.done
+    assert not list(tmp_path.iterdir())
+
+
+def test_corrections_make_a_policy_agree_with_the_expert(
+    played: Callable[..., LabelledGame],
+) -> None:
+    beginner = Policy(new_policy("small", 1e-3, np.random.default_rng(0)))
+    games = [played(None, 1.0, seed) for seed in range(4)] + [played(beginner, 0.3, 4)]
+    learned, _ = clone(
+        [game.seen for game in games],
+        CloningRecipe(network="small", learning_rate=1e-3, epochs=3, left_out_share=0.0),
+        0,
+        Unobserved(),
+    )
+    learned.set_training_mode(False)
+    before, after = played(beginner, 1.0, 9).agreed, played(Policy(learned), 1.0, 9).agreed
+    assert before is not None
+    assert after is not None
+    assert after > max(0.5, before)
