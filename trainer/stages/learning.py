@@ -6,12 +6,17 @@ from dataclasses import replace
 from typing import Any
 
 from trainer.policy.cloning import train_clone
+from trainer.policy.dagger import train_by_dagger
+from trainer.policy.gail import train_by_gail
 from trainer.policy.imitator import ImitationTask, train_imitator
 from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.training import train_reward
 from trainer.run_data import RunData
+
+TRAINING = {"ppo": train_imitator, "dagger": train_by_dagger, "gail": train_by_gail}
+"""What trains the imitator, by the recipe's method."""
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
@@ -66,7 +71,7 @@ def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
 
 
 def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
-    """Train the imitator on the learned reward, from its checkpoint if there is one; keep it."""
+    """Train the imitator as its recipe says, from its checkpoint if there is one; keep it."""
     context = data.context
     demonstrations = data.recordings([*data.ranked, *data.perfect])
     task = ImitationTask(
@@ -82,7 +87,7 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
     with data.policy_file("clone") as clone:
-        result = train_imitator(
+        result = TRAINING[context.recipe.method](
             replace(task, clone=clone),
             path,
             folder,
