@@ -50,6 +50,20 @@ def test_the_grid_agrees_with_the_games_own_count_at_every_frame(
     assert episode.end is EndReason.CLEARED
 
 
+@pytest.mark.parametrize("idle_frames", [4, 40, 76, 112])
+def test_a_bomb_is_where_it_hits_the_player(console: Console, idle_frames: int) -> None:
+    episode = Episode(console, Start(idle_frames))
+    falling: set[int] = set()
+    while episode.end is None:
+        episode.advance(game.Action.RIGHT if episode.frame < 60 else game.Action.NOOP)
+        falling |= {console.ram[y] for y, _ in game.RAM_BOMBS}
+    assert episode.end is EndReason.HIT
+    bombs = [(int(console.ram[y]), int(console.ram[x])) for y, x in game.RAM_BOMBS]
+    player_x = int(console.ram[game.RAM_PLAYER_X])
+    assert any(84 <= y <= 98 and 0 <= x - player_x <= 8 for y, x in bombs)
+    assert set(range(65, 85)) <= falling
+
+
 def test_a_hit_pays_the_points_of_its_row(console: Console, long_game: LongGame) -> None:
     def score() -> int:
         high, low = (f"{console.ram[a]:02x}" for a in (game.RAM_SCORE_HIGH, game.RAM_SCORE_LOW))

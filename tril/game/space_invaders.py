@@ -73,8 +73,8 @@ RAM_PLAYER_X = 28
 RAM_BONUS_SHIP_X = 30
 RAM_PHASE = 42
 RAM_LIVES = 73
-RAM_BOMBS = ((81, 82), (83, 84))
-"""Addresses of (y, x) of the two bombs."""
+RAM_BOMBS = ((81, 83), (82, 84))
+"""Addresses of (y, x) of the two bombs; a y of 246 is none."""
 RAM_MISSILE_Y = 85
 RAM_MISSILE_X = 87
 RAM_SCORE_HIGH = 102
