@@ -7,25 +7,39 @@ from tril.demonstrator.example import (
     carry_out,
     demonstrate,
     example_tasks,
+    judge_example,
     make_example,
     perfect_demonstrations,
 )
 from tril.demonstrator.expert import EXPERT_STYLE, Expert, check_expert
+from tril.demonstrator.judging import Judgement, ShownGame
+from tril.demonstrator.kinds import KINDS, SCRIPTED, ExampleKind, kind_named
+from tril.demonstrator.manner import HUMAN, PERFECT, Manner
 from tril.demonstrator.plans import N_DEMONSTRATIONS, DemonstrationPlan, example_plans, meets
 
 __all__ = [
     "EXPERT_STYLE",
+    "HUMAN",
+    "KINDS",
     "N_DEMONSTRATIONS",
     "N_PERFECT",
+    "PERFECT",
+    "SCRIPTED",
     "Demonstration",
     "DemonstrationFailed",
     "DemonstrationPlan",
+    "ExampleKind",
     "Expert",
+    "Judgement",
+    "Manner",
+    "ShownGame",
     "carry_out",
     "check_expert",
     "demonstrate",
     "example_plans",
     "example_tasks",
+    "judge_example",
+    "kind_named",
     "make_example",
     "meets",
     "perfect_demonstrations",

@@ -80,6 +80,21 @@ def meets(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
     return None
 
 
+def comes_near(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
+    """Say why hits don't even come near a plan, as a person's game should; None if they do.
+
+    About as many aliens as planned are hit, a quarter less or one more, and at most one of them
+    outside the plan. In which order they are is not asked.
+    """
+    wrong = [cell for cell in hits if cell not in plan.allowed]
+    if len(wrong) > 1:
+        return f"It hits {_cells(wrong)}, which the plan leaves alone."
+    least = plan.least - max(1, plan.least // 4)
+    if not least <= len(hits) <= plan.most + 1:
+        return f"It hits {len(hits)} aliens; planned were {_span(plan.least, plan.most)}."
+    return None
+
+
 def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
     """The twelve demonstrations that exemplify a behaviour, best first.
 

@@ -80,6 +80,27 @@ def draw_brisk_style(rng: np.random.Generator) -> Style:
     )
 
 
+def draw_times(
+    wanted: Sequence[Cell], style: Style, max_frames: int, rng: np.random.Generator
+) -> list[float]:
+    """Draw when each wanted hit is tried at the earliest, in frames from the start.
+
+    Args:
+        wanted: The aliens to hit, in order.
+        style: How the game is to be played.
+        max_frames: How long it is.
+        rng: Where the chances come from.
+    """
+    latest = min(style.pace, max(0.0, 1 - len(wanted) * _SHARE_PER_HIT))
+    times = np.sort(rng.uniform(0, latest * max_frames, len(wanted)))
+    # The rightmost column drifts out of the cannon's reach within 600 frames and comes back after
+    # 1,000.
+    leaving = [n for n, (_, column) in enumerate(wanted) if column == game.COLUMNS - 1]
+    if leaving:
+        times[: leaving[-1] + 1] = 0
+    return [float(time) for time in times]
+
+
 class ScriptedPlayer:
     """Plays one game in which it hits wanted aliens, one after the other, and nothing else."""
 
@@ -129,7 +150,7 @@ class Planner:
         self._wanted = list(wanted)
         self._style = style
         self._rng = rng
-        self._due = self._draw_times()
+        self._due = draw_times(wanted, style, episode.max_frames, rng)
         self._next_try = 0
 
     def next_actions(self) -> Sequence[int]:
@@ -143,19 +164,7 @@ class Planner:
             if shot is not None:
                 return shot
             self._next_try = self._episode.frame + _RETRY_FRAMES
-        return self._walk(_alien_x(self._episode, cell) - game.MISSILE_OFFSET)
-
-    def _draw_times(self) -> list[float]:
-        """Draw when each wanted hit is tried at the earliest, in frames."""
-        n_wanted = len(self._wanted)
-        latest = min(self._style.pace, max(0.0, 1 - n_wanted * _SHARE_PER_HIT))
-        times = np.sort(self._rng.uniform(0, latest * self._episode.max_frames, n_wanted))
-        # The rightmost column drifts out of the cannon's reach within 600 frames and comes back
-        # after 1,000.
-        leaving = [n for n, (_, column) in enumerate(self._wanted) if column == game.COLUMNS - 1]
-        if leaving:
-            times[: leaving[-1] + 1] = 0
-        return [float(time) for time in times]
+        return self._walk(column_centre(self._episode, cell[1]) - game.MISSILE_OFFSET)
 
     # Walking and waiting
 
@@ -224,7 +233,7 @@ class Planner:
         asides = [[], *([int(side)] * n_steps for n_steps in _DODGES for side in _SIDES)]
         n_next = len(self._episode.hits) + 1
         if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
-            way = _alien_x(self._episode, self._wanted[n_next]) - _missile_x(self._episode)
+            way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
                 asides.insert(0, [_towards(way)] * round(abs(way) / _PX_PER_STEP))
         return asides
@@ -232,7 +241,7 @@ class Planner:
     def _ways_to(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
         """Walks after which a missile may hit an alien, and the game then; the best one first."""
         before = self._episode.save()
-        offset = _alien_x(self._episode, cell) - _missile_x(self._episode)
+        offset = column_centre(self._episode, cell[1]) - _missile_x(self._episode)
         found: list[tuple[float, list[int], EpisodeState]] = []
         for action in (int(Action.RIGHT), int(Action.LEFT)):
             if abs(offset) > _REACH_PX and action != _towards(offset):
@@ -241,7 +250,7 @@ class Planner:
             n_waited = 0
             for n_steps in range(_MAX_WALK_STEPS):
                 x = _missile_x(self._episode)
-                distance = x - _alien_x(self._episode, cell)
+                distance = x - column_centre(self._episode, cell[1])
                 ready = not missile_in_air(self._episode.console.ram_bytes())
                 if abs(distance) <= _REACH_PX and ready:
                     cost = abs(distance - aim) + n_steps * _PX_PER_STEP_OF_DELAY
@@ -294,11 +303,10 @@ def _missile_x(episode: Episode) -> int:
     return _player_x(episode) + game.MISSILE_OFFSET
 
 
-def _alien_x(episode: Episode, cell: Cell) -> int:
-    """The centre of a column of aliens, in pixels."""
-    column = cell[1] - episode.shifts
+def column_centre(episode: Episode, column: int) -> int:
+    """The centre of a column of aliens, in pixels; of a cleared one, where it would be."""
     return (
         episode.console.ram_bytes()[game.RAM_ALIEN_X]
-        + game.COLUMN_WIDTH * column
+        + game.COLUMN_WIDTH * (column - episode.shifts)
         + game.ALIEN_CENTRE
     )
