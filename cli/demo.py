@@ -12,6 +12,7 @@ from cli.output import console, errors
 from cli.runs import chosen_recipe, print_results, start_run
 from cli.workspace import open_workspace
 from tril.artifacts import ArtifactStore
+from tril.demonstrator import KINDS, SCRIPTED
 from tril.recipes import RECIPES
 
 
@@ -25,12 +26,15 @@ def demo(
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
     ] = None,
+    demonstrations: Annotated[
+        str, typer.Option(help="; ".join(f"{kind.name}: {kind.summary}" for kind in KINDS) + ".")
+    ] = SCRIPTED.name,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder of summary and pictures.")
     ] = None,
 ) -> None:
     """Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures."""
-    from trainer.report import write_report
+    from trainer.report import describe_example, write_report
 
     with open_workspace() as workspace:
         run_id = start_run(
@@ -41,6 +45,7 @@ def demo(
             training_seed,
             go_on_anyway=True,
             example=True,
+            example_kind=demonstrations,
         )
         with worker_at_hand(workspace):
             row = follow(workspace, run_id)
@@ -51,4 +56,6 @@ def demo(
         page = write_report(workspace.database, store, run_id, folder)
         print_results(workspace, row)
         errors.print("The demonstrations were played by a script, not by a person.")
+        if described := describe_example(row.outcome):
+            errors.print(described)
         console.print(f"Summary and pictures: {page}", soft_wrap=True)

@@ -15,6 +15,7 @@ from cli.runs import chosen_recipe, start_run
 from cli.workspace import Workspace, open_workspace
 from tril.artifacts import ArtifactStore
 from tril.behaviours import READY_MADE
+from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
 from tril.recipes import RECIPES, Recipe
 from tril.store import runs
@@ -140,4 +141,6 @@ def _runs_of(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell]) -> lis
 
 
 def _is_usable(row: RunRow) -> bool:
-    return row.example and (row.status == RunStatus.DONE or not RunStatus(row.status).is_over)
+    if not row.example or row.example_kind != SCRIPTED.name:
+        return False
+    return row.status == RunStatus.DONE or not RunStatus(row.status).is_over

@@ -11,6 +11,7 @@ from rich.table import Table
 from cli.follow import duration, follow, say_how_it_ended, worker_at_hand
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
+from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
 from tril.jobs import estimate, overall_progress
 from tril.recipes import RECIPES, Recipe, recipe_named, with_values
@@ -30,6 +31,7 @@ def start_run(
     *,
     go_on_anyway: bool = False,
     example: bool = False,
+    example_kind: str = SCRIPTED.name,
 ) -> str:
     """Make a run and enqueue it; returns its id."""
     with workspace.database.writing() as session:
@@ -42,6 +44,7 @@ def start_run(
             go_on_anyway=go_on_anyway,
             example=example,
             player_id=players.owner(session).id,
+            example_kind=example_kind,
         )
         cost = estimate(session, recipe)
         run_id = row.id

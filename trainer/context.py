@@ -15,6 +15,7 @@ from trainer.courtesy import Courtesy
 from trainer.progress import RunCancelled
 from tril.artifacts import ArtifactStore
 from tril.behaviours import Behaviour
+from tril.demonstrator import SCRIPTED
 from tril.jobs import Forecast
 from tril.recipes import Recipe
 from tril.settings import Settings
@@ -59,6 +60,7 @@ class RunContext:
         forecast: What the run's stages were foreseen to take.
         courtesy: Makes way for people who play.
         stopping: Set when the worker is being stopped.
+        example_kind: Name of the kind of an example's demonstrations.
     """
 
     claim: Claim
@@ -78,6 +80,7 @@ class RunContext:
     forecast: Forecast
     courtesy: Courtesy
     stopping: threading.Event
+    example_kind: str = SCRIPTED.name
     _looked_at: float = field(default=-1e9, init=False)
 
     @property

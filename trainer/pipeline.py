@@ -192,6 +192,7 @@ class Pipeline:
             forecast=Forecast.of(session, row),
             courtesy=self._courtesy,
             stopping=self._stopping,
+            example_kind=row.example_kind,
         )
 
     def _end(self, claim: Claim, status: RunStatus, message: str) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from trainer.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.figures import (
@@ -16,6 +17,7 @@ from trainer.figures import (
 )
 from tril.artifacts import ArtifactStore, write_whole
 from tril.behaviours import Behaviour, Cell, score
+from tril.demonstrator import kind_named
 from tril.recipes import Recipe, recipe_from_dict
 from tril.store import artifacts, behaviours, evaluations, metrics, recordings, runs
 from tril.store.database import Database
@@ -95,6 +97,29 @@ def _facts(database: Database, run_id: str) -> _Facts:
         )
 
 
+def describe_example(outcome: Mapping[str, Any]) -> str:
+    """Say of what kind a run's demonstrations are, and how right their ranking is.
+
+    Args:
+        outcome: The run's; see RunRow.
+
+    Returns:
+        A sentence or two; nothing for the ordinary example and for a person's demonstrations.
+    """
+    example = outcome.get("example")
+    if example is None:
+        return ""
+    n_wrong = len(example["mistakes"])
+    order = (
+        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example['tau']:.2f}"
+        " with what the games show)."
+        if n_wrong
+        else "They are ranked without mistakes."
+    )
+    kind = kind_named(example["kind"])
+    return f"The demonstrations are of the kind `{kind.name}`: {kind.summary}. {order}"
+
+
 def _pictures(facts: _Facts) -> dict[str, bytes]:
     starts = facts.recipe.evaluation.start_numbers
     columns = [
@@ -167,7 +192,7 @@ def _head(facts: _Facts) -> list[str]:
         facts.behaviour.description,
         "",
         f"Recipe `{run.recipe_name}`, {run.steps:,} PPO steps, training seed {run.training_seed}."
-        f" {made}",
+        f" {made} {describe_example(run.outcome)}".rstrip(),
         "",
         f"Time by stage: {stages}.",
         "",

@@ -9,6 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
+from cli.reproduce import _is_usable
+from tril.store.models import RunRow, RunStatus
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 runner = CliRunner()
@@ -73,3 +75,20 @@ def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
 @pytest.mark.parametrize("starts", ["", "a", "1-", "2,2", "5-3"])
 def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
     assert "Expected" in _run("evaluate", "no-run", "--starts", starts, status=1)
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_unknown_demonstrations_name_those_there_are() -> None:
+    output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
+    assert "there are scripted, human, six, twenty-four, no-wrong, no-gradual" in output
+
+
+@pytest.mark.parametrize(
+    ("example", "kind", "usable"),
+    [(True, "scripted", True), (True, "human", False), (False, "scripted", False)],
+)
+def test_results_are_made_from_ordinary_examples_only(
+    example: bool, kind: str, usable: bool
+) -> None:
+    row = RunRow(example=example, example_kind=kind, status=RunStatus.DONE)
+    assert _is_usable(row) is usable

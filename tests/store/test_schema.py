@@ -8,13 +8,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from alembic import command
 from sqlalchemy import inspect, text
 
 from tril.errors import Unavailable
-from tril.store import behaviours, players
+from tril.store import behaviours, players, runs
 from tril.store.database import Database, create_database, use_wal
 from tril.store.models import Base
-from tril.store.schema import check_schema, upgrade
+from tril.store.schema import alembic_config, check_schema, upgrade
 
 
 def open_database(folder: Path) -> Database:
@@ -133,4 +134,30 @@ def test_a_failed_transaction_leaves_nothing(tmp_path: Path) -> None:
         fail()
     with database.reading() as session:
         assert players.owner(session).name == players.OWNER_NAME
+    database.close()
+
+
+def test_runs_of_the_first_version_learned_from_the_ordinary_example(tmp_path: Path) -> None:
+    database = open_database(tmp_path)
+    config = alembic_config()
+    with database.engine.begin() as connection:
+        config.attributes["connection"] = connection
+        command.upgrade(config, "0001")
+        connection.execute(
+            text(
+                "INSERT INTO behaviours (id, slug, name, description, ordered, ready_made,"
+                " created_at) VALUES (1, 'own', 'Own', '', 0, 0, '2026-01-01')"
+            )
+        )
+        connection.execute(
+            text(
+                "INSERT INTO runs (id, behaviour_id, example, recipe_name, recipe, training_seed,"
+                " steps, go_on_anyway, versions, status, stage, stage_done, message,"
+                " finished_stages, epoch, worker, outcome, created_at) VALUES ('a', 1, 1, 'fast',"
+                " '{}', 0, 1, 0, '{}', 'done', '', 1, '', '{}', 1, '', '{}', '2026-01-01')"
+            )
+        )
+    upgrade(database)
+    with database.reading() as session:
+        assert runs.get(session, "a").example_kind == "scripted"
     database.close()

@@ -10,11 +10,12 @@ import pytest
 
 from tests.workplace import TINY, Workplace
 from trainer.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
+from trainer.report import describe_example
 from trainer.stages import demonstrations
 from tril.demonstrator import example_tasks
-from tril.errors import Unavailable
+from tril.errors import Invalid, Unavailable
 from tril.jobs import STAGES
-from tril.store import claims, rankings, recordings, runs
+from tril.store import behaviours, claims, rankings, recordings, runs
 from tril.store.models import RunStatus, Source
 
 NAME = "worker-0"
@@ -164,9 +165,13 @@ def few_tasks(monkeypatch: pytest.MonkeyPatch) -> int:
     return 3
 
 
-def make_example(workplace: Workplace, behaviour_id: int) -> str:
+def make_example(
+    workplace: Workplace, behaviour_id: int, kind: str = "scripted", training_seed: int = 0
+) -> str:
     with workplace.database.writing() as session:
-        return runs.create(session, behaviour_id, TINY, 64, 0, example=True).id
+        return runs.create(
+            session, behaviour_id, TINY, 64, training_seed, example=True, example_kind=kind
+        ).id
 
 
 def scripted(workplace: Workplace, behaviour_id: int) -> list[int]:
@@ -206,3 +211,69 @@ def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
     # The ranking is somebody's by now: it stays as it is, and the example learns from its own.
     assert snapshot["ranking_revision"] is None
     assert workplace.run(first).snapshot == frozen
+
+
+def test_kinds_of_example_keep_apart_from_each_other_and_from_the_library(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(demonstrations, "N_PERFECT", 1)
+    behaviour_id = workplace.behaviour_id + 1
+    learned_from: dict[str, set[int]] = {}
+    for kind, n_ranked in (("human", 12), ("six", 6)):
+        run_id = make_example(workplace, behaviour_id, kind)
+        assert pipeline.train(run_id, only(pipeline, STAGES[0])) == "left"
+        run = workplace.run(run_id)
+        assert run.snapshot is not None
+        ranked = [number for tier in run.snapshot["tiers"] for number in tier]
+        assert len(ranked) == n_ranked
+        assert run.snapshot["ranking_revision"] is None
+        learned_from[kind] = {*ranked, *run.snapshot["perfect"]}
+        with workplace.database.reading() as session:
+            made = recordings.by_ids(session, learned_from[kind]).values()
+            assert recordings.listing(session, behaviour_id) == []
+            assert recordings.perfect_ids(session, behaviour_id) == []
+            assert rankings.current(session, behaviour_id).revision == 0
+            assert not behaviours.counts(session, behaviour_id)[behaviour_id].has_example
+        assert {(row.source, row.run_id) for row in made} == {(Source.SCRIPTED, run_id)}
+        assert [row.perfect for row in made].count(True) == 1
+        names = {row.conditions.get("manner", {}).get("name", "perfect") for row in made}
+        assert names == {"human" if kind == "human" else "perfect"}
+    # The ordinary example finds everything as if there were no other.
+    ordinary = make_example(workplace, behaviour_id)
+    pipeline.train(ordinary, only(pipeline, STAGES[0]))
+    learned_from["scripted"] = set(scripted(workplace, behaviour_id))
+    assert len(learned_from["scripted"]) == 13
+    assert sum(map(len, learned_from.values())) == len(set().union(*learned_from.values()))
+    assert workplace.run(ordinary).outcome == {}
+    with workplace.database.reading() as session:
+        assert rankings.current(session, behaviour_id).change == "example"
+
+
+def test_a_human_example_says_what_order_its_games_should_have_and_is_made_once(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(demonstrations, "N_PERFECT", 1)
+    snapshots, outcomes = [], []
+    for training_seed in (0, 1):
+        run_id = make_example(workplace, workplace.behaviour_id, "human", training_seed)
+        pipeline.train(run_id, only(pipeline, STAGES[0]))
+        run = workplace.run(run_id)
+        snapshots.append(run.snapshot)
+        outcomes.append(run.outcome)
+    assert snapshots[0] == snapshots[1]
+    assert outcomes[0] == outcomes[1]
+    example = outcomes[0]["example"]
+    assert snapshots[0] is not None
+    assert example["kind"] == "human"
+    assert example["given_tiers"] == snapshots[0]["tiers"] != example["true_tiers"]
+    assert len(example["mistakes"]) == 3
+    assert 0.7 < example["tau"] < 1
+    said = describe_example(outcomes[0])
+    assert "of the kind `human`" in said
+    assert "3 pairs of neighbours are ranked the wrong way round" in said
+    assert describe_example({}) == ""
+
+
+def test_an_unknown_kind_of_example_is_refused(workplace: Workplace) -> None:
+    with pytest.raises(Invalid, match="no demonstrations 'seven'"):
+        make_example(workplace, workplace.behaviour_id, "seven")

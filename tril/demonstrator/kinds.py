@@ -76,7 +76,7 @@ KINDS: Sequence[ExampleKind] = (
     SCRIPTED,
     ExampleKind(
         "human",
-        "the twelve as a person would play and rank them, three neighbours the wrong way round",
+        "the twelve as a person would play them, with mistakes in their ranking",
         manner=HUMAN,
         n_mistakes=3,
     ),

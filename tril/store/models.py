@@ -229,7 +229,8 @@ class RunRow(Base):
     """One training of a behaviour. The id is also the job's id.
 
     ``snapshot`` is {"ranking_revision", "tiers": [[recording ids]], "perfect": [recording ids]},
-    frozen when the run is made (or, with ``example``, once its demonstrations exist). ``recipe``
+    frozen when the run is made (or, with ``example``, once its demonstrations exist).
+    ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
     is the full recipe as data. ``outcome`` collects what the pages show when it is done.
     ``finished_stages`` maps each finished stage to the seconds of work it took. ``epoch`` grows
     with every claim by a worker; what a worker with an older epoch writes is refused.
@@ -241,6 +242,9 @@ class RunRow(Base):
     behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), index=True)
     player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
     example: Mapped[bool] = mapped_column(Boolean, default=False)
+    example_kind: Mapped[str] = mapped_column(
+        String(24), default="scripted", server_default="scripted"
+    )
     recipe_name: Mapped[str] = mapped_column(String(40))
     recipe: Mapped[dict[str, Any]] = mapped_column(JSON)
     training_seed: Mapped[int] = mapped_column(Integer)

@@ -264,7 +264,7 @@ def _why_not(behaviour_id: int, row: RecordingRow | None) -> str:
     if row.deleted_at is not None:
         return "has been deleted"
     if row.run_id is not None:
-        return "was played by a trained policy"
+        return "belongs to a training"
     if row.state != RecordingState.KEPT:
         return "is not kept in the library"
     return "is not verified"

@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.demonstrator import check_expert
+from tril.demonstrator import SCRIPTED, check_expert, kind_named
 from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import MOST_DAGGER_STEPS, Recipe
 from tril.store import behaviours, rankings, recordings
@@ -29,6 +29,7 @@ def create(
     go_on_anyway: bool = False,
     example: bool = False,
     player_id: int | None = None,
+    example_kind: str = SCRIPTED.name,
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
 
@@ -44,6 +45,7 @@ def create(
         example: Whether the scripted demonstrations are made and ranked first where they are
             missing; the snapshot is then frozen once they exist.
         player_id: Who started it.
+        example_kind: Which demonstrations an example has, see tril.demonstrator.KINDS.
 
     Raises:
         NotFound: No such behaviour.
@@ -65,6 +67,7 @@ def create(
         behaviour_id=behaviour_id,
         player_id=player_id,
         example=example,
+        example_kind=kind_named(example_kind).name,
         recipe_name=recipe.name,
         recipe=recipe.to_dict(),
         training_seed=training_seed,
