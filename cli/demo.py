@@ -20,7 +20,7 @@ def demo(
     behaviour: Annotated[
         str, typer.Option("--behaviour", "-b", help="Short name of the behaviour.")
     ] = "column-1",
-    steps: Annotated[int, typer.Option(min=1, help="PPO steps.")] = 300_000,
+    steps: Annotated[int | None, typer.Option(min=1, help="Steps; else the recipe's.")] = None,
     recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
     training_seed: Annotated[int, typer.Option(min=0, help="Feeds every random choice.")] = 0,
     value: Annotated[
@@ -37,11 +37,12 @@ def demo(
     from trainer.report import describe_example, write_report
 
     with open_workspace() as workspace:
+        chosen = chosen_recipe(recipe, value)
         run_id = start_run(
             workspace,
             behaviour,
-            chosen_recipe(recipe, value),
-            steps,
+            chosen,
+            steps or chosen.default_steps,
             training_seed,
             go_on_anyway=True,
             example=True,

@@ -70,7 +70,7 @@ def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
 def train(
     behaviour: Annotated[str, typer.Argument(help="Short name of the behaviour.")],
     recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
-    steps: Annotated[int | None, typer.Option(min=1, help="PPO steps; else the recipe's.")] = None,
+    steps: Annotated[int | None, typer.Option(min=1, help="Steps; else the recipe's.")] = None,
     training_seed: Annotated[int, typer.Option(min=0, help="Feeds every random choice.")] = 0,
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")

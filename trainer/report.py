@@ -153,7 +153,7 @@ def _pictures(facts: _Facts) -> dict[str, bytes]:
     ]
     # A training so short that no game ended has none.
     if curves:
-        pictures["curves.png"] = curves_figure(curves, "PPO steps")
+        pictures["curves.png"] = curves_figure(curves, "steps of training games")
     return pictures
 
 
@@ -191,7 +191,7 @@ def _head(facts: _Facts) -> list[str]:
         "",
         facts.behaviour.description,
         "",
-        f"Recipe `{run.recipe_name}`, {run.steps:,} PPO steps, training seed {run.training_seed}."
+        f"Recipe `{run.recipe_name}`, {run.steps:,} steps, training seed {run.training_seed}."
         f" {made} {describe_example(run.outcome)}".rstrip(),
         "",
         f"Time by stage: {stages}.",
