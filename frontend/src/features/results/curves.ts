@@ -73,6 +73,21 @@ const PLAN: readonly GroupPlan[] = [
         format: percentage,
         range: SHARE,
       },
+      {
+        title: "Actions as the expert's (DAgger)",
+        curves: [
+          { key: "agreement", name: "likeliest action" },
+          { key: "expert_share", name: "expert's own steps", dashed: true },
+        ],
+        format: percentage,
+        range: SHARE,
+      },
+      {
+        title: "States put right by the discriminator (GAIL)",
+        curves: [{ key: "discriminator_accuracy", name: "share" }],
+        format: percentage,
+        range: SHARE,
+      },
       { title: "Entropy", curves: [{ key: "entropy", name: "entropy" }], format: measured },
       {
         title: "Speed, steps/s",
