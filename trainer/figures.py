@@ -13,9 +13,11 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from tril.behaviours import Behaviour, Cell, score
+from tril.extrapolation import JudgedGames
 from tril.game.space_invaders import COLUMNS, ROWS
 
 MAP_SCALE = 4
@@ -29,6 +31,10 @@ COLOURS = {
 }
 """One colour per thing, those of the pages (frontend/src/styles/tokens.css)."""
 
+MARKS = {"imitator": "o", "clone": "D", "person": "^", "demonstrator": "s"}
+"""One shape per thing, those of the pages (frontend/src/components/ThingMark.tsx)."""
+
+_BAND = "#f2f0ea"
 _INK, _FAINT, _STRAY = "#20242b", "#c9ced6", "#b3261e"
 
 ColourMap = Literal["perceptual", "red-blue"]
@@ -108,6 +114,44 @@ def returns_figure(tiers: Sequence[int], returns: Sequence[float], tau: float) -
     axis.set_xticks(sorted(set(tiers)))
     axis.set_title(f"Kendall's tau {tau:.2f}", fontsize=10, loc="left", color=_INK)
     calm(axis)
+    return rendered(figure)
+
+
+def extrapolation_figure(groups: Sequence[JudgedGames], quantity: str) -> bytes:
+    """Draw predicted return against true quantity (T-REX, Brown et al. 2019, figure 3).
+
+    Filled marks are demonstrations, hollow ones games that the reward was not learned from. The
+    band is the range of the demonstrations: what lies beyond it is extrapolated. Marks that share a
+    quantity are set apart by who played.
+
+    Args:
+        groups: Who played, with at least one game.
+        quantity: What the true quantity counts.
+    """
+    figure, ((axis,),) = grid_of_axes(6.0, 4.0, 1, 1)
+    demonstrated = [game for group in groups if group.demonstrated for game in group.games]
+    if demonstrated:
+        worths = [game.true_quantity for game in demonstrated]
+        returns = [game.predicted_return for game in demonstrated]
+        axis.axvspan(min(worths) - 0.5, max(worths) + 0.5, color=_BAND, linewidth=0)
+        axis.axhline(max(returns), color=_FAINT, linewidth=1, linestyle="--")
+        axis.axhline(min(returns), color=_FAINT, linewidth=1, linestyle="--")
+    for place, group in enumerate(groups):
+        apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups)
+        axis.plot(
+            [game.true_quantity + apart for game in group.games],
+            [game.predicted_return for game in group.games],
+            MARKS[group.player],
+            color=COLOURS[group.player],
+            markersize=6,
+            markerfacecolor=None if group.demonstrated else "none",
+            label=f"{group.player}, {'demonstrations' if group.demonstrated else 'unseen games'}",
+        )
+    axis.set_xlabel(quantity, color=_INK)
+    axis.set_ylabel("predicted return", color=_INK)
+    axis.xaxis.set_major_locator(MaxNLocator(integer=True))
+    calm(axis)
+    axis.legend(fontsize=8, frameon=False)
     return rendered(figure)
 
 

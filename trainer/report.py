@@ -13,17 +13,29 @@ from trainer.figures import (
     PlayedColumn,
     comparison_figure,
     curves_figure,
+    extrapolation_figure,
     returns_figure,
+)
+from trainer.trust import (
+    EXTRAPOLATION,
+    QUANTITY,
+    alarm_lines,
+    extrapolation_lines,
+    warning_lines,
 )
 from tril.artifacts import ArtifactStore, write_whole
 from tril.behaviours import Behaviour, Cell, score
 from tril.demonstrator import kind_named
+from tril.extrapolation import JudgedGames
 from tril.recipes import Recipe, recipe_from_dict
+from tril.reward_alarm import RewardAlarm
 from tril.store import artifacts, behaviours, evaluations, metrics, recordings, runs
+from tril.store.alarms import alarm_of
 from tril.store.database import Database
 from tril.store.evaluations import POLICIES
 from tril.store.metrics import Series
 from tril.store.models import ArtifactRow, EvaluationRow, RecordingRow, RunRow
+from tril.store.returns import judged_games
 from tril.summary import Interval, PolicySummary, winner
 
 STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
@@ -39,6 +51,8 @@ class _Facts:
     games: list[EvaluationRow]
     files: list[ArtifactRow]
     curves: Series
+    judged: list[JudgedGames]
+    alarm: RewardAlarm | None
 
     @property
     def best(self) -> RecordingRow | None:
@@ -85,15 +99,18 @@ def _facts(database: Database, run_id: str) -> _Facts:
         run = runs.get(session, run_id)
         tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
         _, curves = metrics.series(session, run_id)
+        games = evaluations.listing(session, run_id)
         return _Facts(
             run=run,
             behaviour=behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
             recipe=recipe_from_dict(run.recipe),
             tiers=tiers,
             demonstrations=recordings.by_ids(session, [i for tier in tiers for i in tier]),
-            games=evaluations.listing(session, run_id),
+            games=games,
             files=artifacts.listing(session, run_id),
             curves=curves,
+            judged=judged_games(session, run, games),
+            alarm=alarm_of(session, run),
         )
 
 
@@ -151,6 +168,8 @@ def _pictures(facts: _Facts) -> dict[str, bytes]:
         for name, label in zip(shown, labels, strict=True)
         if name in points
     ]
+    if facts.judged:
+        pictures[EXTRAPOLATION] = extrapolation_figure(facts.judged, QUANTITY)
     # A training so short that no game ended has none.
     if curves:
         pictures["curves.png"] = curves_figure(curves, "steps of training games")
@@ -170,8 +189,10 @@ def _returns(facts: _Facts) -> list[tuple[int, int, float]]:
 
 def _page(facts: _Facts, pictures: Iterable[str]) -> str:
     parts = [*_head(facts), *_comparison(facts), *_means(facts), *_ranking(facts)]
+    parts += extrapolation_lines(facts.judged)
     if "curves.png" in pictures:
-        parts += ["## Training games", "", "![Curves of the training](curves.png)", ""]
+        parts += ["## Training games", "", *alarm_lines(facts.alarm)]
+        parts += ["![Curves of the training](curves.png)", ""]
     return "\n".join([*parts, *_attention(facts), *_origin(facts)])
 
 
@@ -253,6 +274,7 @@ def _ranking(facts: _Facts) -> list[str]:
         f" {check['pair_accuracy']:.1%}; pairs of demonstrations that were left out of learning"
         f" {'not measured' if held_out is None else f'{held_out:.1%}'}.",
         "",
+        *warning_lines(check.get("warning", "")),
         "![Predicted return against rank](returns.png)",
         "",
         "| rank | hits | predicted return |",

@@ -13,10 +13,12 @@ from server.api.run_schemas import (
     ComparisonRow,
     ConfusedTiers,
     EvaluationGame,
+    JudgedGames,
     PolicyChoiceSummary,
     PolicySummary,
     RankedReturn,
     RankingCheck,
+    RewardAlarm,
     RunResults,
 )
 from server.api.run_views import run_view
@@ -24,7 +26,9 @@ from server.api.schemas import Recording
 from server.api.views import RecordingViews
 from tril.recipes import recipe_from_dict
 from tril.store import artifacts, evaluations, recordings
+from tril.store.alarms import alarm_of
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
+from tril.store.returns import judged_games
 from tril.summary import winner
 
 _STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
@@ -48,6 +52,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
     games = evaluations.listing(session, run.id)
     files = artifacts.listing(session, run.id)
     tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
+    alarm = alarm_of(session, run)
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
     shown = {key: views.one(row) for key, row in demonstrations.items()}
     return RunResults(
@@ -57,6 +62,8 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         games=[_game(row, views) for row in games],
         summaries=_summaries(games),
         best_demonstration=shown.get(tiers[0][0]) if tiers else None,
+        alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
+        judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
         attention=_attention(files),
         artifacts=[artifact_view(row) for row in files],
     )
@@ -74,6 +81,7 @@ def _check(
         held_out_accuracy=check["held_out_accuracy"],
         passed=check["passed"],
         advice=check["advice"],
+        warning=check.get("warning", ""),
         confused=[
             ConfusedTiers(
                 better_tier=pair["better"],
@@ -81,6 +89,8 @@ def _check(
                 held_out=pair["held_out"],
                 better=tiers[pair["better"] - 1],
                 worse=tiers[pair["worse"] - 1],
+                n_right=pair.get("n_right"),
+                n_compared=pair.get("n_compared"),
             )
             for pair in check["confused"]
         ],

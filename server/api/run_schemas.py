@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas import Id, Recording, Schema
+from tril.extrapolation import Player
 from tril.store.evaluations import Choice
 
 
@@ -114,7 +115,8 @@ class ConfusedTiers(Schema):
     """Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
 
     ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
-    learning; ``better`` and ``worse`` are the recordings of the two tiers.
+    learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
+    comparisons ``n_right`` were in order; None in runs of earlier versions.
     """
 
     better_tier: int
@@ -122,6 +124,8 @@ class ConfusedTiers(Schema):
     held_out: bool
     better: list[int]
     worse: list[int]
+    n_right: int | None
+    n_compared: int | None
 
 
 class RankedReturn(Schema):
@@ -133,13 +137,17 @@ class RankedReturn(Schema):
 
 
 class RankingCheck(Schema):
-    """How well the reward model agrees with the ranking; ``advice`` is empty if it passed."""
+    """How well the reward model agrees with the ranking.
+
+    ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
+    """
 
     tau: float
     pair_accuracy: float
     held_out_accuracy: float | None
     passed: bool
     advice: str
+    warning: str
     confused: list[ConfusedTiers]
     returns: list[RankedReturn]
 
@@ -189,6 +197,38 @@ class PolicyChoiceSummary(Schema):
     summary: PolicySummary
 
 
+class JudgedGame(Schema):
+    """A game's true quantity (targets hit, less strays) and its predicted return."""
+
+    true_quantity: int
+    predicted_return: float
+    recording_id: int
+
+
+class JudgedGames(Schema):
+    """The games of one who played: demonstrations, or games that the reward has not seen.
+
+    ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
+    worth the same.
+    """
+
+    player: Player
+    demonstrated: bool
+    games: list[JudgedGame]
+    tau: float | None
+
+
+class RewardAlarm(Schema):
+    """The predicted return of the training games rose and they became no better.
+
+    ``message`` says what it means and what to do.
+    """
+
+    from_step: int
+    to_step: int
+    message: str
+
+
 class RunResults(Schema):
     """Everything the results page shows; parts that are not there yet are None or empty."""
 
@@ -198,6 +238,8 @@ class RunResults(Schema):
     games: list[EvaluationGame]
     summaries: list[PolicyChoiceSummary]
     best_demonstration: Recording | None
+    alarm: RewardAlarm | None
+    judged: list[JudgedGames]
     attention: list[AttentionMap]
     artifacts: list[Artifact]
 

@@ -53,7 +53,7 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
     page = (results / "README.md").read_text()
     assert "scripted demonstrator" in page
     pictures = set(re.findall(r"\]\(([^)]+\.png)\)", page))
-    assert {"aliens.png", "returns.png", "attention-maximum.png"} <= pictures
+    assert {"aliens.png", "returns.png", "extrapolation.png", "attention-maximum.png"} <= pictures
     assert all((results / name).stat().st_size > 0 for name in pictures)
 
     database = create_database(Settings().application_url)

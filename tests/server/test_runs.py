@@ -7,12 +7,13 @@ import uuid
 import pytest
 from starlette.testclient import TestClient
 
+from tests.trainings import HACKS
 from tests.workplace import Workplace
 from tril.artifacts import ArtifactStore
 from tril.behaviours import Score
 from tril.jobs import STAGES
 from tril.recipes import RECIPES
-from tril.store import artifacts, claims, evaluations, metrics, recordings
+from tril.store import artifacts, claims, evaluations, metrics, recordings, runs
 from tril.store.evaluations import EvaluationKey
 from tril.store.models import RecordingRow, RunStatus, Source
 from tril.summary import summarise
@@ -188,8 +189,12 @@ def test_results_are_shown_as_the_thesis_tables_them(
             "held_out": True,
             "better": [workplace.ranked[0]],
             "worse": [workplace.ranked[1]],
+            # A run of an earlier version has not counted.
+            "n_right": None,
+            "n_compared": None,
         }
     ]
+    assert check["warning"] == ""
     assert [(row["tier"], row["predicted_return"]) for row in check["returns"]] == [
         (tier, -key) for tier, key in enumerate(workplace.ranked, start=1)
     ]
@@ -200,6 +205,48 @@ def test_results_are_shown_as_the_thesis_tables_them(
     assert by_policy["clone"]["strays"] == {"mean": 2, "low": 2, "high": 2, "n": 1}
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
     assert len(results["games"]) == 4
+
+
+def test_returns_are_shown_with_what_the_games_were_worth(
+    client: TestClient, workplace: Workplace
+) -> None:
+    results = client.get(f"/api/runs/{fill_with_results(workplace)}/results").json()
+    shown = {(one["player"], one["demonstrated"]): one for one in results["judged"]}
+    assert list(shown) == [("demonstrator", True), ("imitator", False), ("clone", False)]
+    learned_from = shown["demonstrator", True]["games"]
+    assert {game["recording_id"] for game in learned_from} == set(workplace.ranked)
+    assert all(game["predicted_return"] == -game["recording_id"] for game in learned_from)
+    assert [game["true_quantity"] for game in shown["imitator", False]["games"]] == [2, 2]
+    assert [game["true_quantity"] for game in shown["clone", False]["games"]] == [1, 1]
+    assert shown["clone", False]["tau"] is None
+    assert results["alarm"] is None
+
+
+def test_a_training_whose_return_rises_alone_is_alarmed_while_it_goes(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = workplace.make_run()
+    returns = {str(number): 300.0 * place for place, number in enumerate(workplace.ranked)}
+    with workplace.database.writing() as session:
+        for name, points in HACKS["all the time"].curves().items():
+            for step, value in points:
+                metrics.add(session, run_id, "imitator", step, {name: value})
+        check = {
+            "predicted_returns": returns,
+            "tau": 1.0,
+            "pair_accuracy": 1.0,
+            "held_out_accuracy": None,
+            "confused": [],
+            "passed": True,
+            "advice": "",
+            "warning": "Tiers 3 and 4.",
+        }
+        runs.get(session, run_id).outcome = {"check": check}
+    results = client.get(f"/api/runs/{run_id}/results").json()
+    assert results["run"]["status"] == "queued"
+    assert "Watch the imitator" in results["alarm"]["message"]
+    assert results["alarm"]["from_step"] < results["alarm"]["to_step"]
+    assert results["check"]["warning"] == "Tiers 3 and 4."
 
 
 def test_attention_maps_are_shown_with_their_frames_and_can_be_fetched(

@@ -16,10 +16,12 @@ from trainer.figures import (
     attention_picture,
     comparison_figure,
     curves_figure,
+    extrapolation_figure,
     frame_picture,
     returns_figure,
 )
 from tril.behaviours import READY_MADE
+from tril.extrapolation import JudgedGame, JudgedGames, Player
 
 
 def _pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -64,6 +66,36 @@ def test_strays_are_drawn_in_a_colour_of_their_own() -> None:
 
     assert has_stray_colour(stray)
     assert not has_stray_colour(clean)
+
+
+def _judged(player: Player, demonstrated: bool) -> JudgedGames:
+    games = tuple(JudgedGame(worth, 10.0 * worth, worth) for worth in range(4))
+    return JudgedGames(player, demonstrated, games)
+
+
+def _count(png: bytes, colour: str) -> int:
+    wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    return int((np.abs(_pixels(png).astype(int) - wanted).sum(axis=2) < 3).sum())
+
+
+def test_demonstrations_are_filled_and_unseen_games_are_hollow() -> None:
+    filled = extrapolation_figure([_judged("demonstrator", demonstrated=True)], "worth")
+    hollow = extrapolation_figure([_judged("demonstrator", demonstrated=False)], "worth")
+    colour = COLOURS["demonstrator"]
+    assert _count(filled, colour) > 2 * _count(hollow, colour) > 0
+    # Only demonstrations have a range that there is something beyond.
+    assert _count(filled, "#f2f0ea") > 1000 > _count(hollow, "#f2f0ea")
+
+
+def test_all_who_played_are_in_the_figure_in_their_colours() -> None:
+    groups = [
+        _judged("person", demonstrated=True),
+        _judged("imitator", demonstrated=False),
+        _judged("clone", demonstrated=False),
+    ]
+    figure = extrapolation_figure(groups, "worth")
+    assert all(_count(figure, COLOURS[one.player]) > 20 for one in groups)
+    assert _count(figure, COLOURS["demonstrator"]) == 0
 
 
 def test_figures_with_missing_parts_are_drawn() -> None:

@@ -20,7 +20,7 @@ from tril.recording import Recording, replay
 
 PNG = "image/png"
 SUMMARY = "summary.md"
-FIGURES = ("aliens.png", "returns.png", "curves.png")
+FIGURES = ("aliens.png", "returns.png", "extrapolation.png", "curves.png")
 
 
 def draw_attention(data: RunData, progress: Progress) -> dict[str, Any]:

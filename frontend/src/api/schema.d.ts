@@ -797,7 +797,8 @@ export interface components {
          * @description Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
          *
          *     ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
-         *     learning; ``better`` and ``worse`` are the recordings of the two tiers.
+         *     learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
+         *     comparisons ``n_right`` were in order; None in runs of earlier versions.
          */
         ConfusedTiers: {
             /** Better */
@@ -806,6 +807,10 @@ export interface components {
             better_tier: number;
             /** Held Out */
             held_out: boolean;
+            /** N Compared */
+            n_compared: number | null;
+            /** N Right */
+            n_right: number | null;
             /** Worse */
             worse: number[];
             /** Worse Tier */
@@ -929,6 +934,38 @@ export interface components {
             mean: number;
             /** N */
             n: number;
+        };
+        /**
+         * JudgedGame
+         * @description A game's true quantity (targets hit, less strays) and its predicted return.
+         */
+        JudgedGame: {
+            /** Predicted Return */
+            predicted_return: number;
+            /** Recording Id */
+            recording_id: number;
+            /** True Quantity */
+            true_quantity: number;
+        };
+        /**
+         * JudgedGames
+         * @description The games of one who played: demonstrations, or games that the reward has not seen.
+         *
+         *     ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
+         *     worth the same.
+         */
+        JudgedGames: {
+            /** Demonstrated */
+            demonstrated: boolean;
+            /** Games */
+            games: components["schemas"]["JudgedGame"][];
+            /**
+             * Player
+             * @enum {string}
+             */
+            player: "person" | "demonstrator" | "imitator" | "clone";
+            /** Tau */
+            tau: number | null;
         };
         /**
          * Metrics
@@ -1063,7 +1100,9 @@ export interface components {
         };
         /**
          * RankingCheck
-         * @description How well the reward model agrees with the ranking; ``advice`` is empty if it passed.
+         * @description How well the reward model agrees with the ranking.
+         *
+         *     ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
          */
         RankingCheck: {
             /** Advice */
@@ -1080,6 +1119,8 @@ export interface components {
             returns: components["schemas"]["RankedReturn"][];
             /** Tau */
             tau: number;
+            /** Warning */
+            warning: string;
         };
         /**
          * RankingConflict
@@ -1251,6 +1292,20 @@ export interface components {
             reason: string;
         };
         /**
+         * RewardAlarm
+         * @description The predicted return of the training games rose and they became no better.
+         *
+         *     ``message`` says what it means and what to do.
+         */
+        RewardAlarm: {
+            /** From Step */
+            from_step: number;
+            /** Message */
+            message: string;
+            /** To Step */
+            to_step: number;
+        };
+        /**
          * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, from the start's.
          */
@@ -1369,6 +1424,7 @@ export interface components {
          * @description Everything the results page shows; parts that are not there yet are None or empty.
          */
         RunResults: {
+            alarm: components["schemas"]["RewardAlarm"] | null;
             /** Artifacts */
             artifacts: components["schemas"]["Artifact"][];
             /** Attention */
@@ -1379,6 +1435,8 @@ export interface components {
             comparison: components["schemas"]["ComparisonRow"][];
             /** Games */
             games: components["schemas"]["EvaluationGame"][];
+            /** Judged */
+            judged: components["schemas"]["JudgedGames"][];
             run: components["schemas"]["Run"];
             /** Summaries */
             summaries: components["schemas"]["PolicyChoiceSummary"][];

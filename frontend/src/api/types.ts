@@ -14,6 +14,7 @@ export type Game = Schemas["Game"];
 export type Headline = Schemas["Headline"];
 export type ImportResult = Schemas["ImportResult"];
 export type Interval = Schemas["Interval"];
+export type JudgedGames = Schemas["JudgedGames"];
 export type Metrics = Schemas["Metrics"];
 export type Player = Schemas["Player"];
 export type PolicyChoiceSummary = Schemas["PolicyChoiceSummary"];

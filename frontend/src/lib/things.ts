@@ -10,6 +10,14 @@ export const THING_NAMES: Readonly<Record<Thing, string>> = {
   demonstrator: "Demonstrator",
 };
 
+/** A thing's mark, in a box of 10 by 10. */
+export const THING_SHAPES: Readonly<Record<Thing, string>> = {
+  imitator: "M5 1a4 4 0 1 0 0 8 4 4 0 0 0 0-8",
+  clone: "M5 .4 9.6 5 5 9.6.4 5z",
+  person: "M5 .8 9.4 9H.6z",
+  demonstrator: "M1.4 1.4h7.2v7.2H1.4z",
+};
+
 /** CSS variable of a thing's colour. */
 export function thingColour(thing: Thing): string {
   return `var(--${thing})`;

@@ -33,6 +33,8 @@ function resultsOf(one: Run, change: Partial<RunResults> = {}): RunResults {
     games: [],
     summaries: [],
     best_demonstration: null,
+    alarm: null,
+    judged: [],
     attention: [],
     artifacts: [],
     ...change,
@@ -70,6 +72,31 @@ describe("a run that goes", () => {
     });
     await userEvent.click(screen.getByRole("button", { name: "Cancel run" }));
     await waitFor(() => expect(asked.some(({ path }) => path.endsWith("/cancel"))).toBe(true));
+  });
+});
+
+describe("a run whose return rises alone", () => {
+  const alarm = { from_step: 1000, to_step: 9000, message: "It rose, but hits did not." };
+
+  it("is alarmed while it goes, with where to look", async () => {
+    open(run(), { alarm });
+    const said = await screen.findByRole("alert");
+    expect(said).toHaveTextContent("The reward may be hacked. It rose, but hits did not.");
+    expect(within(said).getByRole("link", { name: "See the curves" })).toHaveAttribute(
+      "href",
+      "#curves",
+    );
+    expect(within(said).queryByRole("link", { name: /watch/ })).not.toBeInTheDocument();
+  });
+
+  it("leads to its games once there are some", async () => {
+    const row = { start_number: 0, held_out: true, imitator: null, clone: null, winner: null };
+    open(run({ status: "done" }), { alarm, comparison: [row] });
+    const said = await screen.findByRole("alert");
+    expect(within(said).getByRole("link", { name: "watch the games" })).toHaveAttribute(
+      "href",
+      "#games",
+    );
   });
 });
 
@@ -117,7 +144,18 @@ describe("the results", () => {
       held_out_accuracy: 0.91,
       passed: true,
       advice: "",
-      confused: [{ better_tier: 1, worse_tier: 2, held_out: false, better: [12], worse: [11] }],
+      warning: "",
+      confused: [
+        {
+          better_tier: 1,
+          worse_tier: 2,
+          held_out: false,
+          better: [12],
+          worse: [11],
+          n_right: 0,
+          n_compared: 1,
+        },
+      ],
       returns: [
         { tier: 1, recording: best, predicted_return: 5 },
         { tier: 2, recording: recording({ id: 11 }), predicted_return: 7 },
@@ -193,7 +231,51 @@ describe("the results", () => {
     expect(rows).toEqual(["1Recording 12scripted5.00", "2Recording 11Ada7.00 (highest)"]);
     expect(screen.getByText("0.92")).toBeVisible();
     expect(screen.getByText("98.4 %")).toBeVisible();
-    expect(screen.getByText(/isn’t told from the worse tier 2/)).toBeVisible();
+    expect(
+      screen.getByText(/isn’t always put above the worse tier 2 .*: 0 of 1 comparison in order/),
+    ).toBeVisible();
+  });
+
+  it("warn of tiers that can't be told apart though the check passed", async () => {
+    const check = results.check && { ...results.check, warning: "It can’t tell 1 and 2 apart." };
+    open(one, { ...results, check: check ?? null });
+    const warning = await screen.findByText(/It can’t tell 1 and 2 apart/);
+    expect(within(warning).getByRole("link", { name: "See which recordings" })).toHaveAttribute(
+      "href",
+      "#check",
+    );
+    expect(screen.getByText(/but can’t tell some tiers apart/)).toBeVisible();
+  });
+
+  it("set predicted returns against what games were worth", async () => {
+    const played = [
+      { true_quantity: 6, predicted_return: 900, recording_id: 20 },
+      { true_quantity: 5, predicted_return: 300, recording_id: 22 },
+    ];
+    open(one, {
+      ...results,
+      judged: [
+        {
+          player: "demonstrator",
+          demonstrated: true,
+          tau: 0.97,
+          games: [
+            { true_quantity: -13, predicted_return: -2, recording_id: 11 },
+            { true_quantity: 6, predicted_return: 860, recording_id: 12 },
+          ],
+        },
+        { player: "imitator", demonstrated: false, tau: null, games: played },
+      ],
+    });
+    const plot = await screen.findByRole("img", { name: /Predicted return by targets hit/ });
+    expect(plot).toHaveTextContent("Recording 22, worth 5: 300");
+    const table = screen.getByRole("table", { name: "Predicted returns and worth of games" });
+    const rows = within(table).getAllByRole("row").slice(1).map((row) => row.textContent);
+    expect(rows).toEqual([
+      "Demonstratorlearned from2−13 to 6−2.00 to 8600.97",
+      "Imitatornever seen25 to 6300 to 900–",
+    ]);
+    expect(screen.getByText(/Beyond the shaded range/)).toBeVisible();
   });
 
   it("show attention in either colour map", async () => {

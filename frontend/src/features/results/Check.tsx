@@ -2,9 +2,9 @@ import styles from "./Check.module.css";
 import type { Watched } from "./Comparison";
 import { Scatter } from "./Scatter";
 
-import type { Behaviour, RankingCheck } from "@/api/types";
+import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
 import { SourceBadge } from "@/components/Badges";
-import { fixed, measured, percent } from "@/lib/format";
+import { count, fixed, measured, percent } from "@/lib/format";
 import { recordingName, scoreInWords } from "@/lib/recordings";
 
 interface CheckProps {
@@ -19,9 +19,7 @@ export function Check({ check, behaviour, onWatch }: CheckProps) {
     <>
       <Numbers check={check} />
       <p className={styles.verdict}>
-        {check.passed
-          ? "The learned reward puts the recordings into the order that they were given."
-          : check.advice}
+        {verdictOf(check)}
       </p>
       {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>
@@ -30,6 +28,12 @@ export function Check({ check, behaviour, onWatch }: CheckProps) {
       </div>
     </>
   );
+}
+
+function verdictOf({ passed, advice, warning }: RankingCheck): string {
+  if (!passed) return advice;
+  const order = "The learned reward puts the recordings into the order that they were given";
+  return warning ? `${order}, but can’t tell some tiers apart.` : `${order}.`;
 }
 
 function Numbers({ check }: { check: RankingCheck }) {
@@ -78,13 +82,19 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
     <ul>
       {confused.map((one) => (
         <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
-          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t told from the worse tier{" "}
+          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t always put above the worse tier{" "}
           {one.worse_tier} ({names(one.worse)})
-          {one.held_out ? " when a recording of them is left out of the learning" : ""}.
+          {one.held_out ? " when a recording of them is left out of the learning" : ""}
+          {counted(one)}.
         </li>
       ))}
     </ul>
   );
+}
+
+/** Runs of earlier versions have not counted. */
+function counted({ n_right: right, n_compared: all }: ConfusedTiers): string {
+  return right === null || all === null ? "" : `: ${right} of ${count(all, "comparison")} in order`;
 }
 
 function names(ids: readonly number[]): string {

@@ -1,10 +1,12 @@
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode, useMemo, useState } from "react";
 
+import { Alarms } from "./Alarms";
 import { Attention } from "./Attention";
 import { Check } from "./Check";
 import { Comparison, type Watched } from "./Comparison";
 import { Curves } from "./Curves";
+import { Extrapolation } from "./Extrapolation";
 import { Files, Parameters } from "./Files";
 import { RunActions } from "./RunActions";
 import styles from "./RunPage.module.css";
@@ -130,6 +132,7 @@ function Sections(props: SectionsProps) {
   const plans = sectionsOf(props);
   return (
     <>
+      <Alarms results={props.results} />
       <nav className={styles.sections} aria-label="On this page">
         {plans.map(({ id, title }) => (
           <a key={id} href={`#${id}`}>
@@ -171,6 +174,11 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
       id: "check",
       title: "Reward and ranking",
       body: <Check check={results.check} behaviour={behaviour} onWatch={onWatch} />,
+    },
+    results.judged.some((group) => !group.demonstrated) && {
+      id: "extrapolation",
+      title: "Reward and what games were worth",
+      body: <Extrapolation judged={results.judged} />,
     },
     results.attention.length > 0 && {
       id: "attention",
