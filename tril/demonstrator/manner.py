@@ -48,4 +48,4 @@ HUMAN = Manner(
 )
 """As a person plays: 250 ms from screen to key, the lower end of what was measured of people who
 play Atari games (Zhang et al. 2020, Atari-HEAD). The rest was chosen so that such games come near
-what was planned and about one ranked game in five ends by a hit."""
+what was planned and about one ranked game in seven ends by a hit."""
