@@ -149,12 +149,13 @@ class DaggerRecipe:
     collected is that of CloningRecipe.
 
     Attributes:
-        games_per_iteration: Games played and labelled between two trainings of the policy.
+        steps_per_iteration: Steps played and labelled between two trainings of the policy, rounded
+            up to whole games.
         expert_decay: p of beta_i = p^(i-1), the probability with which a step of iteration i is
             the expert's; in the first all are (Ross et al. 2011, section 3).
     """
 
-    games_per_iteration: int = 5
+    steps_per_iteration: int = 1_500
     expert_decay: float = 0.5
 
 

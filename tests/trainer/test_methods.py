@@ -19,7 +19,7 @@ STEPS = 640
 
 RECIPES: dict[str, Recipe] = {
     "dagger": with_values(
-        TINY, {"method": "dagger", "cloning.epochs": 1, "dagger.games_per_iteration": 1}
+        TINY, {"method": "dagger", "cloning.epochs": 1, "dagger.steps_per_iteration": 200}
     ),
     "gail": with_values(
         TINY,

@@ -168,7 +168,7 @@ class _Training:
     @property
     def is_done(self) -> bool:
         """Whether all steps have been played and learned from."""
-        return self._learned_from == len(self._games) and self._steps >= self._task.steps
+        return self._learned_steps >= self._task.steps
 
     @property
     def best_steps(self) -> int:
@@ -182,7 +182,13 @@ class _Training:
 
     @property
     def _steps(self) -> int:
+        """Steps played."""
         return sum(game.seen.n_steps for game in self._games)
+
+    @property
+    def _learned_steps(self) -> int:
+        """Steps that the latest policy was learned from."""
+        return self.snapshots[-1].steps if self.snapshots else 0
 
     def begin(self) -> None:
         """Take the checkpoint up if there is one."""
@@ -195,11 +201,11 @@ class _Training:
     def iterate(self) -> None:
         """Play the games of an iteration that are missing, learn from all games, and judge."""
         iteration = len(self.snapshots)
-        policy = load_policy(self._policy_file(self.snapshots[-1].steps)) if iteration else None
+        policy = load_policy(self._policy_file(self._learned_steps)) if iteration else None
         recipe = self._task.recipe
         share = float(recipe.dagger.expert_decay**iteration)
-        last = self._learned_from + max(1, recipe.dagger.games_per_iteration)
-        while len(self._games) < last and self._steps < self._task.steps:
+        enough = self._learned_steps + max(1, recipe.dagger.steps_per_iteration)
+        while self._steps < min(enough, self._task.steps):
             rng = np.random.default_rng([self._task.training_seed, len(self._games)])
             game = play_labelled(
                 self._game,
@@ -275,7 +281,7 @@ class _Training:
 
     def _drop_superseded(self) -> None:
         """Remove all policies but the best and the latest."""
-        wanted = {self.best, self._policy_file(self.snapshots[-1].steps)}
+        wanted = {self.best, self._policy_file(self._learned_steps)}
         for path in self._folder.glob("policy-*.zip"):
             if path not in wanted:
                 path.unlink()
@@ -302,10 +308,9 @@ class _Training:
                 )
             self._learned_from = state["learned_from"]
             self.snapshots = [SnapshotScore(**snapshot) for snapshot in state["snapshots"]]
-            # What the curves show ends here.
-            learned = self.snapshots[-1].steps if self.snapshots else 0
             for stored in state["games"]:
-                self._tick(learned)
+                # The curves end there.
+                self._tick(self._learned_steps)
                 self._games.append(_replayed(stored, self._game.console))
         except (ValueError, KeyError, TypeError) as error:
             raise Invalid(f"{path} cannot be read: {error}. Remove it to begin anew.") from error

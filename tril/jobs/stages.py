@@ -70,7 +70,7 @@ def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     """Return what the imitator's training takes."""
     if recipe.method != "dagger":
         return steps / IMITATOR_STEPS_PER_S[recipe.policy.network]
-    iterations = max(1.0, steps / (recipe.dagger.games_per_iteration * MEAN_STEPS))
+    iterations = max(1.0, steps / recipe.dagger.steps_per_iteration)
     # Every iteration learns all that was collected until then.
     learned = recipe.cloning.epochs * steps * (iterations + 1) / 2
     judged = iterations * recipe.policy.snapshot_episodes * MEAN_STEPS

@@ -132,7 +132,7 @@ def task() -> ImitationTask:
         tiny_recipe(warm_start=False),
         method="dagger",
         cloning=CloningRecipe(network="small", epochs=1),
-        dagger=DaggerRecipe(games_per_iteration=1, expert_decay=0.0),
+        dagger=DaggerRecipe(steps_per_iteration=30, expert_decay=0.0),
     )
     return ImitationTask(
         model=random_model(),
