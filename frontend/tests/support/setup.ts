@@ -1,7 +1,11 @@
 import "@testing-library/jest-dom/vitest";
 
-import { cleanup } from "@testing-library/react";
+import { cleanup, configure } from "@testing-library/react";
 import { afterEach, vi } from "vitest";
+
+// Pages load in parts, which takes jsdom longer than the usual second where the machine has other
+// work. A test waits this long only when it fails.
+configure({ asyncUtilTimeout: 10_000 });
 
 // What jsdom lacks. Each does what a browser does as far as the pages can tell.
 
