@@ -41,41 +41,39 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
 /** The same in numbers. */
 function Groups({ judged }: { judged: readonly JudgedGames[] }) {
   return (
-    <div className={styles.scroll}>
-      <table className={styles.table} aria-label="Predicted returns and worth of games">
-        <thead>
-          <tr>
-            <th scope="col">Games of</th>
-            <th scope="col" className={styles.number}>
-              Games
+    <table className={styles.table} aria-label="Predicted returns and worth of games">
+      <thead>
+        <tr>
+          <th scope="col">Games of</th>
+          <th scope="col" className={styles.number}>
+            Games
+          </th>
+          <th scope="col" className={styles.number}>
+            Worth
+          </th>
+          <th scope="col" className={styles.number}>
+            Predicted return
+          </th>
+          <th scope="col" className={styles.right}>
+            Kendall&rsquo;s tau
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {judged.map((group) => (
+          <tr key={`${group.player}-${String(group.demonstrated)}`}>
+            <th scope="row">
+              <ThingMark thing={group.player} hollow={!group.demonstrated} />
+              <small>{group.demonstrated ? "learned from" : "never seen"}</small>
             </th>
-            <th scope="col" className={styles.number}>
-              Worth
-            </th>
-            <th scope="col" className={styles.number}>
-              Predicted return
-            </th>
-            <th scope="col" className={styles.right}>
-              Kendall&rsquo;s tau
-            </th>
+            <td className={styles.number}>{group.games.length}</td>
+            <td className={styles.number}>{between(worthOf([group]), whole)}</td>
+            <td className={styles.number}>{between(returnOf([group]), measured)}</td>
+            <td className={styles.right}>{group.tau === null ? NONE : fixed(group.tau, 2)}</td>
           </tr>
-        </thead>
-        <tbody>
-          {judged.map((group) => (
-            <tr key={`${group.player}-${String(group.demonstrated)}`}>
-              <th scope="row">
-                <ThingMark thing={group.player} hollow={!group.demonstrated} />
-                <small>{group.demonstrated ? "learned from" : "never seen"}</small>
-              </th>
-              <td className={styles.number}>{group.games.length}</td>
-              <td className={styles.number}>{between(worthOf([group]), whole)}</td>
-              <td className={styles.number}>{between(returnOf([group]), measured)}</td>
-              <td className={styles.right}>{group.tau === null ? NONE : fixed(group.tau, 2)}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+        ))}
+      </tbody>
+    </table>
   );
 }
 
