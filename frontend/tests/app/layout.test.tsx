@@ -4,7 +4,7 @@ import userEvent from "@testing-library/user-event";
 import { createMemoryRouter, RouterProvider } from "react-router";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 
-import { behaviour, recipe, run, system } from "../support/data";
+import { behaviour, recipe, results, run, system } from "../support/data";
 import { Refusal, serve } from "../support/server";
 
 import { connection } from "@/api/connection";
@@ -142,16 +142,7 @@ describe("a behaviour's pages", () => {
       "GET /api/system": () => system(false),
       "GET /api/runs/r1": () => one,
       "GET /api/runs/r1/metrics": () => ({ last: 0, series: {} }),
-      "GET /api/runs/r1/results": () => ({
-        run: one,
-        check: null,
-        comparison: [],
-        games: [],
-        summaries: [],
-        best_demonstration: null,
-        attention: [],
-        artifacts: [],
-      }),
+      "GET /api/runs/r1/results": () => results(one),
     });
     open("/runs/r1");
     expect(await screen.findByRole("link", { name: /Look/, current: "page" })).toBeVisible();

@@ -2,7 +2,7 @@ import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
-import { behaviour, game, recording, run, system } from "../support/data";
+import { behaviour, game, recording, results, run, system } from "../support/data";
 import { show } from "../support/page";
 import { Refusal, serve } from "../support/server";
 
@@ -25,25 +25,9 @@ const SUMMARY: PolicySummary = {
   predicted_return: null,
 };
 
-function resultsOf(one: Run, change: Partial<RunResults> = {}): RunResults {
-  return {
-    run: one,
-    check: null,
-    comparison: [],
-    games: [],
-    summaries: [],
-    best_demonstration: null,
-    alarm: null,
-    judged: [],
-    attention: [],
-    artifacts: [],
-    ...change,
-  };
-}
-
-function open(one: Run, results: Partial<RunResults> = {}, more: Parameters<typeof serve>[0] = {}) {
+function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeof serve>[0] = {}) {
   const asked = serve({
-    [`GET /api/runs/${one.id}/results`]: () => resultsOf(one, results),
+    [`GET /api/runs/${one.id}/results`]: () => results(one, change),
     [`GET /api/runs/${one.id}/metrics`]: () => ({
       last: 3,
       series: { imitator: { hits: [[1, 1]], strays: [[1, 0]] } },

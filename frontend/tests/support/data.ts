@@ -6,6 +6,7 @@ import type {
   Recipe,
   Recording,
   Run,
+  RunResults,
   System,
 } from "@/api/types";
 
@@ -130,6 +131,22 @@ export function game(change: Partial<EvaluationGame> = {}): EvaluationGame {
     held_out: true,
     predicted_return: 1,
     recording: recording({ source: "policy" }),
+    ...change,
+  };
+}
+
+export function results(one: Run, change: Partial<RunResults> = {}): RunResults {
+  return {
+    run: one,
+    check: null,
+    comparison: [],
+    games: [],
+    summaries: [],
+    best_demonstration: null,
+    alarm: null,
+    judged: [],
+    attention: [],
+    artifacts: [],
     ...change,
   };
 }
