@@ -7,9 +7,13 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from trainer.context import RunContext
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import Progress, Unobserved
+from trainer.reward.comparisons import PerfectGames
+from trainer.reward.disturbed import DisturbedCopy, disturbed_copies
 from trainer.reward.model import RewardModel
 from trainer.stored import stored_file
 from tril.errors import Invalid
@@ -19,6 +23,9 @@ from tril.store import recordings
 
 REWARD_MODEL = "reward-model.safetensors"
 NETWORK = "application/octet-stream"
+
+_COPIES_STREAM = 1_000_033
+"""Keeps the draws of disturbed copies apart from others of the same training seed."""
 
 
 class RunData:
@@ -36,6 +43,7 @@ class RunData:
         self._trajectories: dict[int, Trajectory] = {}
         self._recordings: dict[int, Recording] = {}
         self._reward_model: RewardModel | None = None
+        self._copies: list[DisturbedCopy] | None = None
 
     @property
     def tiers(self) -> list[list[int]]:
@@ -67,6 +75,29 @@ class RunData:
     def perfect_trajectories(self) -> list[Trajectory]:
         """What an agent would have seen and done in the perfect recordings, in that order."""
         return self.trajectories(self.perfect)
+
+    @property
+    def perfect_games(self) -> PerfectGames:
+        """The perfect demonstrations and, where the recipe learns from them, disturbed copies."""
+        place = {number: index for index, number in enumerate(self.ranked)}
+        ranked_as = [place.get(number) for number in self.perfect]
+        return PerfectGames(self.perfect_trajectories, ranked_as, self._disturbed_copies)
+
+    @property
+    def _disturbed_copies(self) -> list[DisturbedCopy]:
+        context, recipe = self.context, self.context.recipe.reward
+        if not recipe.disturbed_share:
+            return []
+        if self._copies is None:
+            found = self.recordings(self.perfect)
+            rng = np.random.default_rng([context.training_seed, _COPIES_STREAM])
+            self._copies = disturbed_copies(
+                [found[number] for number in self.perfect],
+                recipe.disturbed_copies,
+                rng,
+                context.check_cancelled,
+            )
+        return self._copies
 
     @property
     def _snapshot(self) -> dict[str, Any]:

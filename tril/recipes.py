@@ -32,6 +32,14 @@ class RewardRecipe:
         aligned: Whether both snippets of a pair start at the same step. Otherwise the better one
             starts no earlier than the worse one (T-REX), which by itself makes the learned reward
             rise with time.
+        free_share: Method "fast": share of the ranking's snippet pairs whose starts are drawn
+            independently of each other. Pairs that start at the same step leave open how R changes
+            with time alone; these don't.
+        perfect_share: Method "fast": share of all snippet pairs in which a perfect game is better
+            than one below the first tier.
+        disturbed_share: Method "fast": share of all snippet pairs in which a perfect game is better
+            than a disturbed copy of itself (after D-REX, Brown et al. 2020).
+        disturbed_copies: Copies made of each perfect game.
         ensemble: Number of reward models whose standardised outputs are averaged.
         folds: Cross-validation folds of demonstrations left out to measure the held-out accuracy;
             0 leaves the measurement out.
@@ -48,6 +56,10 @@ class RewardRecipe:
     snippet_max_steps: int = 100
     observation_stride: int = 2
     aligned: bool = False
+    free_share: float = 0.0
+    perfect_share: float = 0.0
+    disturbed_share: float = 0.0
+    disturbed_copies: int = 8
     ensemble: int = 1
     folds: int = 3
     fold_updates: int = 6_000
@@ -62,7 +74,7 @@ class PolicyRecipe:
         network: "nature" is the Atari network of stable-baselines3, "small" the same with half of
             the channels and features.
         reward: "sigmoid" pays sigmoid(R(s')) per step (thesis, section 5.1); "level" pays R(s')
-            scaled so that the worst demonstrations' states pay 0 and the best ones' end 1;
+            scaled so that the demonstrations' beginnings pay 0 and the best ones' ends 1;
             "difference" pays the change of that level, so that progress pays and waiting doesn't;
             "softplus" pays log(1 + exp(R(s'))), which is GAIL's reward where R is the logit of
             its discriminator.
@@ -243,20 +255,23 @@ FAST = Recipe(
     reward=RewardRecipe(
         method="fast",
         learning_rate=1e-3,
-        updates=200,
+        updates=300,
         snippet_pairs=0,
         pairs_per_update=256,
-        snippet_min_steps=20,
+        snippet_min_steps=24,
         snippet_max_steps=100,
         observation_stride=12,
         aligned=True,
+        free_share=0.5,
+        perfect_share=0.125,
+        disturbed_share=0.375,
         fold_updates=120,
     ),
     policy=PolicyRecipe(
         network="small",
-        reward="level",
-        death_penalty=5.0,
-        reward_scale=0.05,
+        reward="difference",
+        death_penalty=0.3,
+        reward_scale=2.0,
         n_games=16,
         minibatches=8,
         epochs=4,
@@ -265,7 +280,7 @@ FAST = Recipe(
         best_share=0.25,
         demonstration_share=0.25,
         warm_start=True,
-        start_policy_pull=0.1,
+        start_policy_pull=0.03,
         critic_warm_up_steps=12_000,
         snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),
         snapshot_episodes=24,

@@ -22,8 +22,8 @@ class Payment:
     """The reward of a step, from R of the states before and after it.
 
     "sigmoid" is the thesis's (section 5.1). It pays about as much for being alive as for the
-    behaviour. "level" pays R scaled so that the worst demonstrations' states give 0 and the best
-    ones' end gives 1, without a bound, so that a step of progress counts for the rest of the game.
+    behaviour. "level" pays R scaled so that the demonstrations' beginnings give 0 and the best
+    ones' ends give 1, without a bound, so that a step of progress counts for the rest of the game.
     "difference" pays what the level has gained, once (a potential, Ng et al. 1999, without the
     discount). "softplus" pays log(1 + exp(R)): where R is the logit of GAIL's discriminator D that
     a state is demonstrated, that is -log(1 - D), the negative of the cost in Ho and Ermon 2016

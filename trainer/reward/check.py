@@ -13,14 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.progress import Progress, Section
+from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import RewardModel
-from trainer.reward.snippets import (
-    SnippetRule,
-    draw_snippets,
-    preference_pairs,
-    snippet_sums,
-)
-from trainer.reward.training import NetworkTraining, Seed, calibrate
+from trainer.reward.snippets import draw_snippets, preference_pairs, snippet_sums
+from trainer.reward.training import NetworkTraining, Seed, calibrate, snippet_rule
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -123,6 +119,7 @@ def check_ranking(
     training_seed: int,
     progress: Progress,
     checkpoint_folder: Path | None = None,
+    perfect: PerfectGames = NO_PERFECT_GAMES,
 ) -> RankingCheck:
     """Check a reward model against the ranking it was learned from.
 
@@ -135,6 +132,7 @@ def check_ranking(
         training_seed: Feeds the draws of snippets and the folds' models.
         progress: Told of the folds' updates and, as ``held_out_accuracy``, of each fold's result.
         checkpoint_folder: As of train_reward.
+        perfect: As of train_reward.
 
     Raises:
         RunCancelled: Raised by ``progress``.
@@ -145,7 +143,8 @@ def check_ranking(
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in scores.items()}
     tau = kendall_tau(tiers, returns)
     seed = (training_seed, _CHECK_STREAM)
-    left_out = _cross_validate(trajectories, tiers, recipe, seed, progress, checkpoint_folder)
+    comparisons = compare(trajectories, tiers, recipe, perfect)
+    left_out = _cross_validate(comparisons, seed, progress, checkpoint_folder)
     held_out = float(np.mean([right for _, right in left_out])) if left_out else None
     tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
     by_return = [(pair, returns[pair[0]] > returns[pair[1]]) for pair in pairs]
@@ -167,9 +166,8 @@ def _snippet_accuracy(
     rng: np.random.Generator,
 ) -> float:
     """Return the share of newly drawn snippet pairs whose sums of R are ordered as ranked."""
-    rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
     sizes = [len(scores[i]) if i in scores else 1 for i in range(max(scores) + 1)]
-    drawn = draw_snippets(pairs, sizes, rule, SNIPPETS_CHECKED, rng)
+    drawn = draw_snippets(pairs, sizes, snippet_rule(recipe), SNIPPETS_CHECKED, rng)
     sums = np.empty((2, len(drawn)))
     for side, (which, starts) in enumerate(
         [(drawn.better, drawn.better_start), (drawn.worse, drawn.worse_start)]
@@ -181,9 +179,7 @@ def _snippet_accuracy(
 
 
 def _cross_validate(
-    trajectories: Sequence[Trajectory],
-    tiers: Sequence[Sequence[int]],
-    recipe: RewardRecipe,
+    comparisons: Comparisons,
     seed: Seed,
     progress: Progress,
     checkpoint_folder: Path | None,
@@ -193,7 +189,7 @@ def _cross_validate(
     A pair counts in each fold that leaves at least one of its two demonstrations out. Games are
     compared over as many steps as the shorter one has, as snippets are.
     """
-    ranked = [i for tier in tiers for i in tier]
+    recipe, ranked = comparisons.recipe, comparisons.ranked
     n_folds = min(recipe.folds, len(ranked))
     if n_folds < 2:
         return []
@@ -201,14 +197,11 @@ def _cross_validate(
     fold_of = {i: place % n_folds for place, i in enumerate(ranked)}
     compared: list[Comparison] = []
     for fold in range(n_folds):
-        kept = [[i for i in tier if fold_of[i] != fold] for tier in tiers]
-        kept = [tier for tier in kept if tier]
-        if len(kept) < 2:
+        kept = comparisons.without({i for i in ranked if fold_of[i] == fold})
+        if len(kept.tiers) < 2:
             continue
         job = NetworkTraining(
-            trajectories,
-            preference_pairs(kept),
-            recipe,
+            kept,
             recipe.fold_updates,
             (*seed, fold),
             checkpoint_folder and checkpoint_folder / f"fold-{fold}.safetensors",
@@ -216,9 +209,9 @@ def _cross_validate(
         first, total = fold * recipe.fold_updates, n_folds * recipe.fold_updates
         section = Section(progress, first, total)
         network = job.train(_WithoutValues(section))
-        model = calibrate([network], trajectories, kept, standardise=False)
-        scores = {i: model.score(trajectories[i].observations) for i in ranked}
-        pairs = [p for p in preference_pairs(tiers) if fold in (fold_of[p[0]], fold_of[p[1]])]
+        model = calibrate([network], kept, standardise=False)
+        scores = {i: model.score(comparisons.games[i].observations) for i in ranked}
+        pairs = [p for p in comparisons.pairs if fold in (fold_of[p[0]], fold_of[p[1]])]
         found = [(p, _in_order(scores[p[0]], scores[p[1]])) for p in pairs]
         compared += found
         accuracy = float(np.mean([right for _, right in found]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,10 @@ from tril.errors import Invalid
 from tril.ranking import Pair, Ranking
 
 Indices = npt.NDArray[np.int64]
+
+SnippetStarts = Literal["later", "same", "any"]
+"""Where the snippets of a pair start: the better one no earlier than the worse one (T-REX,
+published code), both at the same step, or each anywhere."""
 
 
 @dataclass(frozen=True)
@@ -45,18 +50,17 @@ class SnippetRule:
         shortest: Shortest snippet, in observations; a game that is shorter is taken whole.
         longest: Longest snippet, in observations, cut at the shorter game of each pair. T-REX
             cuts all pairs at the shortest game of all, and fails where that is below ``shortest``.
-        aligned: Whether both snippets start at the same step. Otherwise the better one starts no
-            earlier than the worse one (T-REX, published code).
+        starts: Where the two snippets start.
     """
 
     shortest: int
     longest: int
-    aligned: bool
+    starts: SnippetStarts
 
     def every(self, stride: int) -> SnippetRule:
         """The same rule in units of every ``stride``-th observation."""
         return SnippetRule(
-            max(1, self.shortest // stride), max(1, self.longest // stride), self.aligned
+            max(1, self.shortest // stride), max(1, self.longest // stride), self.starts
         )
 
 
@@ -81,28 +85,38 @@ def draw_snippets(
     rule: SnippetRule,
     count: int,
     rng: np.random.Generator,
+    first: Sequence[int] | None = None,
 ) -> SnippetPairs:
     """Draw snippet pairs: preference pair, length and starts each evenly among those allowed.
 
     Args:
         pairs: Preference pairs of trajectory indices.
-        n_observations: Number of observations of each trajectory, at least 1.
+        n_observations: Where each trajectory's observations end: their number, at least 1, if they
+            begin at 0.
         rule: Which snippets are compared.
         count: How many pairs are drawn.
         rng: Where the draws come from.
+        first: Where each trajectory's observations begin; by default all at 0. Both snippets of a
+            pair start where both trajectories have begun.
     """
-    sizes = np.asarray(n_observations, np.int64)
+    ends = np.asarray(n_observations, np.int64)
+    begins = np.zeros_like(ends) if first is None else np.asarray(first, np.int64)
     chosen = np.asarray(pairs, np.int64)[rng.integers(len(pairs), size=count)]
     better, worse = chosen[:, 0], chosen[:, 1]
-    shorter = np.minimum(sizes[better], sizes[worse])
+    begin = np.maximum(begins[better], begins[worse])
+    shorter = np.minimum(ends[better], ends[worse]) - begin
     shortest = np.minimum(rule.shortest, shorter)
     longest = np.maximum(shortest, np.minimum(rule.longest, shorter))
     length = rng.integers(shortest, longest, endpoint=True)
+    if rule.starts == "any":
+        better_start = rng.integers(begin, ends[better] - length, endpoint=True)
+        worse_start = rng.integers(begin, ends[worse] - length, endpoint=True)
+        return SnippetPairs(better, worse, better_start, worse_start, length)
     # Never later in the worse game than a snippet of this length can still start in both.
-    worse_start = rng.integers(0, shorter - length, endpoint=True)
+    worse_start = rng.integers(begin, begin + shorter - length, endpoint=True)
     better_start = worse_start
-    if not rule.aligned:
-        better_start = rng.integers(worse_start, sizes[better] - length, endpoint=True)
+    if rule.starts == "later":
+        better_start = rng.integers(worse_start, ends[better] - length, endpoint=True)
     return SnippetPairs(better, worse, better_start, worse_start, length)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -25,16 +25,17 @@ from torch.nn import functional as F
 from trainer.chance import drawn_from
 from trainer.optimizers import optimizer_tensors, restore_optimizer
 from trainer.progress import Progress, Section
+from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
-from trainer.reward.snippets import SnippetRule, draw_snippets, preference_pairs
+from trainer.reward.snippets import SnippetRule, SnippetStarts, draw_snippets
 from tril.artifacts import write_whole
 from tril.errors import Invalid
-from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
 
-END_STEPS = 25
-"""Steps at a game's end by which its final level is measured."""
+LEVEL_STEPS = 25
+"""Observations at a game's beginning and end by which its first and its final level are measured.
+"""
 
 CHECKPOINT_EVERY_S = 30.0
 
@@ -55,6 +56,7 @@ def train_reward(
     training_seed: int,
     progress: Progress,
     checkpoint_folder: Path | None = None,
+    perfect: PerfectGames = NO_PERFECT_GAMES,
 ) -> RewardModel:
     """Learn a reward model from ranked trajectories.
 
@@ -67,24 +69,24 @@ def train_reward(
         progress: Told of loss and accuracy, as updates of all members of the ensemble.
         checkpoint_folder: An existing folder of this training alone; what a training that was
             killed left there is gone on from. None keeps nothing.
+        perfect: The perfect demonstrations, for recipes that learn from them too.
 
     Raises:
         Invalid: There are fewer than two tiers.
         RunCancelled: Raised by ``progress``.
     """
+    comparisons = compare(trajectories, tiers, recipe, perfect)
     networks = []
     for member in range(recipe.ensemble):
         job = NetworkTraining(
-            trajectories,
-            preference_pairs(tiers),
-            recipe,
+            comparisons,
             recipe.updates,
             (training_seed, member),
             checkpoint_folder and checkpoint_folder / f"member-{member}.safetensors",
         )
         section = Section(progress, member * recipe.updates, recipe.ensemble * recipe.updates)
         networks.append(job.train(section))
-    return calibrate(networks, trajectories, tiers, standardise=recipe.method == "fast")
+    return calibrate(networks, comparisons, standardise=recipe.method == "fast")
 
 
 class NetworkTraining:
@@ -94,9 +96,7 @@ class NetworkTraining:
     that a training that was interrupted goes on as if it had not been.
 
     Args:
-        trajectories: The demonstrations.
-        pairs: Preference pairs of their indices.
-        recipe: How it is learned.
+        comparisons: What it is learned from, and how.
         updates: Gradient updates.
         seed: What all draws are made of.
         checkpoint: File that is gone on from if it exists; None keeps nothing.
@@ -104,13 +104,12 @@ class NetworkTraining:
 
     def __init__(
         self,
-        trajectories: Sequence[Trajectory],
-        pairs: Sequence[Pair],
-        recipe: RewardRecipe,
+        comparisons: Comparisons,
         updates: int,
         seed: Seed,
         checkpoint: Path | None = None,
     ) -> None:
+        recipe = comparisons.recipe
         self._updates = updates
         self._checkpoint = checkpoint
         self.network = new_network(_rng(seed, _WEIGHTS))
@@ -119,7 +118,7 @@ class NetworkTraining:
             self._parameters, lr=recipe.learning_rate, weight_decay=recipe.weight_decay
         )
         kind = _PaperLogits if recipe.method == "paper" else _FastLogits
-        self._logits = kind(self.network, trajectories, pairs, recipe, updates, seed)
+        self._logits = kind(self.network, comparisons, updates, seed)
         self._recent: list[tuple[float, float]] = []
 
     def train(self, progress: Progress) -> RewardNetwork:
@@ -191,20 +190,18 @@ class _PaperLogits:
     def __init__(
         self,
         network: RewardNetwork,
-        trajectories: Sequence[Trajectory],
-        pairs: Sequence[Pair],
-        recipe: RewardRecipe,
+        comparisons: Comparisons,
         updates: int,
         seed: Seed,
     ) -> None:
         self._network = network
-        self._trajectories = trajectories
-        self._recipe = recipe
+        self._games = comparisons.games
+        self._recipe = recipe = comparisons.recipe
         self._seed = seed
-        rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
-        sizes = [len(trajectory.observations) for trajectory in trajectories]
+        sizes = [len(game.observations) for game in self._games]
         count = recipe.snippet_pairs or updates * recipe.pairs_per_update
-        self._drawn = draw_snippets(pairs, sizes, rule, count, _rng(seed, _SNIPPETS))
+        rule = snippet_rule(recipe)
+        self._drawn = draw_snippets(comparisons.pairs, sizes, rule, count, _rng(seed, _SNIPPETS))
         self._order = cache(self._drawn_order)
 
     def __call__(self, update: int) -> Tensor:
@@ -232,54 +229,87 @@ class _PaperLogits:
         ):
             begin = int(starts[index])
             taken = slice(begin, begin + int(drawn.length[index]), self._recipe.observation_stride)
-            parts.append(self._trajectories[int(which[index])].observations[taken])
+            parts.append(self._games[int(which[index])].observations[taken])
         return np.concatenate(parts)
 
 
 class _FastLogits:
-    """The logits of an update from one pass over all demonstrations.
+    """The logits of an update from one pass over the games.
 
-    Every update scores each demonstration once, at every ``observation_stride``-th observation
-    from an offset drawn anew, and takes the sums of many snippets from the prefix sums of those
-    scores. Neighbouring observations share three of four screens, so that the stride costs little
-    of what there is to learn and saves most of the time.
+    Every update scores each game once, at every ``observation_stride``-th step from an offset
+    drawn anew, and takes the sums of many snippets from the prefix sums of those scores.
+    Neighbouring observations share three of four screens, so that the stride costs little of what
+    there is to learn and saves most of the time.
     """
 
     def __init__(
         self,
         network: RewardNetwork,
-        trajectories: Sequence[Trajectory],
-        pairs: Sequence[Pair],
-        recipe: RewardRecipe,
+        comparisons: Comparisons,
         updates: int,
         seed: Seed,
     ) -> None:
-        ranked = sorted({index for pair in pairs for index in pair})
-        place = {index: number for number, index in enumerate(ranked)}
         self._network = network
-        self._frames = [torch.from_numpy(trajectories[index].observations) for index in ranked]
-        self._pairs = [(place[better], place[worse]) for better, worse in pairs]
-        self._recipe = recipe
+        self._comparisons = comparisons
+        self._recipe = comparisons.recipe
         self._seed = seed
+        self._observations = [torch.from_numpy(game.observations) for game in comparisons.games]
+        self._first_steps = [game.first_step for game in comparisons.games]
 
     def __call__(self, update: int) -> Tensor:
         """Return the logits of an update, counted from 0: float32 (pairs_per_update,)."""
         recipe, stride = self._recipe, self._recipe.observation_stride
         rng = _rng(self._seed, _SNIPPETS, update)
         offset = int(rng.integers(stride))
-        # A game that is shorter than the stride counts with its last observation.
-        taken = [one[min(offset, len(one) - 1) :: stride] for one in self._frames]
-        sizes = [len(one) for one in taken]
-        inputs = torch.cat(taken)
+        groups = self._comparisons.groups(rng)
+        used = sorted({index for group in groups for pair in group.pairs for index in pair})
+        taken, first = zip(*(self._take(index, offset) for index in used), strict=True)
+        table = self._prefix_sums(taken, first)
+        ends = [begin + len(one) for begin, one in zip(first, taken, strict=True)]
+        row = {index: number for number, index in enumerate(used)}
+        counts = _shared_out(recipe.pairs_per_update, [group.share for group in groups])
+        logits = []
+        for group, count in zip(groups, counts, strict=True):
+            pairs = [(row[better], row[worse]) for better, worse in group.pairs]
+            rule = replace(snippet_rule(recipe), starts=group.starts).every(stride)
+            drawn = draw_snippets(pairs, ends, rule, count, rng, first)
+            better = _sums(table, drawn.better, drawn.better_start, drawn.length)
+            logits.append(better - _sums(table, drawn.worse, drawn.worse_start, drawn.length))
+        return torch.cat(logits)
+
+    def _take(self, index: int, offset: int) -> tuple[Tensor, int]:
+        """Return a game's observations at the steps offset + k * stride, and the first such k."""
+        stride, observations = self._recipe.observation_stride, self._observations[index]
+        first = max(0, -(-(self._first_steps[index] - offset) // stride))
+        begin = offset + first * stride - self._first_steps[index]
+        # A game that ends before counts with its last observation.
+        return observations[min(begin, len(observations) - 1) :: stride], first
+
+    def _prefix_sums(self, taken: Sequence[Tensor], first: Sequence[int]) -> Tensor:
+        """Return the sums of R over each game's first k taken steps, float32 (games, most + 1)."""
+        inputs = torch.cat(list(taken))
         chunks = range(0, len(inputs), SCORING_BATCH)
         values = torch.cat([self._network(inputs[at : at + SCORING_BATCH]) for at in chunks])
-        table = torch.zeros(len(taken), max(sizes) + 1)
-        for row, part in enumerate(values.split_with_sizes(sizes)):
-            table[row, 1 : len(part) + 1] = part.cumsum(0)
-        rule = SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, recipe.aligned)
-        drawn = draw_snippets(self._pairs, sizes, rule.every(stride), recipe.pairs_per_update, rng)
-        better = _sums(table, drawn.better, drawn.better_start, drawn.length)
-        return better - _sums(table, drawn.worse, drawn.worse_start, drawn.length)
+        sizes = [len(one) for one in taken]
+        width = max(begin + size for begin, size in zip(first, sizes, strict=True))
+        table = torch.zeros(len(taken), width + 1)
+        for row, (begin, part) in enumerate(
+            zip(first, values.split_with_sizes(sizes), strict=True)
+        ):
+            table[row, begin + 1 : begin + 1 + len(part)] = part.cumsum(0)
+        return table
+
+
+def snippet_rule(recipe: RewardRecipe) -> SnippetRule:
+    """Return how a recipe compares snippets of ranked games, the free ones apart."""
+    starts: SnippetStarts = "same" if recipe.aligned else "later"
+    return SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, starts)
+
+
+def _shared_out(count: int, shares: Sequence[float]) -> list[int]:
+    """Return how many of count fall to each share; the shares' sum is 1."""
+    edges = np.rint(np.cumsum([0.0, *shares]) * count)
+    return [int(part) for part in np.diff(edges)]
 
 
 def _sums(
@@ -297,39 +327,39 @@ def _rng(seed: Seed, *place: int) -> np.random.Generator:
 
 
 def calibrate(
-    networks: Sequence[RewardNetwork],
-    trajectories: Sequence[Trajectory],
-    tiers: Sequence[Sequence[int]],
-    *,
-    standardise: bool,
+    networks: Sequence[RewardNetwork], comparisons: Comparisons, *, standardise: bool
 ) -> RewardModel:
     """Make a reward model of trained networks.
 
     Args:
         networks: The members of the ensemble.
-        trajectories: The demonstrations they were trained on.
-        tiers: Indices into ``trajectories``, best tier first.
+        comparisons: What they were trained on.
         standardise: Whether each network's output is scaled to a standard deviation of 1 over all
-            states of the demonstrations and shifted so that the tier of lowest mean R has a mean
-            of 0. Preferences leave both open. With this choice a game that ends early is no
+            states of the ranked demonstrations and shifted so that the tier of lowest mean R has a
+            mean of 0. Preferences leave both open. With this choice a game that ends early is no
             better than the worst demonstration going on.
     """
-    ranked = [index for tier in tiers for index in tier]
+    ranked, best = comparisons.ranked, comparisons.best
     members = tuple(networks)
     raw = RewardModel(members, (0.0,) * len(members), (1.0,) * len(members))
     if standardise:
-        outputs = [_member_scores(member, trajectories, ranked) for member in members]
+        outputs = [
+            _scores(RewardModel((one,), (0.0,), (1.0,)), comparisons, ranked) for one in members
+        ]
         scales = [float(np.concatenate(list(out.values())).std()) for out in outputs]
         if min(scales) < 1e-6:
             raise Invalid(
                 "The reward model gives all states the same value: nothing was learned from this"
                 " ranking. Use a higher learning rate, or other demonstrations."
             )
-        lowest = [min(_mean(out, tier) for tier in tiers) for out in outputs]
+        lowest = [
+            min(float(np.mean([out[i].mean() for i in tier])) for tier in comparisons.tiers)
+            for out in outputs
+        ]
         raw = replace(raw, offsets=tuple(lowest), scales=tuple(scales))
-    scores = {index: raw.score(trajectories[index].observations) for index in ranked}
-    zero = min(_mean(scores, tier) for tier in tiers)
-    one = float(np.mean([scores[index][-END_STEPS:].mean() for index in tiers[0]]))
+    scores = _scores(raw, comparisons, dict.fromkeys((*ranked, *best)))
+    zero = float(np.mean([values[:LEVEL_STEPS].mean() for values in scores.values()]))
+    one = float(np.mean([scores[index][-LEVEL_STEPS:].mean() for index in best]))
     if not one > zero:
         # Nothing was learned; the check of the ranking says so. Any scale keeps R usable.
         one = zero + 1.0
@@ -341,12 +371,7 @@ def new_network(rng: np.random.Generator) -> RewardNetwork:
     return drawn_from(rng, RewardNetwork)
 
 
-def _member_scores(
-    member: RewardNetwork, trajectories: Sequence[Trajectory], ranked: Sequence[int]
+def _scores(
+    model: RewardModel, comparisons: Comparisons, games: Iterable[int]
 ) -> dict[int, npt.NDArray[np.float32]]:
-    one = RewardModel((member,), (0.0,), (1.0,))
-    return {index: one.score(trajectories[index].observations) for index in ranked}
-
-
-def _mean(scores: dict[int, npt.NDArray[np.float32]], tier: Sequence[int]) -> float:
-    return float(np.mean([scores[index].mean() for index in tier]))
+    return {index: model.score(comparisons.games[index].observations) for index in games}

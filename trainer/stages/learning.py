@@ -35,6 +35,7 @@ def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.training_seed,
         progress,
         context.stage_folder("reward"),
+        data.perfect_games,
     )
     data.keep_reward_model(model)
     return {}
@@ -51,6 +52,7 @@ def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.training_seed,
         progress,
         context.stage_folder("check"),
+        data.perfect_games,
     )
     found = check.to_dict()
     found["predicted_returns"] = {

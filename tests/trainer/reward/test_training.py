@@ -11,7 +11,7 @@ from trainer.progress import RunCancelled, Unobserved
 from trainer.reward import training
 from trainer.reward.check import are_told_apart, check_ranking
 from trainer.reward.model import RewardModel, predicted_return
-from trainer.reward.training import train_reward
+from trainer.reward.training import LEVEL_STEPS, train_reward
 from tril.recipes import FAST, PAPER, RewardRecipe
 
 TRAJECTORIES = planted_trajectories()
@@ -126,8 +126,14 @@ def test_standardised_rewards_put_the_worst_tier_at_zero() -> None:
         np.mean([model.score(TRAJECTORIES[i].observations).mean() for i in tier]) for tier in TIERS
     ]
     assert min(means) == pytest.approx(0.0, abs=1e-4)
-    assert model.zero == pytest.approx(0.0, abs=1e-4)
-    assert model.one > 0.5
+
+
+def test_levels_go_from_the_beginnings_to_the_ends_of_the_best() -> None:
+    model = train_reward(TRAJECTORIES, TIERS, RECIPES["fast"], 7, Unobserved())
+    levels = [model.level(model.score(t.observations)) for t in TRAJECTORIES]
+    beginnings = np.mean([values[:LEVEL_STEPS].mean() for values in levels])
+    assert beginnings == pytest.approx(0.0, abs=1e-3)
+    assert levels[0][-LEVEL_STEPS:].mean() == pytest.approx(1.0, abs=1e-3)
 
 
 class Recorded:

@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+
+from trainer.progress import RunCancelled
+from trainer.reward.disturbed import LONGEST_COPY, SHORTEST_COPY, disturbed_copies
+from tril.game.agent import AgentGame
+from tril.game.console import Console
+from tril.game.starts import Start
+from tril.recording import Recording, trajectory
+
+STEPS = 120
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    """A game whose action changes in the middle of a step, as a person's does."""
+    rng = np.random.default_rng(3)
+    actions = bytes(np.repeat(rng.integers(0, 6, STEPS // 2 + 1), 8)[2 : 2 + 4 * STEPS].tolist())
+    game = AgentGame(Console())
+    game.reset(Start(50))
+    for action in actions:
+        if game.end is None:
+            game.advance(action)
+    return Recording(Start(50), game.episode.actions)
+
+
+def test_copies_begin_in_the_game_and_leave_it(recording: Recording) -> None:
+    original = trajectory(recording).observations
+    copies = disturbed_copies([recording] * 2, 5, np.random.default_rng(0), lambda: None)
+    assert {copy.original for copy in copies} == {0, 1}
+    for copy in copies:
+        own, first = copy.observations, copy.first_step
+        assert SHORTEST_COPY < len(own) <= LONGEST_COPY + 1
+        assert np.array_equal(own[0], original[first])
+        same = min(len(own), len(original) - first)
+        assert not np.array_equal(own[:same], original[first : first + same])
+
+
+def test_the_same_draws_give_the_same_copies(recording: Recording) -> None:
+    one, other = (
+        disturbed_copies([recording], 3, np.random.default_rng(1), lambda: None) for _ in range(2)
+    )
+    assert [copy.first_step for copy in one] == [copy.first_step for copy in other]
+    for a, b in zip(one, other, strict=True):
+        assert np.array_equal(a.observations, b.observations)
+
+
+def test_a_game_too_short_to_be_disturbed_has_no_copies(recording: Recording) -> None:
+    short = Recording(recording.start, recording.actions[: 4 * SHORTEST_COPY])
+    assert disturbed_copies([short], 3, np.random.default_rng(1), lambda: None) == []
+
+
+def test_it_stops_when_told_to(recording: Recording) -> None:
+    def stop() -> None:
+        raise RunCancelled
+
+    with pytest.raises(RunCancelled):
+        disturbed_copies([recording], 3, np.random.default_rng(1), stop)

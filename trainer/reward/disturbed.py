@@ -1,0 +1,143 @@
+"""Disturbed copies of perfect games: what worse looks like next to the very best.
+
+A ranking of a dozen games says little about aliens that nobody shot: the network takes them for
+targets. A perfect game that is disturbed for some steps and then goes on as recorded, now out of
+place, hits such aliens, and is worse than it was. That a policy gets worse the more noise it is
+disturbed by is the idea of D-REX (Brown et al. 2020, "Better-than-Demonstrator Imitation Learning
+via Automatically-Ranked Demonstrations"); here it is the demonstration itself that is disturbed,
+from the emulator's saved states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.game.agent import AgentGame, AgentGameState
+from tril.game.console import Console
+from tril.game.space_invaders import FRAMES_PER_STEP, Action
+from tril.recording import Recording
+
+SHORTEST_COPY = 20
+"""Steps after the first disturbance; what is lost sooner says nothing but that it was lost."""
+
+LONGEST_COPY = 120
+"""Steps after the first disturbance: a snippet is at most 100 steps long."""
+
+_BURST_STEPS = (2, 15)
+_BURST_SHARE = 0.02
+"""Chance per step of a further burst."""
+
+_BURST_ACTIONS = {
+    Action.NOOP: 0.1,
+    Action.FIRE: 0.1,
+    Action.RIGHT: 0.1,
+    Action.LEFT: 0.1,
+    Action.RIGHTFIRE: 0.3,
+    Action.LEFTFIRE: 0.3,
+}
+"""What is held in a burst: mostly what moves and shoots, since that is what does harm."""
+
+
+@dataclass(frozen=True)
+class DisturbedCopy:
+    """A game from its first disturbance on.
+
+    Attributes:
+        original: Index of the game that was disturbed.
+        first_step: Step of the original at which the disturbance begins.
+        observations: uint8 (N + 1, 4, 84, 84): before that step and after each of N that follow.
+    """
+
+    original: int
+    first_step: int
+    observations: npt.NDArray[np.uint8]
+
+
+def disturbed_copies(
+    recordings: Sequence[Recording],
+    copies: int,
+    rng: np.random.Generator,
+    tick: Callable[[], None],
+) -> list[DisturbedCopy]:
+    """Disturb games at drawn steps, several times each.
+
+    Args:
+        recordings: The games, none of which goes on after its end.
+        copies: Copies of each; those that are lost within SHORTEST_COPY steps are left out.
+        rng: Where the draws come from.
+        tick: Called after every step played; what it raises ends the work.
+
+    Returns:
+        The copies, of one game after the other.
+    """
+    played, disturbed = AgentGame(Console()), AgentGame(Console())
+    found = []
+    for original, recording in enumerate(recordings):
+        last = len(recording.actions) // FRAMES_PER_STEP - SHORTEST_COPY
+        if last < 1:
+            continue
+        wanted = sorted(rng.integers(0, last, size=copies).tolist())
+        for step, state in _states(played, recording, wanted, tick):
+            observations = _disturb(disturbed, recording, step, state, rng, tick)
+            if len(observations) > SHORTEST_COPY:
+                found.append(DisturbedCopy(original, step, observations))
+    return found
+
+
+def _states(
+    game: AgentGame, recording: Recording, wanted: Sequence[int], tick: Callable[[], None]
+) -> list[tuple[int, AgentGameState]]:
+    """Return the states of a recorded game before the wanted steps, in ascending order."""
+    game.reset(recording.start)
+    states = []
+    for step in range(wanted[-1] + 1):
+        states += [(step, game.save())] * wanted.count(step)
+        _play(game, recording, step)
+        tick()
+        if game.end is not None:
+            break
+    return states
+
+
+def _disturb(
+    game: AgentGame,
+    recording: Recording,
+    first_step: int,
+    state: AgentGameState,
+    rng: np.random.Generator,
+    tick: Callable[[], None],
+) -> npt.NDArray[np.uint8]:
+    """Play a game on from a state, in bursts of one held action and as recorded between them."""
+    game.restore(state)
+    observations = [game.observation]
+    actions, weights = list(_BURST_ACTIONS), list(_BURST_ACTIONS.values())
+    n_steps = len(recording.actions) // FRAMES_PER_STEP
+    left = 0
+    held = Action.NOOP
+    for step in range(first_step, min(n_steps, first_step + LONGEST_COPY)):
+        if game.end is not None:
+            break
+        if not left and (step == first_step or rng.random() < _BURST_SHARE):
+            left = int(rng.integers(*_BURST_STEPS, endpoint=True))
+            held = actions[int(rng.choice(len(actions), p=weights))]
+        if left:
+            game.step(held)
+            left -= 1
+        else:
+            _play(game, recording, step)
+        observations.append(game.observation)
+        tick()
+    return np.stack(observations)
+
+
+def _play(game: AgentGame, recording: Recording, step: int) -> None:
+    """Play a step as it was recorded, frame by frame: a person may change keys within it."""
+    begin = step * FRAMES_PER_STEP
+    for action in recording.actions[begin : begin + FRAMES_PER_STEP]:
+        if game.end is not None:
+            return
+        game.advance(action)
