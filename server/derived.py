@@ -6,6 +6,7 @@ import hashlib
 import threading
 from collections.abc import Callable
 
+from server.memory import memory_file
 from server.play.consoles import ConsolePool
 from server.play.frames import frames_file, thumbnail_png
 from tril.cache import Cache
@@ -26,7 +27,7 @@ def version_of(recording: Recording) -> str:
 
 
 class Derived:
-    """Frames and thumbnails of recordings; safe to call from several threads.
+    """Frames, thumbnails and memory of recordings; safe to call from several threads.
 
     Args:
         cache: Where they are kept.
@@ -46,6 +47,10 @@ class Derived:
     def thumbnail(self, recording: Recording) -> bytes:
         """Return a PNG of a recording."""
         return self._made(recording, "png", thumbnail_png)
+
+    def memory(self, recording: Recording) -> bytes:
+        """Return the RAM at the start and after every frame, 128 bytes each."""
+        return self._made(recording, "ram", memory_file)
 
     def _made(
         self, recording: Recording, kind: str, make: Callable[[Recording, Console], bytes]

@@ -9,11 +9,20 @@ from fastapi import APIRouter, Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from server.api.schemas import ImportResult, Recording, RecordingUpdate, Refusal
+from server.api.schemas import (
+    Branch,
+    ImportResult,
+    MemoryCell,
+    Recording,
+    RecordingCourse,
+    RecordingUpdate,
+    Refusal,
+)
 from server.api.views import RecordingViews
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import version_of
 from server.problems import CONFLICT, NOT_FOUND
+from tril.game.space_invaders import RAM_NAMES
 from tril.library import Imported, export_behaviour, import_recordings
 from tril.library import export_recording as exchanged
 from tril.store import behaviours, players, recordings
@@ -188,6 +197,45 @@ def get_recording_thumbnail(
         recording = recordings.as_recording(recordings.get(session, recording_id))
     content = services.derived.thumbnail(recording)
     return _derived(content, "image/png", v == version_of(recording))
+
+
+@router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
+def get_recording_course(session: Reading, recording_id: RecordingId) -> RecordingCourse:
+    """Return what was done in every frame, and which recordings this one is related to."""
+    row = recordings.get(session, recording_id)
+    parent = None
+    if row.parent_id is not None and row.parent_frame is not None:
+        parent = Branch(recording_id=row.parent_id, frame=row.parent_frame)
+    return RecordingCourse(
+        actions=list(row.actions),
+        parent=parent,
+        branches=[
+            Branch(recording_id=branch.id, frame=branch.parent_frame)
+            for branch in recordings.branches(session, row.id)
+            if branch.parent_frame is not None
+        ],
+        conditions=row.conditions,
+        memory_url=f"/api/recordings/{row.id}/memory?v={version_of(recordings.as_recording(row))}",
+        memory_names=[
+            MemoryCell(address=address, name=name) for address, name in sorted(RAM_NAMES.items())
+        ],
+    )
+
+
+@router.get(
+    "/recordings/{recording_id}/memory",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"application/octet-stream": {}}}},
+)
+def get_recording_memory(
+    request: Request, recording_id: RecordingId, v: Version = None
+) -> Response:
+    """Return the RAM at the start and after every frame of a recording, 128 bytes each."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    content = services.derived.memory(recording)
+    return _derived(content, "application/octet-stream", v == version_of(recording))
 
 
 @router.get(

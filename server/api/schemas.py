@@ -140,6 +140,37 @@ class Recording(Schema):
     deleted: bool
 
 
+class Branch(Schema):
+    """A recording and the frame at which the other one leaves it."""
+
+    recording_id: int
+    frame: int
+
+
+class MemoryCell(Schema):
+    """What an address of the console's RAM holds."""
+
+    address: int
+    name: str
+
+
+class RecordingCourse(Schema):
+    """A recording frame by frame.
+
+    ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
+    ``parent`` is the recording that this one goes on from, ``branches`` those that go on from it,
+    oldest first. At ``memory_url`` is the RAM at the start and after every frame, 128 bytes each;
+    ``memory_names`` names what is known of it.
+    """
+
+    actions: list[int]
+    parent: Branch | None
+    branches: list[Branch]
+    conditions: dict[str, Any]
+    memory_url: str
+    memory_names: list[MemoryCell]
+
+
 class RecordingUpdate(Schema):
     """Fields left out stay."""
 

@@ -90,6 +90,25 @@ PHASE_CLEARED = 8
 NO_MISSILE = 246
 """RAM_MISSILE_Y when no missile of the player is in the air."""
 
+RAM_NAMES = {
+    RAM_ALIEN_Y: "aliens, y",
+    RAM_ALIENS_LEFT: "aliens left",
+    **{RAM_ALIEN_ROWS + row: f"aliens in row {row + 1}, as bits" for row in range(ROWS)},
+    RAM_LANDING: "landed (bit 7)",
+    RAM_ALIEN_X: "aliens, x",
+    RAM_PLAYER_X: "cannon, x",
+    RAM_BONUS_SHIP_X: "bonus ship, x",
+    RAM_PHASE: "phase",
+    RAM_LIVES: "lives",
+    **{y: f"bomb {n}, y" for n, (y, _) in enumerate(RAM_BOMBS, start=1)},
+    **{x: f"bomb {n}, x" for n, (_, x) in enumerate(RAM_BOMBS, start=1)},
+    RAM_MISSILE_Y: "missile, y",
+    RAM_MISSILE_X: "missile, x",
+    RAM_SCORE_HIGH: "score, hundreds (BCD)",
+    RAM_SCORE_LOW: "score, units (BCD)",
+}
+"""What people call the addresses above; rows and bombs are counted from 1."""
+
 # Geometry in pixels.
 COLUMN_WIDTH = 16
 ALIEN_CENTRE = 4

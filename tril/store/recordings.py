@@ -128,6 +128,19 @@ def listing(
     return list(session.scalars(query.order_by(RecordingRow.id.desc())))
 
 
+def branches(session: Session, recording_id: int) -> list[RecordingRow]:
+    """Return the recordings that go on from a frame of this one, oldest first.
+
+    Deleted ones and games that are still being played are left out.
+    """
+    query = select(RecordingRow).where(
+        RecordingRow.parent_id == recording_id,
+        RecordingRow.deleted_at.is_(None),
+        RecordingRow.state != RecordingState.PLAYING,
+    )
+    return list(session.scalars(query.order_by(RecordingRow.id)))
+
+
 def perfect_ids(session: Session, behaviour_id: int) -> list[int]:
     """Return the recordings of the library that are marked as perfect, oldest first."""
     query = _library(behaviour_id).where(

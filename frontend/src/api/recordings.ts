@@ -19,6 +19,35 @@ export function recordingsQuery(behaviourId: number) {
   });
 }
 
+/** One recording, a deleted one too. */
+export function recordingQuery(recordingId: number) {
+  return queryOptions({
+    queryKey: ["recording", recordingId],
+    queryFn: ({ signal }) =>
+      unwrap(api.GET("/api/recordings/{recording_id}", { ...at(recordingId), signal })),
+  });
+}
+
+/** What was done in every frame of a recording, and its relatives. */
+export function courseQuery(recordingId: number) {
+  return queryOptions({
+    queryKey: ["recording", recordingId, "course"],
+    queryFn: ({ signal }) =>
+      unwrap(api.GET("/api/recordings/{recording_id}/course", { ...at(recordingId), signal })),
+  });
+}
+
+/** The RAM at every frame, by the address that a course names; it never changes. */
+export function memoryQuery(url: string) {
+  return queryOptions({
+    queryKey: ["memory", url],
+    queryFn: async ({ signal }) => new Uint8Array(await fetchBytes(url, signal)),
+    staleTime: Infinity,
+    gcTime: 60_000,
+    structuralSharing: false,
+  });
+}
+
 /** All screens of a recording. A recording never changes, and its address carries a version. */
 export function framesQuery(recording: Recording) {
   return queryOptions({
@@ -81,4 +110,9 @@ export async function importRecordings(
 /** Where a behaviour's recordings can be downloaded as JSON Lines. */
 export function exportUrl(behaviourId: number): string {
   return `/api/behaviours/${behaviourId}/recordings/export`;
+}
+
+/** Where one recording can be downloaded in the exchange format. */
+export function recordingExportUrl(recordingId: number): string {
+  return `/api/recordings/${recordingId}/export`;
 }

@@ -372,6 +372,26 @@ export interface paths {
         patch: operations["update_recording"];
         trace?: never;
     };
+    "/api/recordings/{recording_id}/course": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Recording Course
+         * @description Return what was done in every frame, and which recordings this one is related to.
+         */
+        get: operations["get_recording_course"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/recordings/{recording_id}/discard": {
         parameters: {
             query?: never;
@@ -446,6 +466,26 @@ export interface paths {
          * @description Put a finished game into the library.
          */
         post: operations["keep_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings/{recording_id}/memory": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Recording Memory
+         * @description Return the RAM at the start and after every frame of a recording, 128 bytes each.
+         */
+        get: operations["get_recording_memory"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -779,6 +819,16 @@ export interface components {
             ][] | null;
         };
         /**
+         * Branch
+         * @description A recording and the frame at which the other one leaves it.
+         */
+        Branch: {
+            /** Frame */
+            frame: number;
+            /** Recording Id */
+            recording_id: number;
+        };
+        /**
          * ComparisonRow
          * @description One start of the thesis' table: who hit what, and who won.
          */
@@ -966,6 +1016,16 @@ export interface components {
             player: "person" | "demonstrator" | "imitator" | "clone";
             /** Tau */
             tau: number | null;
+        };
+        /**
+         * MemoryCell
+         * @description What an address of the console's RAM holds.
+         */
+        MemoryCell: {
+            /** Address */
+            address: number;
+            /** Name */
+            name: string;
         };
         /**
          * Metrics
@@ -1270,6 +1330,30 @@ export interface components {
             verification: "pending" | "verified" | "failed";
             /** Verification Note */
             verification_note: string;
+        };
+        /**
+         * RecordingCourse
+         * @description A recording frame by frame.
+         *
+         *     ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
+         *     ``parent`` is the recording that this one goes on from, ``branches`` those that go on from it,
+         *     oldest first. At ``memory_url`` is the RAM at the start and after every frame, 128 bytes each;
+         *     ``memory_names`` names what is known of it.
+         */
+        RecordingCourse: {
+            /** Actions */
+            actions: number[];
+            /** Branches */
+            branches: components["schemas"]["Branch"][];
+            /** Conditions */
+            conditions: {
+                [key: string]: unknown;
+            };
+            /** Memory Names */
+            memory_names: components["schemas"]["MemoryCell"][];
+            /** Memory Url */
+            memory_url: string;
+            parent: components["schemas"]["Branch"] | null;
         };
         /**
          * RecordingUpdate
@@ -3538,6 +3622,91 @@ export interface operations {
             };
         };
     };
+    get_recording_course: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                recording_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingCourse"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     discard_recording: {
         parameters: {
             query?: never;
@@ -3863,6 +4032,94 @@ export interface operations {
             };
             /** @description It contradicts what has happened since. */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_recording_memory: {
+        parameters: {
+            query?: {
+                /** @description Makes the answer cacheable. */
+                v?: string | null;
+            };
+            header?: never;
+            path: {
+                recording_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

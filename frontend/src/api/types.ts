@@ -23,6 +23,7 @@ export type Ranking = Schemas["Ranking"];
 export type RankingCheck = Schemas["RankingCheck"];
 export type Recipe = Schemas["Recipe"];
 export type Recording = Schemas["Recording"];
+export type RecordingCourse = Schemas["RecordingCourse"];
 export type RecordingUpdate = Schemas["RecordingUpdate"];
 export type RewardTrace = Schemas["RewardTrace"];
 export type Run = Schemas["Run"];

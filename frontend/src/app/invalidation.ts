@@ -9,7 +9,7 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
     case "run":
       return [["run", key], ["results", key], ["metrics", key], ["runs"], ["behaviours"]];
     case "recording":
-      return [["recordings"], ["ranking"], ["behaviours"]];
+      return [["recordings"], ["recording", Number(key)], ["ranking"], ["behaviours"]];
     case "ranking":
       return [["ranking", Number(key)], ["recordings", Number(key)], ["behaviours"]];
     case "behaviour":

@@ -7,6 +7,7 @@ import { Layout } from "./Layout";
 import { NotFound } from "./NotFound";
 
 import { isNotFound } from "@/api/client";
+import { recordingQuery } from "@/api/recordings";
 import { runQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { Failed, Loading } from "@/components/States";
@@ -16,6 +17,9 @@ import { PlayPage } from "@/features/play/PlayPage";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 
 // What the first steps don't need is loaded when it is opened.
+const RecordingPage = lazy(async () => ({
+  default: (await import("@/features/recordings/RecordingPage")).RecordingPage,
+}));
 const RankPage = lazy(async () => ({
   default: (await import("@/features/ranking/RankPage")).RankPage,
 }));
@@ -64,6 +68,28 @@ function RunRoute() {
   );
 }
 
+/** A recording's page, in the frame of its behaviour. */
+function RecordingRoute() {
+  const { recordingId } = useParams();
+  const id = Number(recordingId);
+  const exists = Number.isInteger(id) && id >= 1;
+  const { data, error, refetch } = useQuery({ ...recordingQuery(id), enabled: exists });
+  if (!exists || isNotFound(error)) return <NotFound />;
+  if (error && !data) {
+    return <Failed what="The recording" error={error} onRetry={() => void refetch()} />;
+  }
+  if (!data) return <Loading what="the recording" rows={3} height="6rem" />;
+  return (
+    <BehaviourFrame behaviourId={data.behaviour_id}>
+      {(behaviour) => (
+        <Opening>
+          <RecordingPage key={data.id} recording={data} behaviour={behaviour} />
+        </Opening>
+      )}
+    </BehaviourFrame>
+  );
+}
+
 export const routes = [
   {
     path: "/",
@@ -82,6 +108,7 @@ export const routes = [
           { path: "runs", element: <InBehaviour page={runsPage} /> },
         ],
       },
+      { path: "recordings/:recordingId", element: <RecordingRoute /> },
       { path: "runs/:runId", element: <RunRoute /> },
       { path: "*", element: <NotFound /> },
     ],

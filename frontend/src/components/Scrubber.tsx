@@ -44,6 +44,10 @@ export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
   );
 }
 
+/** A hit is a bar, a stray a cross, so that they are told apart without colours. */
+const BAR = "M0 0V10";
+const CROSS = "M-3 2 3 8M3 2-3 8";
+
 const HitMarks = memo(function HitMarks({
   hits,
   last,
@@ -58,17 +62,15 @@ const HitMarks = memo(function HitMarks({
       aria-label={hits.length === 0 ? "No hits" : `Hits: ${hits.map(spoken).join("; ")}`}
     >
       {hits.map((hit) => (
-        <rect
+        <svg
           key={`${hit.frame}-${hit.row}-${hit.column}`}
-          className={markClass(hit)}
           x={`${(hit.frame / Math.max(last, 1)) * 100}%`}
-          y={hit.on_target === false ? 3 : 0}
-          width={3}
-          height={hit.on_target === false ? 7 : 10}
-          transform="translate(-1.5 0)"
+          overflow="visible"
         >
-          <title>{spoken(hit)}</title>
-        </rect>
+          <path className={markClass(hit)} d={hit.on_target === false ? CROSS : BAR}>
+            <title>{spoken(hit)}</title>
+          </path>
+        </svg>
       ))}
     </svg>
   );

@@ -32,6 +32,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
 
   function settle() {
     void client.invalidateQueries({ queryKey });
+    void client.invalidateQueries({ queryKey: ["recording"] });
     void client.invalidateQueries({ queryKey: ["behaviours"] });
     void client.invalidateQueries({ queryKey: ["ranking", behaviourId] });
   }

@@ -1,4 +1,5 @@
 import { useState } from "react";
+import { Link } from "react-router";
 
 import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingCard.module.css";
@@ -43,7 +44,9 @@ export function RecordingCard({ recording, behaviour, onWatch }: RecordingCardPr
       </button>
       <div className={styles.facts}>
         <div className={styles.title}>
-          <h3>{name}</h3>
+          <h3>
+            <Link to={`/recordings/${recording.id}`}>{name}</Link>
+          </h3>
           <IconButton
             icon="star"
             label={recording.perfect ? "Perfect. Take the mark off" : "Mark as perfect"}

@@ -1,0 +1,231 @@
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { Link, useNavigate, useSearchParams } from "react-router";
+
+import { ActionLanes } from "./ActionLanes";
+import { Downloads } from "./Downloads";
+import { MemoryView } from "./MemoryView";
+import { NotesDialog } from "./NotesDialog";
+import styles from "./RecordingPage.module.css";
+
+import { courseQuery, framesQuery } from "@/api/recordings";
+import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
+import { ColumnBars, SourceBadge, VerifiedBadge } from "@/components/Badges";
+import { Button } from "@/components/Button";
+import { Player } from "@/components/Player";
+import { Failed, Loading, Notice } from "@/components/States";
+import { useRecordingActions } from "@/components/use-recording-actions";
+import { cellName } from "@/lib/aliens";
+import { FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
+import type { Playback } from "@/lib/playback";
+import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+
+/** The window's height without what stands above and below the screen. */
+const screenHeight = (windowHeight: number) => Math.max(windowHeight - 420, 210);
+
+/** A recording, frame by frame: what was done, what was hit, where it comes from. */
+export function RecordingPage({
+  recording,
+  behaviour,
+}: {
+  recording: Recording;
+  behaviour: Behaviour;
+}) {
+  const frames = useQuery(framesQuery(recording));
+  const course = useQuery(courseQuery(recording.id));
+  const [search] = useSearchParams();
+  const name = recordingName(recording);
+  return (
+    <>
+      <title>{`${name} · ${behaviour.name} · Tril`}</title>
+      <div className={styles.head}>
+        <h2>{name}</h2>
+        <Actions recording={recording} />
+      </div>
+      {recording.deleted && (
+        <Notice tone="calm">
+          <p>This recording was deleted. Trainings that used it keep it.</p>
+        </Notice>
+      )}
+      <div className={styles.page}>
+        {frames.data ? (
+          <Player
+            frames={frames.data}
+            hits={recording.hits}
+            startFrame={frameOf(search)}
+            screenHeight={screenHeight}
+          >
+            {(playback) => (
+              <>
+                {course.data && (
+                  <ActionLanes playback={playback} actions={course.data.actions} />
+                )}
+                <Hits playback={playback} recording={recording} />
+                {course.data && <MemoryView playback={playback} course={course.data} />}
+              </>
+            )}
+          </Player>
+        ) : frames.error ? (
+          <Failed
+            what="The recording"
+            error={frames.error}
+            onRetry={() => void frames.refetch()}
+          />
+        ) : (
+          <Loading what="the recording" rows={1} height="24rem" />
+        )}
+        <aside className={styles.side} aria-label="About this recording">
+          <Facts recording={recording} behaviour={behaviour} />
+          {course.error && (
+            <Failed
+              what="Its actions"
+              error={course.error}
+              onRetry={() => void course.refetch()}
+            />
+          )}
+          {course.data && <Relatives course={course.data} />}
+          <section>
+            <h3>Download</h3>
+            <Downloads recording={recording} />
+          </section>
+          {course.data && <Conditions course={course.data} />}
+        </aside>
+      </div>
+    </>
+  );
+}
+
+/** The frame that an address names, by which a moment can be shown to others. */
+function frameOf(search: URLSearchParams): number {
+  const frame = Number(search.get("frame") ?? 0);
+  return Number.isInteger(frame) && frame > 0 ? frame : 0;
+}
+
+function Actions({ recording }: { recording: Recording }) {
+  const actions = useRecordingActions(recording.behaviour_id);
+  const navigate = useNavigate();
+  const [writing, setWriting] = useState(false);
+  return (
+    <div className={styles.buttons}>
+      <Button
+        icon="star"
+        aria-pressed={recording.perfect}
+        disabled={recording.deleted}
+        onClick={() => actions.setPerfect(recording, !recording.perfect)}
+      >
+        {recording.perfect ? "Perfect" : "Mark as perfect"}
+      </Button>
+      <Button icon="note" onClick={() => setWriting(true)}>
+        {recording.notes ? "Change the note" : "Write a note"}
+      </Button>
+      {recording.run_id === null && !recording.deleted && (
+        <Button
+          icon="trash"
+          onClick={() => {
+            actions.remove(recording);
+            void navigate(`/behaviours/${recording.behaviour_id}/recordings`);
+          }}
+        >
+          Delete
+        </Button>
+      )}
+      {writing && (
+        <NotesDialog
+          recording={recording}
+          onSave={(notes) => actions.setNotes(recording, notes)}
+          onClose={() => setWriting(false)}
+        />
+      )}
+    </div>
+  );
+}
+
+function Facts({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }) {
+  return (
+    <section className={styles.facts}>
+      <p>
+        <strong>{scoreInWords(recording, behaviour.target?.length ?? null)}</strong>
+      </p>
+      <p>{courseInWords(recording)}</p>
+      <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
+      <p className={styles.badges}>
+        <SourceBadge recording={recording} />
+        <VerifiedBadge recording={recording} />
+      </p>
+      <p className={styles.hint}>
+        {moment(recording.created_at)} · {recording.shots} shots · start after{" "}
+        {recording.idle_frames} idle frames
+        {recording.evaluation_start !== null &&
+          `, which is evaluation start ${recording.evaluation_start}`}
+      </p>
+      {recording.notes && <p className={styles.note}>{recording.notes}</p>}
+      {recording.run_id !== null && (
+        <p>
+          <Link to={`/runs/${recording.run_id}`}>The run whose policy played it</Link>
+        </p>
+      )}
+    </section>
+  );
+}
+
+/** Each hit, to jump to. */
+function Hits({ playback, recording }: { playback: Playback; recording: Recording }) {
+  if (recording.hits.length === 0) return <p className={styles.hint}>No alien was hit.</p>;
+  return (
+    <ol className={styles.hits} aria-label="Hits">
+      {recording.hits.map((hit) => (
+        <li key={`${hit.frame}-${hit.row}-${hit.column}`}>
+          <Button
+            kind="quiet"
+            onClick={() => {
+              playback.pause();
+              playback.seek(hit.frame);
+            }}
+          >
+            {seconds(hit.frame / FRAME_RATE_HZ, 2)} {cellName([hit.row, hit.column])}
+            {hit.on_target === false && <strong> × stray</strong>}
+          </Button>
+        </li>
+      ))}
+    </ol>
+  );
+}
+
+function Relatives({ course }: { course: RecordingCourse }) {
+  const { parent, branches } = course;
+  if (!parent && branches.length === 0) return null;
+  return (
+    <section>
+      <h3>Related</h3>
+      <ul className={styles.relatives}>
+        {parent && (
+          <li>
+            Goes on from{" "}
+            <Link to={`/recordings/${parent.recording_id}?frame=${parent.frame}`}>
+              recording {parent.recording_id}, frame {parent.frame}
+            </Link>
+          </li>
+        )}
+        {branches.map((branch) => (
+          <li key={branch.recording_id}>
+            <Link to={`/recordings/${branch.recording_id}?frame=${branch.frame}`}>
+              Recording {branch.recording_id}
+            </Link>{" "}
+            goes on from frame {branch.frame}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+/** How it was played, as it was recorded or imported. */
+function Conditions({ course }: { course: RecordingCourse }) {
+  if (Object.keys(course.conditions).length === 0) return null;
+  return (
+    <details>
+      <summary>How it was played</summary>
+      <pre className={styles.conditions}>{JSON.stringify(course.conditions, null, 2)}</pre>
+    </details>
+  );
+}
