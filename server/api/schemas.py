@@ -106,10 +106,25 @@ class Hit(Schema):
     on_target: bool | None
 
 
+class Latency(Schema):
+    """How late a game was seen by who played it (server.play.conditions).
+
+    Milliseconds from the event of a key to the drawing of the first frame executed with it;
+    ``frames_dropped`` were executed and not drawn.
+    """
+
+    presses: int
+    p50_ms: float | None
+    p95_ms: float | None
+    frames_dropped: int
+    is_bad: bool
+
+
 class Recording(Schema):
     """``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
 
     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
+    ``latency`` is None where it was not measured.
     """
 
     id: int
@@ -131,6 +146,7 @@ class Recording(Schema):
     strays: int | None
     order_errors: int | None
     shots: int
+    latency: Latency | None
     perfect: bool
     notes: str
     ranked: bool

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Hit, Recording
+from server.api.schemas import Hit, Latency, Recording
 from server.derived import version_of
+from server.play.conditions import PlayConditions
 from tril.behaviours import Behaviour, score
 from tril.game.episode import evaluation_number
 from tril.game.space_invaders import COLUMNS
@@ -42,6 +43,7 @@ class RecordingViews:
         target = None if behaviour.target is None else set(behaviour.target)
         recording = as_recording(row)
         version = version_of(recording)
+        conditions = PlayConditions.from_conditions(row.conditions)
         return Recording(
             id=row.id,
             behaviour_id=row.behaviour_id,
@@ -72,6 +74,9 @@ class RecordingViews:
             strays=None if found is None else found.strays,
             order_errors=None if found is None else found.order_errors,
             shots=row.shots,
+            latency=None
+            if conditions is None
+            else Latency.model_validate(conditions.latency(row.n_frames)),
             perfect=row.perfect,
             notes=row.notes,
             ranked=row.id in self._ranked_of(row.behaviour_id),

@@ -59,7 +59,10 @@ class Connection:
         self._progress_at = time.monotonic()
         self._held = Keys(0)
         self._pressed = Keys(0)
-        self.input_sequence = 0
+        self._input_sequence = 0
+        self._executed_sequence = 0
+        self._on_their_way: dict[int, int] = {}
+        self._latencies: list[tuple[int, float]] = []
         self.shown_frame: int | None = None
         self.is_open = True
 
@@ -76,10 +79,20 @@ class Connection:
         return time.monotonic() - self._progress_at
 
     def take_keys(self) -> Keys:
-        """Return the keys held, and those pressed and let go since the last call."""
+        """Return the keys to execute a frame with: those held, and those pressed since the last."""
         keys = self._held | self._pressed
-        self._pressed = Keys(0)
+        self.forget_presses()
+        self._executed_sequence = self._input_sequence
         return keys
+
+    def forget_presses(self) -> None:
+        """Leave out keys that were pressed and let go again while the game stood still."""
+        self._pressed = Keys(0)
+
+    def take_latencies(self) -> list[tuple[int, float]]:
+        """Return (frame, milliseconds from a key to the frame's drawing) since the last call."""
+        taken, self._latencies = self._latencies, []
+        return taken
 
     def receive(self, message: InputMessage | AckMessage) -> None:
         """Take note of held keys or of a drawn frame.
@@ -90,12 +103,17 @@ class Connection:
         if isinstance(message, InputMessage):
             self._pressed |= message.keys & ~self._held
             self._held = message.keys
-            self.input_sequence = message.sequence
+            self._input_sequence = message.sequence
         elif message.sequence > self._sent:
             raise BadMessage(
                 f"Frame {message.sequence} was acknowledged, but only {self._sent} were sent."
             )
         elif message.sequence > self._acknowledged:
+            frames = [
+                self._on_their_way.pop(n + 1) for n in range(self._acknowledged, message.sequence)
+            ]
+            if message.latency_ms is not None:
+                self._latencies.append((frames[-1], message.latency_ms))
             self._acknowledged = message.sequence
             self._progress_at = time.monotonic()
 
@@ -109,7 +127,8 @@ class Connection:
             self._sent += 1
             encoded = self._encoder.encode(screen)
             self.shown_frame = frame
-            message = FrameMessage(self._sent, frame, self.input_sequence, encoded)
+            self._on_their_way[self._sent] = frame
+            message = FrameMessage(self._sent, frame, self._executed_sequence, encoded)
             await self._send(frame_bytes(message))
         return True
 

@@ -11,6 +11,7 @@ from weakref import WeakValueDictionary
 from sqlalchemy.orm import Session
 
 from server.play.committer import Committer
+from server.play.conditions import PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
 from server.play.protocol import Paused
@@ -123,6 +124,7 @@ class PlayHub:
             behaviour=behaviours.as_behaviour(behaviour),
             recorder=recorder,
             epoch=row.epoch,
+            conditions=PlayConditions.from_conditions(row.recording.conditions) or PlayConditions(),
             rules=self._rules,
             finish=self._finish,
         )

@@ -19,6 +19,8 @@ MAX_MESSAGE_BYTES = 256
 
 _FRAME = struct.Struct("<BBHIII")
 _CLIENT = struct.Struct("<BBHI")
+_LATENCY_UNIT_MS = 0.1
+_LONGEST_LATENCY = 2**16 - 1
 _ALL_KEYS = Keys.LEFT | Keys.RIGHT | Keys.FIRE
 _SEQUENCES = 2**32
 
@@ -44,7 +46,7 @@ class FrameMessage:
     Attributes:
         sequence: Counts the frames sent over this connection, from 1.
         frame: How many frames of the game have been executed; 0 is the start's screen.
-        input_sequence: The newest input that had been applied.
+        input_sequence: The newest input that a frame was executed with.
         encoded: The screen.
     """
 
@@ -64,9 +66,14 @@ class InputMessage:
 
 @dataclass(frozen=True)
 class AckMessage:
-    """Page to server: the frame of this sequence has been drawn."""
+    """Page to server: the frame of this sequence has been drawn.
+
+    ``latency_ms`` is the time from the event of a key to this drawing, in tenths, if the frame is
+    the first drawn that was executed with the key pressed, else None.
+    """
 
     sequence: int
+    latency_ms: float | None = None
 
 
 @dataclass(frozen=True)
@@ -105,7 +112,10 @@ def client_bytes(message: InputMessage | AckMessage) -> bytes:
     """Write an INPUT or an ACK."""
     if isinstance(message, InputMessage):
         return _CLIENT.pack(1, int(message.keys), 0, message.sequence)
-    return _CLIENT.pack(2, 0, 0, message.sequence)
+    latency = 0
+    if message.latency_ms is not None:
+        latency = min(max(1, round(message.latency_ms / _LATENCY_UNIT_MS)), _LONGEST_LATENCY)
+    return _CLIENT.pack(2, 0, latency, message.sequence)
 
 
 def parse_client(data: bytes | str) -> ClientMessage:
@@ -122,13 +132,13 @@ def parse_client(data: bytes | str) -> ClientMessage:
 def _parse_binary(data: bytes) -> InputMessage | AckMessage:
     if len(data) != _CLIENT.size:
         raise BadMessage(f"Expected a message of {_CLIENT.size} bytes, got {len(data)}.")
-    kind, keys, _, sequence = _CLIENT.unpack(data)
+    kind, keys, latency, sequence = _CLIENT.unpack(data)
     if kind == 1:
         if keys & ~int(_ALL_KEYS):
             raise BadMessage(f"Expected keys from 0 to {int(_ALL_KEYS)}, got {keys}.")
         return InputMessage(Keys(keys), sequence)
     if kind == 2:
-        return AckMessage(sequence)
+        return AckMessage(sequence, round(latency * _LATENCY_UNIT_MS, 1) if latency else None)
     raise BadMessage(f"Expected a message of type 1 (input) or 2 (acknowledgement), got {kind}.")
 
 

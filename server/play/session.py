@@ -7,6 +7,7 @@ import logging
 from collections.abc import Awaitable, Callable
 from enum import Enum, auto
 
+from server.play.conditions import KEY, PlayConditions
 from server.play.connection import Connection
 from server.play.frames import palette_json
 from server.play.protocol import (
@@ -68,6 +69,7 @@ class PlaySession:
         behaviour: What is being shown; says which hits are on target.
         recorder: The game itself, on a console of its own.
         epoch: This owner's epoch.
+        conditions: How it was played so far; goes on here.
         rules: The times to keep.
         finish: Called once when the game is over, played to its end or stopped.
     """
@@ -79,6 +81,7 @@ class PlaySession:
         behaviour: Behaviour,
         recorder: Recorder,
         epoch: int,
+        conditions: PlayConditions,
         rules: PlayRules,
         finish: Callable[[PlaySession], Awaitable[None]],
     ) -> None:
@@ -89,6 +92,7 @@ class PlaySession:
         self.phase = Phase.WAITING
         self._behaviour = behaviour
         self._recorder = recorder
+        self._conditions = conditions
         self._rules = rules
         self._finish = finish
         self._saved_frame = recorder.episode.frame
@@ -110,7 +114,11 @@ class PlaySession:
     def progress(self) -> Progress:
         """What there is to save."""
         return Progress(
-            self.game_id, self.epoch, self._recorder.recording(), self._recorder.replay()
+            self.game_id,
+            self.epoch,
+            self._recorder.recording(),
+            self._recorder.replay(),
+            {KEY: self._conditions.to_json()},
         )
 
     def note_saved(self, progress: Progress) -> None:
@@ -153,9 +161,12 @@ class PlaySession:
         await self._halt()
 
     async def acknowledge(self) -> None:
-        """Show a screen that was left out while the page was behind, now that it caught up."""
+        """Take note of a drawn frame, and show one that was left out while the page was behind."""
         connection = self.connection
-        if connection is None or self.phase is Phase.PLAYING:
+        if connection is None:
+            return
+        self._conditions.presses += connection.take_latencies()
+        if self.phase is Phase.PLAYING:
             return
         if connection.shown_frame != self._recorder.episode.frame:
             await self._show()
@@ -241,7 +252,7 @@ class PlaySession:
     async def _play(self) -> None:
         loop = asyncio.get_running_loop()
         if self.connection is not None:
-            self.connection.take_keys()
+            self.connection.forget_presses()
         self._why_paused = ""
         deadline = loop.time()
         while not self._stopped.is_set() and self._recorder.episode.end is None:
@@ -273,12 +284,15 @@ class PlaySession:
                     strays=None if found is None else found.strays,
                 )
             )
-        await self._show()
+        if not await self._show():
+            self._conditions.dropped.append(episode.frame)
 
-    async def _show(self) -> None:
-        if self.connection is not None:
-            episode = self._recorder.episode
-            await self.connection.show(episode.console.screen_palette(), episode.frame)
+    async def _show(self) -> bool:
+        """Send the screen; returns whether the page was there and not too far behind."""
+        if self.connection is None:
+            return False
+        episode = self._recorder.episode
+        return await self.connection.show(episode.console.screen_palette(), episode.frame)
 
     async def _tell_countdown(self, seconds: int) -> None:
         if self.connection is not None:

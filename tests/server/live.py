@@ -157,10 +157,10 @@ class Player:
         self.socket.send(client_bytes(InputMessage(keys, self._inputs)))
         return self._inputs
 
-    def acknowledge(self, sequence: int) -> None:
-        """Say that a frame was drawn."""
+    def acknowledge(self, sequence: int, latency_ms: float | None = None) -> None:
+        """Say that a frame was drawn, and how long after a key's event."""
         with suppress(ConnectionClosed):  # what was sent before the close can still be read
-            self.socket.send(client_bytes(AckMessage(sequence)))
+            self.socket.send(client_bytes(AckMessage(sequence, latency_ms)))
 
     def stop(self) -> Ended:
         """End the game and wait for how it came out."""

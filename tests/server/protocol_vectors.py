@@ -81,6 +81,13 @@ def vectors() -> dict[str, Any]:
                 "base64": _base64(client_bytes(AckMessage(sequence))),
             }
             for sequence in (1, 65_536, 2**32 - 1)
+        ]
+        + [
+            {
+                "message": {"type": "ack", "sequence": 8, "latency_ms": latency_ms},
+                "base64": _base64(client_bytes(AckMessage(8, latency_ms))),
+            }
+            for latency_ms in (0.1, 31.5, 6553.5)
         ],
         "server": [json.loads(message.to_json()) for message in _server_messages()],
         "frames_file": {

@@ -100,7 +100,44 @@ def test_a_tap_between_two_frames_counts_for_one_frame() -> None:
     assert connection.take_keys() == Keys(0)
     connection.receive(InputMessage(Keys.LEFT, 3))
     assert [connection.take_keys() for _ in range(3)] == [Keys.LEFT] * 3
-    assert connection.input_sequence == 3
+
+
+def test_a_frame_names_the_newest_input_that_it_was_executed_with() -> None:
+    async def play() -> None:
+        wire = Wire()
+        connection = Connection(wire)
+        connection.receive(InputMessage(Keys.LEFT, 1))
+        await connection.show(SCREEN, 0)
+        connection.take_keys()
+        connection.receive(InputMessage(Keys.RIGHT, 2))
+        await connection.show(SCREEN, 1)
+        connection.take_keys()
+        await connection.show(SCREEN, 2)
+        named = [parse_frame(data).input_sequence for data in wire.sent if isinstance(data, bytes)]
+        assert named == [0, 1, 2]
+
+    asyncio.run(play())
+
+
+def test_a_latency_belongs_to_the_frame_that_was_drawn() -> None:
+    async def play() -> None:
+        connection = Connection(Wire())
+        for frame in (40, 41, 43):
+            await connection.show(SCREEN, frame)
+        connection.receive(AckMessage(1))
+        connection.receive(AckMessage(3, 31.5))
+        assert connection.take_latencies() == [(43, 31.5)]
+        assert connection.take_latencies() == []
+
+    asyncio.run(play())
+
+
+def test_keys_tapped_while_the_game_stood_still_can_be_forgotten() -> None:
+    connection = Connection(Wire())
+    connection.receive(InputMessage(Keys.FIRE, 1))
+    connection.receive(InputMessage(Keys.LEFT, 2))
+    connection.forget_presses()
+    assert connection.take_keys() == Keys.LEFT
 
 
 def test_a_page_that_has_gone_is_sent_nothing_more() -> None:

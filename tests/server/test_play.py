@@ -209,6 +209,35 @@ def test_an_input_is_applied_to_the_next_frame_and_named_by_it(live: LiveServer)
     assert actions.count(Action.RIGHT) == 1, "a tap between two frames counts for one frame"
 
 
+def test_a_recording_says_how_late_its_game_was_seen(live: LiveServer) -> None:
+    game = live.new_game()
+    tab = str(uuid.uuid4())
+    with live.play(game, tab) as player:
+        player.begin()
+        player.acknowledges = False
+        player.until_frame(3)
+        player.acknowledge(player.frames[-1].sequence, 41.5)
+        while len(player.frames) < 4 + MAX_UNACKNOWLEDGED:
+            player.next()
+        time.sleep(0.5)  # frames are left out meanwhile
+        player.acknowledges = True
+        player.acknowledge(player.frames[-1].sequence)
+        player.until_frame(100)
+    with live.play(game, tab) as player:
+        hello = player.begin()
+        player.acknowledges = False
+        message = player.until_frame(hello.frame + 1)
+        player.acknowledge(message.sequence, 120.0)
+        ended = player.stop()
+    latency = live.http.get(f"/api/recordings/{ended.recording_id}").json()["latency"]
+    assert (latency["presses"], latency["p50_ms"], latency["p95_ms"]) == (2, 41.5, 120.0)
+    assert latency["frames_dropped"] > 10
+    assert latency["is_bad"]
+    with live.database.reading() as session:
+        conditions = recordings.get(session, ended.recording_id).conditions
+    assert conditions["play"]["presses"] == [[3, 41.5], [message.frame, 120.0]]
+
+
 @pytest.mark.parametrize(
     "message", ["{}", '{"type": "shout"}', b"\x01", b"\x09" + bytes(7), b"\x01\xff" + bytes(6)]
 )

@@ -96,6 +96,14 @@ def test_client_messages_survive_the_journey(keys: int, sequence: int) -> None:
         assert parse_client(client_bytes(message)) == message
 
 
+@given(st.floats(0, 1e9))
+def test_latencies_travel_in_tenths_of_a_millisecond(latency_ms: float) -> None:
+    message = parse_client(client_bytes(AckMessage(7, latency_ms)))
+    assert isinstance(message, AckMessage)
+    assert message.latency_ms is not None
+    assert message.latency_ms == pytest.approx(min(max(0.1, latency_ms), 6553.5), abs=0.0501)
+
+
 @pytest.mark.parametrize("kind", ["ready", "stop", "pause", "go_on"])
 def test_commands_are_understood(kind: str) -> None:
     assert parse_client(json.dumps({"type": kind})) == Command(kind)  # type: ignore[arg-type]

@@ -7,8 +7,9 @@ and every write carries the epoch of its owner; a write with an older one is ref
 from __future__ import annotations
 
 import uuid
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import timedelta
+from typing import Any
 
 from sqlalchemy import select, update
 from sqlalchemy.engine import CursorResult
@@ -46,12 +47,14 @@ class Progress:
         epoch: The owner's epoch.
         recording: What was played so far.
         played: What happened in it.
+        conditions: How it was played so far.
     """
 
     game_id: str
     epoch: int
     recording: Recording
     played: Replay
+    conditions: dict[str, Any] = field(default_factory=dict)
 
 
 def create(session: Session, behaviour_id: int, start: Start, player_id: int | None) -> GameRow:
@@ -123,6 +126,7 @@ def save(session: Session, progress: Progress) -> bool:
         return False
     row = get(session, progress.game_id).recording
     fill(row, progress.recording, progress.played)
+    row.conditions = {**row.conditions, **progress.conditions}
     return True
 
 

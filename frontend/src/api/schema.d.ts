@@ -1018,6 +1018,25 @@ export interface components {
             tau: number | null;
         };
         /**
+         * Latency
+         * @description How late a game was seen by who played it (server.play.conditions).
+         *
+         *     Milliseconds from the event of a key to the drawing of the first frame executed with it;
+         *     ``frames_dropped`` were executed and not drawn.
+         */
+        Latency: {
+            /** Frames Dropped */
+            frames_dropped: number;
+            /** Is Bad */
+            is_bad: boolean;
+            /** P50 Ms */
+            p50_ms: number | null;
+            /** P95 Ms */
+            p95_ms: number | null;
+            /** Presses */
+            presses: number;
+        };
+        /**
          * MemoryCell
          * @description What an address of the console's RAM holds.
          */
@@ -1264,6 +1283,7 @@ export interface components {
          * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
          *     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
+         *     ``latency`` is None where it was not measured.
          */
         Recording: {
             /** Behaviour Id */
@@ -1289,6 +1309,7 @@ export interface components {
             id: number;
             /** Idle Frames */
             idle_frames: number;
+            latency: components["schemas"]["Latency"] | null;
             /** N Frames */
             n_frames: number;
             /** N Steps */

@@ -5,6 +5,7 @@ import { ThingMark } from "./ThingMark";
 import type { Behaviour, Recording, Run } from "@/api/types";
 import { COLUMNS, ROWS } from "@/lib/aliens";
 import { classes } from "@/lib/classes";
+import { fixed, percent } from "@/lib/format";
 import { isActive, STATUS_NAMES } from "@/lib/runs";
 import { playedBy, SOURCE_NAMES } from "@/lib/things";
 
@@ -51,6 +52,22 @@ export function VerifiedBadge({ recording }: { recording: Recording }) {
         </span>
       );
   }
+}
+
+/** That a game was seen late by who played it; nothing where it was seen in time. */
+export function LatencyBadge({ recording }: { recording: Recording }) {
+  const { latency, n_frames } = recording;
+  if (!latency?.is_bad) return null;
+  const { p50_ms, p95_ms, frames_dropped } = latency;
+  const parts = [`${percent(frames_dropped / Math.max(1, n_frames), 0)} of the frames not drawn`];
+  if (p50_ms !== null && p95_ms !== null) {
+    parts.unshift(`from key to screen ${fixed(p50_ms, 0)} ms, 95% within ${fixed(p95_ms, 0)} ms`);
+  }
+  return (
+    <span className={styles.badge} title={`Played with delay: ${parts.join("; ")}.`}>
+      <Icon name="clock" /> played with delay
+    </span>
+  );
 }
 
 /** A run's state. */

@@ -25,7 +25,7 @@ export interface FrameMessage {
   readonly sequence: number;
   /** The game's frame; 0 is the start's screen. */
   readonly frame: number;
-  /** The last input that had been applied to it. */
+  /** The newest input that a frame of the game was executed with. */
   readonly inputSequence: number;
   readonly payload: Uint8Array;
 }
@@ -57,11 +57,22 @@ export function writeInput(keys: number, inputSequence: number): ArrayBuffer {
   return message;
 }
 
-/** Writes an ACK message: this frame has been drawn. */
-export function writeAck(sequence: number): ArrayBuffer {
+const LATENCY_UNITS_PER_MS = 10;
+const LONGEST_LATENCY = 0xffff;
+
+/**
+ * Writes an ACK message: this frame has been drawn.
+ *
+ * @param latencyMs Time since the key's event, if it is the first frame drawn with a key pressed.
+ */
+export function writeAck(sequence: number, latencyMs: number | null = null): ArrayBuffer {
   const message = new ArrayBuffer(8);
   const view = new DataView(message);
   view.setUint8(0, ACK_TYPE);
+  if (latencyMs !== null) {
+    const units = Math.max(1, Math.round(latencyMs * LATENCY_UNITS_PER_MS));
+    view.setUint16(2, Math.min(units, LONGEST_LATENCY), true);
+  }
   view.setUint32(4, sequence, true);
   return message;
 }

@@ -35,13 +35,19 @@ class FakeSocket extends EventTarget {
     this.dispatchEvent(new MessageEvent("message", { data: JSON.stringify(message) }));
   }
 
-  show(sequence: number, frame: number, payload: Uint8Array = zlibSync(new Uint8Array(SCREEN_BYTES))) {
+  show(
+    sequence: number,
+    frame: number,
+    payload: Uint8Array = zlibSync(new Uint8Array(SCREEN_BYTES)),
+    inputSequence = 0,
+  ) {
     const data = new Uint8Array(16 + payload.length);
     const view = new DataView(data.buffer);
     view.setUint8(0, 1);
     view.setUint8(1, 1);
     view.setUint32(4, sequence, true);
     view.setUint32(8, frame, true);
+    view.setUint32(12, inputSequence, true);
     data.set(payload, 16);
     this.dispatchEvent(new MessageEvent("message", { data: data.buffer }));
   }
@@ -130,6 +136,43 @@ describe("a game's stream", () => {
       [1, 5, 0, 0, 1, 0, 0, 0],
       [1, 0, 0, 0, 2, 0, 0, 0],
     ]);
+  });
+
+  it("says with the acknowledgement how long a key took to be drawn", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "countdown", seconds: 0 });
+    const payload = zlibSync(new Uint8Array(SCREEN_BYTES));
+    socket.show(1, 1);
+    stream.hold(4);
+    vi.advanceTimersByTime(30);
+    socket.show(2, 2, payload, 0);
+    vi.advanceTimersByTime(12);
+    socket.show(3, 3, payload, 1);
+    socket.show(4, 6, payload, 1);
+    expect(socket.binarySent.slice(1)).toEqual([
+      [1, 4, 0, 0, 1, 0, 0, 0],
+      [2, 0, 0, 0, 2, 0, 0, 0],
+      [2, 0, 420 % 256, 1, 3, 0, 0, 0],
+      [2, 0, 0, 0, 4, 0, 0, 0],
+    ]);
+    expect(stream.latencySummary()).toEqual({
+      presses: 1,
+      p50Ms: 42,
+      p95Ms: 42,
+      drawn: 3,
+      dropped: 2,
+    });
+  });
+
+  it("times no key that went down while the game stood still", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "paused", why: "You paused the game." });
+    stream.hold(4);
+    socket.tell({ type: "countdown", seconds: 0 });
+    socket.show(1, 1, undefined, 1);
+    expect(stream.latencySummary().presses).toBe(0);
   });
 
   it("collects hits and ends with all of them", () => {

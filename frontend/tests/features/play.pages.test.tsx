@@ -148,6 +148,16 @@ describe("playing", () => {
     expect(commands).toEqual(['{"type":"ready"}', '{"type":"pause"}', '{"type":"go_on"}']);
   });
 
+  it("shows the latency by key and by button, also in the next game", async () => {
+    await start();
+    expect(screen.queryByLabelText("Latency")).toBeNull();
+    await userEvent.keyboard("l");
+    expect(screen.getByLabelText("Latency")).toHaveTextContent("key to draw, p50–");
+    await userEvent.click(screen.getByRole("button", { name: /^Latency/ }));
+    expect(screen.queryByLabelText("Latency")).toBeNull();
+    expect(localStorage.getItem("tril.play.latency")).toBe("false");
+  });
+
   it("says when another tab has taken the game over, and takes it back", async () => {
     await start();
     tell({ type: "taken_over" });

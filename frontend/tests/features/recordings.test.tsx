@@ -36,6 +36,28 @@ describe("the library", () => {
     expect(third.getByText("not verified: Frame 60 differs.")).toBeVisible();
   });
 
+  it("says quietly which games were played with delay", async () => {
+    const late = { presses: 40, p50_ms: 80, p95_ms: 180, frames_dropped: 120, is_bad: true };
+    library([
+      recording({ id: 5, latency: late }),
+      recording({ id: 4, latency: { ...late, p95_ms: 48, frames_dropped: 0, is_bad: false } }),
+      recording({ id: 3, latency: { ...late, p50_ms: null, p95_ms: null } }),
+    ]);
+    const notice = "played with delay";
+    const first = within(await screen.findByRole("article", { name: "Recording 5" }));
+    expect(first.getByText(notice)).toHaveAttribute(
+      "title",
+      "Played with delay: from key to screen 80 ms, 95% within 180 ms; 10 % of the frames not drawn.",
+    );
+    const second = within(screen.getByRole("article", { name: "Recording 4" }));
+    expect(second.queryByText(notice)).toBeNull();
+    const third = within(screen.getByRole("article", { name: "Recording 3" }));
+    expect(third.getByText(notice)).toHaveAttribute(
+      "title",
+      "Played with delay: 10 % of the frames not drawn.",
+    );
+  });
+
   it("works without a target", async () => {
     serve({ [LIST]: () => [recording({ targets: null, strays: null })] });
     show(<RecordingsPage behaviour={behaviour({ target: null })} />);

@@ -26,7 +26,7 @@ interface Vectors {
     screen_sha256: string;
   }[];
   client: {
-    message: { type: string; keys?: number; sequence: number };
+    message: { type: string; keys?: number; sequence: number; latency_ms?: number };
     base64: string;
   }[];
   frames_file: { base64: string; n_frames: number; screen_sha256: Record<string, string> };
@@ -101,7 +101,7 @@ describe("messages to the server", () => {
       const written =
         message.type === "input"
           ? writeInput(message.keys ?? 0, message.sequence)
-          : writeAck(message.sequence);
+          : writeAck(message.sequence, message.latency_ms ?? null);
       expect(Buffer.from(written).toString("base64")).toBe(base64);
     }
   });

@@ -53,6 +53,7 @@ export function recording(change: Partial<Recording> = {}): Recording {
     strays: 0,
     order_errors: null,
     shots: 4,
+    latency: null,
     perfect: false,
     notes: "",
     ranked: false,

@@ -1,10 +1,12 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { Link } from "react-router";
 
+import { SHOW_LATENCY } from "./choices";
 import { steers, wishOf } from "./controls";
 import { EndCard, type EndCardHandle } from "./EndCard";
 import type { GameScreen } from "./game-stream";
 import { Clock, type ClockHandle, Score } from "./Hud";
+import { LatencyDisplay } from "./LatencyDisplay";
 import { StageOverlay } from "./Overlays";
 import styles from "./PlayPage.module.css";
 import { TouchPad } from "./TouchPad";
@@ -16,6 +18,7 @@ import { Button } from "@/components/Button";
 import { GameCanvas } from "@/components/GameCanvas";
 import { HeldKeys, isGameKey } from "@/lib/keys";
 import type { Palette, ScreenPainter } from "@/lib/screen";
+import { readChoice, useChoice, writeChoice } from "@/lib/stored";
 import { useFittingScreenSize } from "@/lib/use-screen-size";
 
 /** Header, path and margins take this much of the window's height. */
@@ -32,6 +35,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const game = useGame(behaviour.id, screen);
   const size = useFittingScreenSize(stage, stageHeight);
   const [held] = useState(() => new HeldKeys());
+  const [showsLatency, setShowsLatency] = useChoice(SHOW_LATENCY);
   const { state, stream } = game;
   const phase = state?.phase;
 
@@ -56,6 +60,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           tabIndex={0}
         >
           <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+          {stream && showsLatency && <LatencyDisplay stream={stream} />}
           <StageOverlay
             state={state}
             target={behaviour.target}
@@ -77,8 +82,8 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           )}
         </div>
         <TouchPad
-          onHold={(name, bit) => {
-            if (held.hold(name, bit)) stream?.hold(held.bits);
+          onHold={(name, bit, atMs) => {
+            if (held.hold(name, bit)) stream?.hold(held.bits, atMs);
           }}
           onRelease={(name) => {
             if (held.release(name)) stream?.hold(held.bits);
@@ -97,6 +102,15 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           </div>
         )}
         <KeyHelp />
+        <Button
+          icon="clock"
+          kind="quiet"
+          className={styles.toggle}
+          aria-pressed={showsLatency}
+          onClick={() => setShowsLatency(!showsLatency)}
+        >
+          Latency <kbd>L</kbd>
+        </Button>
         <Tip behaviour={behaviour} />
       </aside>
     </div>
@@ -142,10 +156,11 @@ function useKeys(
       if (wish && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
         if (wish === "pause" || wish === "go_on") stream.command(wish);
+        else if (wish === "latency") writeChoice(SHOW_LATENCY, !readChoice(SHOW_LATENCY));
         else endCard.current?.wish(wish);
       } else if (steers(phase) && isGameKey(event.code)) {
         event.preventDefault();
-        if (held.press(event.code)) stream.hold(held.bits);
+        if (held.press(event.code)) stream.hold(held.bits, event.timeStamp);
       } else if (phase === "ended" && event.repeat && isGameKey(event.code)) {
         // Still held from the game: it must neither scroll the page nor press a button.
         event.preventDefault();

@@ -15,7 +15,7 @@ export function TouchPad({
   onHold,
   onRelease,
 }: {
-  onHold: (name: string, bit: number) => void;
+  onHold: (name: string, bit: number, atMs: number) => void;
   onRelease: (name: string) => void;
 }) {
   return (
@@ -31,7 +31,7 @@ export function TouchPad({
             onPointerDown={(event) => {
               event.preventDefault();
               event.currentTarget.setPointerCapture(event.pointerId);
-              onHold(fingerName(event, name), bit);
+              onHold(fingerName(event, name), bit, event.timeStamp);
             }}
             onPointerUp={release}
             onPointerCancel={release}

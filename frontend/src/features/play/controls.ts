@@ -1,7 +1,7 @@
 /** What a key press asks of the play page besides steering. Pure. */
 import type { Phase } from "./game-stream";
 
-export type Wish = "keep" | "discard" | "perfect" | "again" | "pause" | "go_on";
+export type Wish = "keep" | "discard" | "perfect" | "again" | "pause" | "go_on" | "latency";
 
 /** Time after the end in which presses are still meant for the game. */
 export const GRACE_MS = 700;
@@ -16,6 +16,7 @@ const AFTER_END: Readonly<Record<string, Wish>> = {
   KeyR: "again",
 };
 
+const SHOWS_LATENCY = "KeyL";
 const GOING_ON = new Set(["Space", "Enter", "Escape"]);
 
 interface Press {
@@ -30,6 +31,7 @@ interface Press {
  */
 export function wishOf(press: Press, phase: Phase, sinceEndMs: number): Wish | null {
   if (press.repeat) return null;
+  if (press.code === SHOWS_LATENCY && steers(phase)) return "latency";
   switch (phase) {
     case "playing":
     case "countdown":

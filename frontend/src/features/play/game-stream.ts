@@ -1,4 +1,5 @@
 /** One game as this tab plays it: the connection, its state, and the frames that come. */
+import { LatencyMeter, type LatencySummary } from "./latency";
 import { CLOSE, type Command, type Ended, type HitAt, type ServerMessage } from "./messages";
 
 import { readFrame, ScreenDecoder, writeAck, writeInput } from "@/lib/codec";
@@ -56,6 +57,7 @@ export class GameStream {
   private readonly screen: GameScreen;
   private socket: WebSocket | null = null;
   private decoder = new ScreenDecoder();
+  private readonly latency = new LatencyMeter();
   private keys = 0;
   private inputSequence = 0;
   private maxFrames = MAX_FRAMES;
@@ -95,11 +97,18 @@ export class GameStream {
     });
   }
 
-  /** Sets the keys held now. */
-  hold(keys: number): void {
+  /** Sets the keys held now, since an event at a time by performance.now(). */
+  hold(keys: number, atMs = performance.now()): void {
     if (keys === this.keys) return;
+    const pressed = (keys & ~this.keys) !== 0;
     this.keys = keys;
     this.sendKeys();
+    if (pressed && this.state.phase === "playing") this.latency.press(this.inputSequence, atMs);
+  }
+
+  /** How late this game was seen so far. */
+  latencySummary(): LatencySummary {
+    return this.latency.summary();
   }
 
   command(type: Command): void {
@@ -119,16 +128,17 @@ export class GameStream {
   }
 
   private see(socket: WebSocket, data: ArrayBuffer): void {
-    const { payload, isKey, frame, sequence } = readFrame(data);
+    const { payload, isKey, frame, sequence, inputSequence } = readFrame(data);
     this.decoder.apply(payload, isKey);
     this.screen.show(this.decoder.pixels, frame, this.maxFrames);
-    socket.send(writeAck(sequence));
+    socket.send(writeAck(sequence, this.latency.show(frame, inputSequence, performance.now())));
   }
 
   private hear(message: ServerMessage): void {
     switch (message.type) {
       case "hello":
         this.failures = 0;
+        this.latency.forget();
         this.maxFrames = message.max_frames;
         this.screen.setPalette(message.palette);
         this.update({ hits: message.hits });
@@ -145,6 +155,7 @@ export class GameStream {
         this.update({ hits: [...this.state.hits, message] });
         break;
       case "paused":
+        this.latency.forget();
         this.update({ phase: "paused", why: message.why });
         break;
       case "ended":
