@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, BinaryIO
 
@@ -103,10 +103,18 @@ def export_recording(session: Session, row: RecordingRow) -> dict[str, Any]:
     return _exchange(row, tiers.get(row.id))
 
 
-def export_behaviour(session: Session, behaviour_id: int) -> Iterator[dict[str, Any]]:
-    """Write a behaviour's library: the ranked recordings from best to worst, then the others."""
+def export_behaviour(
+    session: Session, behaviour_id: int, only: Sequence[RecordingRow] | None = None
+) -> Iterator[dict[str, Any]]:
+    """Write a behaviour's library: the ranked recordings from best to worst, then the others.
+
+    Args:
+        session: The transaction.
+        behaviour_id: The behaviour.
+        only: Which of its recordings; None for all that are not deleted.
+    """
     tiers = rankings.as_ranking(rankings.current(session, behaviour_id)).tier_numbers()
-    rows = recordings.listing(session, behaviour_id)
+    rows = recordings.listing(session, behaviour_id) if only is None else only
     last = len(rows) + 1
     for row in sorted(rows, key=lambda row: (tiers.get(row.id, last), row.id)):
         yield _exchange(row, tiers.get(row.id))

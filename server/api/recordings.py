@@ -6,6 +6,7 @@ import json
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
@@ -15,6 +16,7 @@ from server.api.schemas import (
     MemoryCell,
     Recording,
     RecordingCourse,
+    RecordingsChange,
     RecordingUpdate,
     Refusal,
 )
@@ -22,10 +24,12 @@ from server.api.views import RecordingViews
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import version_of
 from server.problems import CONFLICT, NOT_FOUND
+from tril.errors import NotFound
 from tril.game.space_invaders import RAM_NAMES
 from tril.library import Imported, export_behaviour, import_recordings
 from tril.library import export_recording as exchanged
 from tril.store import behaviours, players, recordings
+from tril.store.models import RecordingRow
 
 router = APIRouter(tags=["recordings"])
 
@@ -52,6 +56,23 @@ def list_recordings(
         with_deleted="deleted" in wanted,
         with_policies="policy" in wanted,
     )
+    return RecordingViews(session).all(rows)
+
+
+@router.post("/behaviours/{behaviour_id}/recordings/change", responses=NOT_FOUND | CONFLICT)
+def change_recordings(
+    session: Writing, behaviour_id: BehaviourId, wanted: RecordingsChange
+) -> list[Recording]:
+    """Delete, restore or mark several recordings, all or none, and return them."""
+    rows = _of_behaviour(session, behaviour_id, wanted.recording_ids)
+    if wanted.change == "delete":
+        recordings.delete_all(session, rows, players.owner(session).id)
+    else:
+        for row in rows:
+            if wanted.change == "restore":
+                recordings.restore(session, row)
+            else:
+                recordings.update(session, row, perfect=wanted.change == "mark_perfect")
     return RecordingViews(session).all(rows)
 
 
@@ -105,10 +126,17 @@ async def import_recordings_file(
     response_class=Response,
     responses=NOT_FOUND | {200: {"content": {JSON_LINES: _LINES}}},
 )
-def export_recordings(session: Reading, behaviour_id: BehaviourId) -> Response:
+def export_recordings(
+    session: Reading,
+    behaviour_id: BehaviourId,
+    recording: Annotated[
+        list[RecordingId] | None, Query(max_length=500, description="Only these.")
+    ] = None,
+) -> Response:
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
     row = behaviours.get(session, behaviour_id)
-    lines = (json.dumps(item) for item in export_behaviour(session, behaviour_id))
+    only = None if recording is None else _of_behaviour(session, behaviour_id, recording)
+    lines = (json.dumps(item) for item in export_behaviour(session, behaviour_id, only))
     return Response(
         "".join(f"{line}\n" for line in lines),
         media_type=JSON_LINES,
@@ -251,6 +279,17 @@ def export_recording(session: Reading, recording_id: RecordingId) -> Response:
         media_type="application/json",
         headers=_download(f"recording-{row.id}.json"),
     )
+
+
+def _of_behaviour(session: Session, behaviour_id: int, ids: list[int]) -> list[RecordingRow]:
+    """Return recordings of a behaviour in the order of their ids; raises NotFound, naming ids."""
+    behaviours.get(session, behaviour_id)
+    rows = recordings.by_ids(session, ids)
+    missing = [key for key in ids if key not in rows or rows[key].behaviour_id != behaviour_id]
+    if missing:
+        names = ", ".join(str(key) for key in sorted(set(missing)))
+        raise NotFound(f"These are no recordings of this behaviour: {names}.")
+    return [rows[key] for key in sorted(rows)]
 
 
 def _derived(content: bytes, media_type: str, is_version: bool) -> Response:

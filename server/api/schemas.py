@@ -147,6 +147,8 @@ class Recording(Schema):
     order_errors: int | None
     shots: int
     latency: Latency | None
+    slowest_percent: int | None
+    single_steps: int | None
     perfect: bool
     notes: str
     ranked: bool
@@ -192,6 +194,13 @@ class RecordingUpdate(Schema):
 
     perfect: StrictBool | None = None
     notes: str | None = Field(default=None, max_length=4000)
+
+
+class RecordingsChange(Schema):
+    """Something to do to several recordings of a behaviour, to all or to none."""
+
+    recording_ids: list[Id] = Field(min_length=1, max_length=500)
+    change: Literal["delete", "restore", "mark_perfect", "unmark_perfect"]
 
 
 class Refusal(Schema):

@@ -225,6 +225,58 @@ def test_deleting_a_ranked_recording_leaves_the_ranking_without_it_and_restoring
     assert restored["unranked"] == [gone]
 
 
+def test_several_are_deleted_in_one_revision_and_brought_back(
+    client: TestClient, workplace: Workplace
+) -> None:
+    path = "/api/behaviours/1/recordings/change"
+    gone = list(workplace.ranked[:2])
+    before = client.get("/api/behaviours/1/ranking").json()
+    deleted = client.post(path, json={"recording_ids": gone, "change": "delete"}).json()
+    assert [item["deleted"] for item in deleted] == [True, True]
+    after = client.get("/api/behaviours/1/ranking").json()
+    assert after["tiers"] == [[key] for key in workplace.ranked[2:]]
+    assert after["revision"] == before["revision"] + 1
+    client.post(path, json={"recording_ids": gone, "change": "restore"})
+    listed = client.get("/api/behaviours/1/recordings").json()
+    assert {item["id"] for item in listed} == set(workplace.ranked)
+
+
+def test_several_are_marked_all_or_none(client: TestClient, workplace: Workplace) -> None:
+    path = "/api/behaviours/1/recordings/change"
+    with workplace.database.writing() as session:
+        row = session.get_one(RecordingRow, workplace.ranked[3])
+        row.verification = Verification.FAILED
+
+    def perfect() -> set[int]:
+        listed = client.get("/api/behaviours/1/recordings").json()
+        return {item["id"] for item in listed if item["perfect"]}
+
+    best, second, third, failed = workplace.ranked
+    everything = {"recording_ids": [second, third, failed], "change": "mark_perfect"}
+    assert client.post(path, json=everything).status_code == 422
+    assert perfect() == {best}
+    client.post(path, json={"recording_ids": [second, third], "change": "mark_perfect"})
+    assert perfect() == {best, second, third}
+    client.post(path, json={"recording_ids": [best, third], "change": "unmark_perfect"})
+    assert perfect() == {second}
+
+
+def test_only_recordings_of_the_behaviour_are_changed_or_exported(
+    client: TestClient, workplace: Workplace
+) -> None:
+    both = {"recording_ids": [workplace.ranked[0], 99999], "change": "delete"}
+    answer = client.post("/api/behaviours/1/recordings/change", json=both)
+    assert answer.status_code == 404
+    assert "99999" in answer.json()["detail"]
+    both["recording_ids"] = [workplace.ranked[0]]
+    assert client.post("/api/behaviours/2/recordings/change", json=both).status_code == 404
+    assert len(client.get("/api/behaviours/1/recordings").json()) == 4
+    chosen = {"recording": [workplace.ranked[2], workplace.ranked[0]]}
+    exported = client.get("/api/behaviours/1/recordings/export", params=chosen)
+    assert [json.loads(line)["tier"] for line in exported.text.splitlines()] == [1, 3]
+    assert client.get("/api/behaviours/2/recordings/export", params=chosen).status_code == 404
+
+
 def test_a_game_that_is_played_can_not_be_kept_or_deleted(
     client: TestClient, workplace: Workplace
 ) -> None:

@@ -7,7 +7,7 @@ redo write new revisions, so that what was done stays readable in the order in w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -154,19 +154,22 @@ def redo(
 
 
 def take_out(
-    session: Session, behaviour_id: int, recording_id: int, player_id: int | None = None
+    session: Session,
+    behaviour_id: int,
+    recording_ids: Collection[int],
+    player_id: int | None = None,
 ) -> None:
-    """Write a revision without a recording that has been deleted, if it is ranked.
+    """Write a revision without recordings that have been deleted, if any of them is ranked.
 
-    What undo and redo bring back stays as it was: a deletion is undone by restoring the recording.
+    What undo and redo bring back stays as it was: a deletion is undone by restoring recordings.
     """
     newest = _lock(session, behaviour_id, None, None)
     ranking = as_ranking(newest)
-    if recording_id in ranking.items:
+    if not set(ranking.items).isdisjoint(recording_ids):
         _add(
             session,
             newest,
-            ranking.without({recording_id}),
+            ranking.without(set(recording_ids)),
             player_id,
             "deletion",
             undo_to=newest.undo_to,

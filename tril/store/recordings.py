@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sqlalchemy import Select, select
@@ -171,17 +171,30 @@ def delete(session: Session, row: RecordingRow, player_id: int | None) -> None:
     Raises:
         Conflict: It is still being played, or it is a result of a training.
     """
-    _refuse_while_playing(row)
-    if row.run_id is not None:
-        raise Conflict(
-            "This game is a result of a training and belongs to it; delete the training instead."
-        )
-    if row.deleted_at is not None:
-        return
-    row.deleted_at = now()
+    delete_all(session, [row], player_id)
+
+
+def delete_all(session: Session, rows: Sequence[RecordingRow], player_id: int | None) -> None:
+    """Delete recordings as ``delete`` does, with one revision of each ranking they were in.
+
+    Raises:
+        Conflict: One is still being played, or is a result of a training.
+    """
+    for row in rows:
+        _refuse_while_playing(row)
+        if row.run_id is not None:
+            raise Conflict(
+                f"Recording {row.id} is a result of a training and belongs to it; delete the "
+                "training instead."
+            )
+    gone = [row for row in rows if row.deleted_at is None]
+    for row in gone:
+        row.deleted_at = now()
+        note_change(session, "recording", row.id)
     session.flush()
-    rankings.take_out(session, row.behaviour_id, row.id, player_id)
-    note_change(session, "recording", row.id)
+    for behaviour_id in sorted({row.behaviour_id for row in gone}):
+        ids = [row.id for row in gone if row.behaviour_id == behaviour_id]
+        rankings.take_out(session, behaviour_id, ids, player_id)
 
 
 def restore(session: Session, row: RecordingRow) -> None:

@@ -1,7 +1,7 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, bodyOf, fetchBytes, problemOf, unwrap, watchedFetch } from "./client";
-import type { ImportResult, Recording, RecordingUpdate } from "./types";
+import type { ImportResult, Recording, RecordingsChange, RecordingUpdate } from "./types";
 
 import { RecordedFrames } from "@/lib/codec";
 
@@ -13,6 +13,20 @@ export function recordingsQuery(behaviourId: number) {
       unwrap(
         api.GET("/api/behaviours/{behaviour_id}/recordings", {
           params: { path: { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+  });
+}
+
+/** A behaviour's deleted recordings too, so that they can be restored. */
+export function withDeletedQuery(behaviourId: number) {
+  return queryOptions({
+    queryKey: ["recordings", behaviourId, "with deleted"],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/behaviours/{behaviour_id}/recordings", {
+          params: { path: { behaviour_id: behaviourId }, query: { include: ["deleted"] } },
           signal,
         }),
       ),
@@ -84,6 +98,19 @@ export function deleteRecording(recordingId: number): Promise<unknown> {
   return unwrap(api.DELETE("/api/recordings/{recording_id}", at(recordingId)));
 }
 
+/** Does something to several recordings, to all or to none. */
+export function changeRecordings(
+  behaviourId: number,
+  body: RecordingsChange,
+): Promise<Recording[]> {
+  return unwrap(
+    api.POST("/api/behaviours/{behaviour_id}/recordings/change", {
+      params: { path: { behaviour_id: behaviourId } },
+      body,
+    }),
+  );
+}
+
 export interface ImportOptions {
   /** The file's order is the ranking, best first. */
   readonly rank: boolean;
@@ -107,9 +134,11 @@ export async function importRecordings(
   return body as ImportResult;
 }
 
-/** Where a behaviour's recordings can be downloaded as JSON Lines. */
-export function exportUrl(behaviourId: number): string {
-  return `/api/behaviours/${behaviourId}/recordings/export`;
+/** Where a behaviour's recordings, or some of them, can be downloaded as JSON Lines. */
+export function exportUrl(behaviourId: number, only: readonly number[] = []): string {
+  const query = new URLSearchParams(only.map((id) => ["recording", String(id)]));
+  const path = `/api/behaviours/${behaviourId}/recordings/export`;
+  return only.length === 0 ? path : `${path}?${query.toString()}`;
 }
 
 /** Where one recording can be downloaded in the exchange format. */

@@ -180,6 +180,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/recordings/change": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Change Recordings
+         * @description Delete, restore or mark several recordings, all or none, and return them.
+         */
+        post: operations["change_recordings"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/recordings/export": {
         parameters: {
             query?: never;
@@ -1328,6 +1348,10 @@ export interface components {
             run_id: string | null;
             /** Shots */
             shots: number;
+            /** Single Steps */
+            single_steps: number | null;
+            /** Slowest Percent */
+            slowest_percent: number | null;
             /**
              * Source
              * @enum {string}
@@ -1375,6 +1399,19 @@ export interface components {
             /** Memory Url */
             memory_url: string;
             parent: components["schemas"]["Branch"] | null;
+        };
+        /**
+         * RecordingsChange
+         * @description Something to do to several recordings of a behaviour, to all or to none.
+         */
+        RecordingsChange: {
+            /**
+             * Change
+             * @enum {string}
+             */
+            change: "delete" | "restore" | "mark_perfect" | "unmark_perfect";
+            /** Recording Ids */
+            recording_ids: number[];
         };
         /**
          * RecordingUpdate
@@ -2641,9 +2678,110 @@ export interface operations {
             };
         };
     };
-    export_recordings: {
+    change_recordings: {
         parameters: {
             query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RecordingsChange"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Recording"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It contradicts what has happened since. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    export_recordings: {
+        parameters: {
+            query?: {
+                /** @description Only these. */
+                recording?: number[] | null;
+            };
             header?: never;
             path: {
                 behaviour_id: number;

@@ -24,6 +24,7 @@ export type RankingCheck = Schemas["RankingCheck"];
 export type Recipe = Schemas["Recipe"];
 export type Recording = Schemas["Recording"];
 export type RecordingCourse = Schemas["RecordingCourse"];
+export type RecordingsChange = Schemas["RecordingsChange"];
 export type RecordingUpdate = Schemas["RecordingUpdate"];
 export type RewardTrace = Schemas["RewardTrace"];
 export type Run = Schemas["Run"];

@@ -4,18 +4,23 @@ import { useToast } from "./Toasts";
 
 import { messageOf } from "@/api/client";
 import {
+  changeRecordings,
   deleteRecording,
   recordingsQuery,
   restoreRecording,
   updateRecording,
 } from "@/api/recordings";
-import type { Recording, RecordingUpdate } from "@/api/types";
+import type { Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
+import { count } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 interface RecordingActions {
   setPerfect: (recording: Recording, perfect: boolean) => void;
   setNotes: (recording: Recording, notes: string) => void;
   remove: (recording: Recording) => void;
+  restore: (recording: Recording) => void;
+  /** Does the same to several, to all or to none; a deletion can be taken back. */
+  changeAll: (recordings: readonly Recording[], change: RecordingsChange["change"]) => void;
 }
 
 /** What can be done to a recording; the list shows it at once and takes it back on a refusal. */
@@ -74,10 +79,26 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     onSettled: settle,
   });
 
+  const changeAll = useMutation({
+    mutationFn: (body: RecordingsChange) => changeRecordings(behaviourId, body),
+    onSuccess: (_changed, { change, recording_ids: ids }) => {
+      if (change !== "delete") return;
+      toast(`${count(ids.length, "recording")} deleted.`, {
+        label: "Undo",
+        run: () => changeAll.mutate({ recording_ids: ids, change: "restore" }),
+      });
+    },
+    onError: (error) => toast(messageOf(error)),
+    onSettled: settle,
+  });
+
   return {
     setPerfect: ({ id }, perfect) => update.mutate({ id, body: { perfect } }),
     setNotes: ({ id }, notes) => update.mutate({ id, body: { notes } }),
     remove: (recording) => remove.mutate(recording),
+    restore: ({ id }) => restore.mutate(id),
+    changeAll: (recordings, change) =>
+      changeAll.mutate({ recording_ids: recordings.map(({ id }) => id), change }),
   };
 }
 

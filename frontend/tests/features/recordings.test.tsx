@@ -11,10 +11,10 @@ import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 
 const LIST = "GET /api/behaviours/1/recordings";
 
-function library(list: Recording[], more: Parameters<typeof serve>[0] = {}) {
-  const asked = serve({ [LIST]: () => list, ...more });
-  show(<RecordingsPage behaviour={behaviour({ n_recordings: list.length })} />);
-  return asked;
+function library(list: Recording[], more: Parameters<typeof serve>[0] = {}, path = "/") {
+  const asked = serve({ [LIST]: () => [...list], ...more });
+  const page = <RecordingsPage behaviour={behaviour({ n_recordings: list.length })} />;
+  return { asked, ...show(page, path) };
 }
 
 describe("the library", () => {
@@ -78,7 +78,7 @@ describe("the library", () => {
 
   it("deletes, with a way back", async () => {
     const list = [recording({ id: 2 }), recording({ id: 1 })];
-    const asked = library(list, {
+    const { asked } = library(list, {
       "DELETE /api/recordings/2": () => {
         list.shift();
         return undefined;
@@ -98,7 +98,7 @@ describe("the library", () => {
   });
 
   it("keeps notes", async () => {
-    const asked = library([recording()], {
+    const { asked } = library([recording()], {
       "PATCH /api/recordings/1": () => recording({ notes: "Too hasty." }),
     });
     await userEvent.click(await screen.findByRole("button", { name: "Write a note" }));
@@ -109,19 +109,117 @@ describe("the library", () => {
     );
   });
 
-  it("shows some of them only", async () => {
-    library([recording({ id: 2, perfect: true }), recording({ id: 1 })]);
+  it("shows some of them only, and says so in the address", async () => {
+    const { router } = library([
+      recording({ id: 3, perfect: true, targets: 2 }),
+      recording({ id: 2, targets: 2, strays: 2 }),
+      recording({ id: 1 }),
+    ]);
     await userEvent.selectOptions(await screen.findByLabelText("Show"), "Perfect ones");
-    expect(screen.getAllByRole("article")).toHaveLength(1);
-    expect(screen.getByRole("article", { name: "Recording 2" })).toBeVisible();
+    expect(names()).toEqual(["Recording 3"]);
+    await userEvent.selectOptions(screen.getByLabelText("Show"), "All");
+    await userEvent.selectOptions(screen.getByLabelText("Targets"), "2 or more");
+    expect(names()).toEqual(["Recording 3", "Recording 2"]);
+    await userEvent.selectOptions(screen.getByLabelText("Order"), "Oldest first");
+    expect(names()).toEqual(["Recording 2", "Recording 3"]);
+    await userEvent.selectOptions(screen.getByLabelText("Strays"), "None");
+    expect(names()).toEqual(["Recording 3"]);
+    expect(router.state.location.search).toBe("?hits=2&strays=0&order=oldest");
+    await userEvent.click(screen.getByRole("button", { name: "Clear the filters" }));
+    expect(names()).toHaveLength(3);
+  });
+
+  it("shows what an address asks for", async () => {
+    library([recording({ id: 2, player: "Bo" }), recording({ id: 1 })], {}, "/?player=Bo");
+    await screen.findByRole("article", { name: "Recording 2" });
+    expect(names()).toEqual(["Recording 2"]);
+    expect(screen.getByLabelText("Player")).toHaveDisplayValue("Bo");
+  });
+
+  it("does the same to all that are selected, and takes a deletion back", async () => {
+    const list = [4, 3, 2, 1].map((id) => recording({ id }));
+    const gone: Recording[] = [];
+    const { asked } = library(list, {
+      "POST /api/behaviours/1/recordings/change": ({ body }) => {
+        const { change, recording_ids: ids } = body as {
+          change: string;
+          recording_ids: number[];
+        };
+        if (change === "delete") {
+          gone.push(...list.splice(0, ids.length));
+        } else {
+          list.unshift(...gone.splice(0));
+        }
+        return list;
+      },
+    });
+    await userEvent.click(await screen.findByLabelText("Select Recording 4"));
+    const user = userEvent.setup();
+    await user.keyboard("{Shift>}");
+    await user.click(screen.getByLabelText("Select Recording 2"));
+    await user.keyboard("{/Shift}");
+    const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
+    expect(bar.getByText("3 recordings selected")).toBeVisible();
+    expect(bar.getByRole("link", { name: "Export selected" })).toHaveAttribute(
+      "href",
+      "/api/behaviours/1/recordings/export?recording=4&recording=3&recording=2",
+    );
+    await userEvent.click(bar.getByRole("button", { name: "Delete" }));
+    await waitFor(() => expect(names()).toEqual(["Recording 1"]));
+    await userEvent.click(await screen.findByRole("button", { name: "Undo" }));
+    await waitFor(() => expect(names()).toHaveLength(4));
+    expect(asked.filter(({ method }) => method === "POST").map(({ body }) => body)).toEqual([
+      { recording_ids: [4, 3, 2], change: "delete" },
+      { recording_ids: [4, 3, 2], change: "restore" },
+    ]);
+  });
+
+  it("marks all shown ones, and takes the marks off when all have one", async () => {
+    const list = [2, 1].map((id) => recording({ id }));
+    const { asked } = library(list, {
+      "POST /api/behaviours/1/recordings/change": () => {
+        list.forEach((one, index) => (list[index] = { ...one, perfect: true }));
+        return list;
+      },
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
+    const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
+    await userEvent.click(bar.getByRole("button", { name: "Mark as perfect" }));
+    await userEvent.click(
+      await bar.findByRole("button", { name: "Take the perfect marks off" }),
+    );
+    await waitFor(() =>
+      expect(
+        asked
+          .filter(({ method }) => method === "POST")
+          .map(({ body }) => (body as { change: string }).change),
+      ).toEqual(["mark_perfect", "unmark_perfect"]),
+    );
+  });
+
+  it("lists the deleted ones to restore them, also when nothing else is left", async () => {
+    const deleted = recording({ id: 4, deleted: true });
+    const asked = serve({
+      [LIST]: ({ query }) => (query.get("include") === "deleted" ? [deleted] : []),
+      "POST /api/recordings/4/restore": () => deleted,
+    });
+    show(<RecordingsPage behaviour={behaviour()} />);
+    await userEvent.click(await screen.findByRole("link", { name: "Deleted recordings" }));
+    await userEvent.click(await screen.findByRole("button", { name: "Restore Recording 4" }));
+    await waitFor(() => expect(asked.map(({ method }) => method)).toContain("POST"));
+    expect(screen.queryByRole("button", { name: "Delete Recording 4" })).toBeNull();
   });
 });
+
+function names(): (string | null)[] {
+  return screen.queryAllByRole("article").map((one) => one.getAttribute("aria-label"));
+}
 
 describe("importing", () => {
   const IMPORT = "POST /api/behaviours/1/recordings/import";
 
   async function send(answer: () => unknown) {
-    const asked = library([], { [IMPORT]: answer });
+    const { asked } = library([], { [IMPORT]: answer });
     await userEvent.click(await screen.findByRole("button", { name: "Import recordings" }));
     const dialog = within(screen.getByRole("dialog", { name: "Import recordings" }));
     const file = new File(['{"format":"tril-recording"}\n'], "games.jsonl");

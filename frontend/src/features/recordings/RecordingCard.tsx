@@ -9,6 +9,7 @@ import { ColumnBars, LatencyBadge, SourceBadge, VerifiedBadge } from "@/componen
 import { IconButton } from "@/components/Button";
 import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
 import { useRecordingActions } from "@/components/use-recording-actions";
+import { classes } from "@/lib/classes";
 import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
 
 const SCREEN_WIDTH_PX = 320;
@@ -18,16 +19,20 @@ interface RecordingCardProps {
   recording: Recording;
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
+  selected: boolean;
+  /** `range`: with all between it and the one pressed before. */
+  onSelect: (recording: Recording, range: boolean) => void;
 }
 
 /** One recording: its picture, how it went, and what can be done with it. */
-export function RecordingCard({ recording, behaviour, onWatch }: RecordingCardProps) {
+export function RecordingCard(props: RecordingCardProps) {
+  const { recording, behaviour, onWatch, selected, onSelect } = props;
   const [looked, look] = useLookedAt();
   const [writing, setWriting] = useState(false);
   const actions = useRecordingActions(behaviour.id);
   const name = recordingName(recording);
   return (
-    <article className={styles.card} aria-label={name}>
+    <article className={classes(styles.card, selected && styles.selected)} aria-label={name}>
       <button
         type="button"
         className={styles.screen}
@@ -44,27 +49,22 @@ export function RecordingCard({ recording, behaviour, onWatch }: RecordingCardPr
       </button>
       <div className={styles.facts}>
         <div className={styles.title}>
+          <input
+            type="checkbox"
+            className={styles.select}
+            aria-label={`Select ${name}`}
+            checked={selected}
+            onChange={(event) =>
+              onSelect(
+                recording,
+                event.nativeEvent instanceof MouseEvent && event.nativeEvent.shiftKey,
+              )
+            }
+          />
           <h3>
             <Link to={`/recordings/${recording.id}`}>{name}</Link>
           </h3>
-          <IconButton
-            icon="star"
-            label={recording.perfect ? "Perfect. Take the mark off" : "Mark as perfect"}
-            aria-pressed={recording.perfect}
-            filled={recording.perfect}
-            className={recording.perfect ? styles.starOn : undefined}
-            onClick={() => actions.setPerfect(recording, !recording.perfect)}
-          />
-          <IconButton
-            icon="note"
-            label={recording.notes ? "Change the note" : "Write a note"}
-            onClick={() => setWriting(true)}
-          />
-          <IconButton
-            icon="trash"
-            label={`Delete ${name}`}
-            onClick={() => actions.remove(recording)}
-          />
+          <Marks recording={recording} name={name} onWrite={() => setWriting(true)} />
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
@@ -88,5 +88,49 @@ export function RecordingCard({ recording, behaviour, onWatch }: RecordingCardPr
         />
       )}
     </article>
+  );
+}
+
+/** What can be done with one; a deleted one can only be restored. */
+function Marks({
+  recording,
+  name,
+  onWrite,
+}: {
+  recording: Recording;
+  name: string;
+  onWrite: () => void;
+}) {
+  const actions = useRecordingActions(recording.behaviour_id);
+  if (recording.deleted) {
+    return (
+      <IconButton
+        icon="undo"
+        label={`Restore ${name}`}
+        onClick={() => actions.restore(recording)}
+      />
+    );
+  }
+  return (
+    <>
+      <IconButton
+        icon="star"
+        label={recording.perfect ? "Perfect. Take the mark off" : "Mark as perfect"}
+        aria-pressed={recording.perfect}
+        filled={recording.perfect}
+        className={recording.perfect ? styles.starOn : undefined}
+        onClick={() => actions.setPerfect(recording, !recording.perfect)}
+      />
+      <IconButton
+        icon="note"
+        label={recording.notes ? "Change the note" : "Write a note"}
+        onClick={onWrite}
+      />
+      <IconButton
+        icon="trash"
+        label={`Delete ${name}`}
+        onClick={() => actions.remove(recording)}
+      />
+    </>
   );
 }

@@ -34,6 +34,7 @@ export function RecordingPage({
   const frames = useQuery(framesQuery(recording));
   const course = useQuery(courseQuery(recording.id));
   const [search] = useSearchParams();
+  const { restore } = useRecordingActions(behaviour.id);
   const name = recordingName(recording);
   return (
     <>
@@ -45,6 +46,9 @@ export function RecordingPage({
       {recording.deleted && (
         <Notice tone="calm">
           <p>This recording was deleted. Trainings that used it keep it.</p>
+          <Button icon="undo" onClick={() => restore(recording)}>
+            Restore
+          </Button>
         </Notice>
       )}
       <div className={styles.page}>
