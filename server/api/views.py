@@ -77,6 +77,10 @@ class RecordingViews:
             latency=None
             if conditions is None
             else Latency.model_validate(conditions.latency(row.n_frames)),
+            slowest_percent=None
+            if conditions is None
+            else conditions.slowest_percent(row.n_frames),
+            single_steps=None if conditions is None else len(conditions.single_steps),
             perfect=row.perfect,
             notes=row.notes,
             ranked=row.id in self._ranked_of(row.behaviour_id),

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 KEY = "play"
 """Under which a recording's conditions hold these."""
+
+FULL_SPEED_PERCENT = 100
+SLOWEST_PERCENT = 25
 
 BAD_P95_MS = 100.0
 """A press in twenty that shows later than six frames at 60 Hz is more than a person steers by."""
@@ -45,16 +48,55 @@ class PlayConditions:
     Attributes:
         presses: (frame, milliseconds from the key's event to the frame's drawing).
         dropped: Frames that were executed and not drawn.
+        speeds: (frame, percent of 60 Hz): the speed from after this frame on; 100 at first.
+        single_steps: Frames that were executed one at a time.
+        pauses: Frames after which the player paused.
     """
 
     presses: list[tuple[int, float]] = field(default_factory=list)
     dropped: list[int] = field(default_factory=list)
+    speeds: list[tuple[int, int]] = field(default_factory=list)
+    single_steps: list[int] = field(default_factory=list)
+    pauses: list[int] = field(default_factory=list)
+
+    @property
+    def speed_percent(self) -> int:
+        """The speed at present."""
+        return self.speeds[-1][1] if self.speeds else FULL_SPEED_PERCENT
+
+    def set_speed(self, frame: int, percent: int) -> None:
+        """Go on at another speed after a frame."""
+        if self.speeds and self.speeds[-1][0] == frame:
+            self.speeds.pop()
+        if percent != self.speed_percent:
+            self.speeds.append((frame, percent))
+
+    def note_press(self, frame: int, latency_ms: float) -> None:
+        """Take note of a latency; slow motion's and single steps' would say nothing of the way."""
+        if frame not in self.single_steps and self._speed_of(frame) == FULL_SPEED_PERCENT:
+            self.presses.append((frame, latency_ms))
+
+    def slowest_percent(self, n_frames: int) -> int:
+        """The slowest speed at which any of so many frames was executed."""
+        return min(map(self._speed_of, self._beginnings(n_frames)), default=FULL_SPEED_PERCENT)
+
+    def _beginnings(self, n_frames: int) -> list[int]:
+        """The first frame of every stretch of one speed."""
+        return [f for f in (1, *(frame + 1 for frame, _ in self.speeds)) if f <= n_frames]
+
+    def _speed_of(self, frame: int) -> int:
+        """The speed at which a frame was executed."""
+        before = [percent for at, percent in self.speeds if at < frame]
+        return before[-1] if before else FULL_SPEED_PERCENT
 
     def to_json(self) -> dict[str, Any]:
         """Return the conditions as data."""
         return {
             "presses": [[frame, ms] for frame, ms in self.presses],
             "dropped": list(self.dropped),
+            "speeds": [[frame, percent] for frame, percent in self.speeds],
+            "single_steps": list(self.single_steps),
+            "pauses": list(self.pauses),
         }
 
     @classmethod
@@ -83,11 +125,17 @@ class PlayConditions:
         )
 
 
+Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
+
+
 class _Stored(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     presses: list[tuple[int, float]]
     dropped: list[int]
+    speeds: list[tuple[int, Percent]]
+    single_steps: list[int]
+    pauses: list[int]
 
 
 def _nearest_rank(values: Sequence[float], share: float) -> float | None:

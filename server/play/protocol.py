@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from server.play.codec import EncodedFrame
+from server.play.conditions import Percent
 from server.play.frames import FLAG_KEY
 from tril.game.controls import Keys
 
@@ -80,10 +81,17 @@ class AckMessage:
 class Command:
     """Page to server: what the player wants."""
 
-    type: Literal["ready", "stop", "pause", "go_on"]
+    type: Literal["ready", "stop", "pause", "go_on", "step"]
 
 
-ClientMessage = InputMessage | AckMessage | Command
+@dataclass(frozen=True)
+class SpeedMessage:
+    """Page to server: go on at this percentage of 60 frames a second, 25 to 100."""
+
+    percent: int
+
+
+ClientMessage = InputMessage | AckMessage | Command | SpeedMessage
 
 
 def frame_bytes(message: FrameMessage) -> bytes:
@@ -145,16 +153,30 @@ def _parse_binary(data: bytes) -> InputMessage | AckMessage:
 class _CommandModel(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
-    type: Literal["ready", "stop", "pause", "go_on"]
+    type: Literal["ready", "stop", "pause", "go_on", "step"]
 
 
-def _parse_command(text: str) -> Command:
+class _SpeedModel(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    type: Literal["speed"]
+    percent: Percent
+
+
+_WISHES: TypeAdapter[_CommandModel | _SpeedModel] = TypeAdapter(
+    Annotated[_CommandModel | _SpeedModel, Field(discriminator="type")]
+)
+
+
+def _parse_command(text: str) -> Command | SpeedMessage:
     try:
-        return Command(_CommandModel.model_validate_json(text).type)
+        wish = _WISHES.validate_json(text)
     except ValidationError as error:
         raise BadMessage(
-            'Expected {"type": "ready"}, "stop", "pause" or "go_on", got ' + repr(text[:80])
+            'Expected {"type": "ready"}, "stop", "pause", "go_on" or "step", or {"type": "speed",'
+            f' "percent": 25 to 100}}, got {text[:80]!r}'
         ) from error
+    return SpeedMessage(wish.percent) if isinstance(wish, _SpeedModel) else Command(wish.type)
 
 
 class _Message(BaseModel):
@@ -187,6 +209,7 @@ class Hello(_Message):
     epoch: int
     resumed: bool
     hits: list[HitAt]
+    speed_percent: int
 
 
 class Countdown(_Message):

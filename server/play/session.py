@@ -7,7 +7,7 @@ import logging
 from collections.abc import Awaitable, Callable
 from enum import Enum, auto
 
-from server.play.conditions import KEY, PlayConditions
+from server.play.conditions import FULL_SPEED_PERCENT, KEY, PlayConditions
 from server.play.connection import Connection
 from server.play.frames import palette_json
 from server.play.protocol import (
@@ -37,8 +37,8 @@ MAX_LAG_S = 0.25
 
 WHY_PAUSED = "You paused the game."
 WHY_STALLED = (
-    "The page stopped drawing, so the game waits. Bring its tab to the front and go on; if it "
-    "happens again, the connection or the machine is too slow."
+    "The page stopped drawing, so the game waits. It goes on by itself when the page draws again; "
+    "if this happens often, the connection or the machine is too slow."
 )
 
 
@@ -98,7 +98,7 @@ class PlaySession:
         self._saved_frame = recorder.episode.frame
         self._stopped = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
-        self._why_paused = ""
+        self._is_stalled = False
         self.left_at = asyncio.get_running_loop().time()
 
     @property
@@ -128,6 +128,7 @@ class PlaySession:
     async def attach(self, connection: Connection, is_resumed: bool) -> None:
         """Show the game to a page; one that showed it before is told and closed."""
         await self._halt()
+        self._is_stalled = False
         before, self.connection = self.connection, connection
         if before is not None:
             await _dismiss(before)
@@ -144,6 +145,7 @@ class PlaySession:
                 epoch=self.epoch,
                 resumed=is_resumed,
                 hits=self._hits(),
+                speed_percent=self._conditions.speed_percent,
             )
         )
         await self._show()
@@ -165,11 +167,18 @@ class PlaySession:
         connection = self.connection
         if connection is None:
             return
-        self._conditions.presses += connection.take_latencies()
+        for frame, latency_ms in connection.take_latencies():
+            self._conditions.note_press(frame, latency_ms)
         if self.phase is Phase.PLAYING:
             return
         if connection.shown_frame != self._recorder.episode.frame:
             await self._show()
+        elif self._is_stalled and not connection.n_unacknowledged:
+            self._begin()
+
+    def set_speed(self, percent: int) -> None:
+        """Go on at another speed."""
+        self._conditions.set_speed(self._recorder.episode.frame, percent)
 
     async def obey(self, command: Command) -> None:
         """Do what the player asks for; what makes no sense at the moment is passed over."""
@@ -177,10 +186,13 @@ class PlaySession:
             return
         match command.type:
             case "ready" | "go_on":
-                if self.phase is Phase.WAITING and self._task is None:
-                    self._task = asyncio.create_task(self._go_on(), name=f"game {self.game_id}")
+                self._begin()
             case "pause":
+                if self.phase is Phase.PLAYING:
+                    self._conditions.pauses.append(self._recorder.episode.frame)
                 await self.pause(WHY_PAUSED)
+            case "step":
+                await self._step()
             case "stop":
                 await self._halt()
                 self._end()
@@ -190,6 +202,7 @@ class PlaySession:
         if self.phase is Phase.ENDED:
             return
         await self._halt()
+        self._is_stalled = False
         if self.connection is not None:
             await self.connection.tell(Paused(why=why))
 
@@ -229,6 +242,26 @@ class PlaySession:
         )
         await connection.close(Close.GAME_OVER, "The game is over.")
 
+    def _begin(self) -> None:
+        """Count down and play, unless the game does already."""
+        if self.phase is Phase.WAITING and self._task is None:
+            self._is_stalled = False
+            self._task = asyncio.create_task(self._go_on(), name=f"game {self.game_id}")
+
+    async def _step(self) -> None:
+        """Execute one frame of a game that stands still."""
+        connection = self.connection
+        if self.phase is not Phase.WAITING or self._task is not None or connection is None:
+            return
+        self._is_stalled = False
+        self._conditions.single_steps.append(self._recorder.episode.frame + 1)
+        # As a task, so that whoever halts the game waits until the frame is through.
+        self._task = asyncio.create_task(self._tick(connection), name=f"step of {self.game_id}")
+        await asyncio.wait([self._task])
+        self._task = None
+        if self._recorder.episode.end is not None:
+            self._end()
+
     async def _go_on(self) -> None:
         """Count down, then play until something stops it."""
         try:
@@ -246,24 +279,23 @@ class PlaySession:
             self._task = None
         if self._recorder.episode.end is not None:
             self._end()
-        elif self._why_paused and self.connection is not None:
-            await self.connection.tell(Paused(why=self._why_paused))
+        elif self._is_stalled and self.connection is not None:
+            await self.connection.tell(Paused(why=WHY_STALLED))
 
     async def _play(self) -> None:
         loop = asyncio.get_running_loop()
         if self.connection is not None:
             self.connection.forget_presses()
-        self._why_paused = ""
         deadline = loop.time()
         while not self._stopped.is_set() and self._recorder.episode.end is None:
             connection = self.connection
             if connection is None or not connection.is_open:
                 return
             if connection.stalled_for_s > self._rules.stalled_after_s:
-                self._why_paused = WHY_STALLED
+                self._is_stalled = True
                 return
             await self._tick(connection)
-            deadline += FRAME_S
+            deadline += FRAME_S * FULL_SPEED_PERCENT / self._conditions.speed_percent
             now = loop.time()
             if now - deadline > MAX_LAG_S:
                 _LOG.warning("Game %s stood still for %.2f s.", self.game_id, now - deadline)

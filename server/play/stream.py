@@ -11,7 +11,7 @@ from starlette.websockets import WebSocket
 
 from server.dependencies import services_of
 from server.play.connection import Connection
-from server.play.protocol import BadMessage, Close, Command, parse_client
+from server.play.protocol import BadMessage, Close, Command, SpeedMessage, parse_client
 from server.play.session import PlaySession
 from tril.errors import NotFound, Unavailable
 from tril.store.games import GameOver
@@ -61,6 +61,8 @@ async def _listen(websocket: WebSocket, connection: Connection, session: PlaySes
             message = parse_client(event.get("text") or "" if data is None else data)
             if isinstance(message, Command):
                 await session.obey(message)
+            elif isinstance(message, SpeedMessage):
+                session.set_speed(message.percent)
             else:
                 connection.receive(message)
                 await session.acknowledge()

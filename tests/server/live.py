@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 import uuid
 from collections.abc import Callable, Iterator
@@ -147,9 +148,9 @@ class Player:
         self.say("ready")
         return hello
 
-    def say(self, command: str) -> None:
+    def say(self, command: str, **more: int) -> None:
         """Send a command."""
-        self.socket.send(f'{{"type": "{command}"}}')
+        self.socket.send(json.dumps({"type": command, **more}))
 
     def hold(self, keys: Keys) -> int:
         """Hold keys from now on; returns the input's sequence."""

@@ -112,6 +112,7 @@ def _server_messages() -> list[Hello | Countdown | HitMessage | Paused | Ended |
             epoch=2,
             resumed=True,
             hits=[hit],
+            speed_percent=50,
         ),
         Countdown(seconds=3),
         Countdown(seconds=0),

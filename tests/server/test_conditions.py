@@ -15,6 +15,9 @@ CONDITIONS = st.builds(
     PlayConditions,
     presses=st.lists(st.tuples(FRAMES, st.floats(0.1, 6553.5))),
     dropped=st.lists(FRAMES),
+    speeds=st.lists(st.tuples(st.integers(0, 1200), st.integers(25, 100))),
+    single_steps=st.lists(FRAMES),
+    pauses=st.lists(FRAMES),
 )
 
 
@@ -30,9 +33,11 @@ def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
         {},
         {KEY: None},
         {KEY: []},
-        {KEY: {"presses": [[1]], "dropped": []}},
-        {KEY: {"presses": [[1, float("nan")]], "dropped": []}},
-        {KEY: {"presses": "many", "dropped": 3}},
+        {KEY: {**PlayConditions().to_json(), "presses": [[1]]}},
+        {KEY: {**PlayConditions().to_json(), "presses": [[1, float("nan")]]}},
+        {KEY: {**PlayConditions().to_json(), "speeds": [[1, 0]]}},
+        {KEY: {**PlayConditions().to_json(), "dropped": "many"}},
+        {KEY: {**PlayConditions().to_json(), "mood": "good"}},
     ],
 )
 def test_what_can_not_be_read_is_left_alone(foreign: dict[str, object]) -> None:
@@ -64,3 +69,32 @@ def test_without_presses_nothing_is_said_of_their_latency() -> None:
 )
 def test_late_presses_and_missing_frames_are_bad(conditions: PlayConditions, is_bad: bool) -> None:
     assert conditions.latency(1200).is_bad is is_bad
+
+
+def test_the_speed_is_the_last_one_set() -> None:
+    conditions = PlayConditions()
+    assert conditions.speed_percent == 100
+    conditions.set_speed(10, 50)
+    conditions.set_speed(20, 50)
+    conditions.set_speed(30, 25)
+    conditions.set_speed(30, 75)
+    conditions.set_speed(40, 25)
+    conditions.set_speed(40, 75)
+    assert conditions.speeds == [(10, 50), (30, 75)]
+    assert conditions.speed_percent == 75
+
+
+def test_the_slowest_speed_is_that_of_a_frame_that_was_played() -> None:
+    conditions = PlayConditions(speeds=[(0, 50), (300, 25)])
+    assert conditions.slowest_percent(300) == 50
+    assert conditions.slowest_percent(301) == 25
+    assert PlayConditions(speeds=[(40, 50), (60, 100)]).slowest_percent(1200) == 50
+    assert PlayConditions(speeds=[(40, 50)]).slowest_percent(40) == 100
+    assert PlayConditions().slowest_percent(0) == 100
+
+
+def test_presses_in_slow_motion_and_single_steps_say_nothing_of_latency() -> None:
+    conditions = PlayConditions(speeds=[(10, 50), (20, 100)], single_steps=[30])
+    for frame in (10, 11, 20, 21, 30, 31):
+        conditions.note_press(frame, 40.0)
+    assert [frame for frame, _ in conditions.presses] == [10, 21, 31]

@@ -47,6 +47,16 @@ def replayed_screens(live: LiveServer, recording_id: int) -> list[Screen]:
     return screens
 
 
+def heard_until_quiet(player: Player) -> list[object]:
+    """Return what comes until nothing does for a while."""
+    heard: list[object] = []
+    try:
+        while True:
+            heard.append(player.next(0.3))
+    except TimeoutError:
+        return heard
+
+
 def test_the_acknowledged_stream_decodes_to_the_screens_of_a_replay(live: LiveServer) -> None:
     game = live.new_game()
     with live.play(game) as player:
@@ -109,6 +119,23 @@ def test_a_page_that_acknowledges_nothing_has_six_frames_on_their_way_and_the_ga
         caught_up = player.until(FrameMessage)
         assert caught_up.frame > player.frames[-2].frame + 60
         assert caught_up.sequence == newest + 1
+        player.acknowledges = True
+        player.acknowledge(caught_up.sequence)
+        assert [player.until(Countdown).seconds for _ in range(3)] == [2, 1, 0]
+        player.until_frame(caught_up.frame + 10)
+        player.stop()
+
+
+def test_a_game_that_its_player_paused_does_not_go_on_by_itself(live: LiveServer) -> None:
+    with live.play(live.new_game()) as player:
+        player.begin()
+        player.acknowledges = False
+        assert "stopped drawing" in player.until(Paused).why
+        player.say("pause")
+        assert "You paused" in player.until(Paused).why
+        player.acknowledges = True
+        player.acknowledge(player.frames[-1].sequence)
+        assert not any(isinstance(message, Countdown) for message in heard_until_quiet(player))
         player.stop()
 
 
@@ -182,6 +209,61 @@ def test_pausing_and_going_on_keeps_the_frame(live: LiveServer) -> None:
         assert player.until(Countdown).seconds == 2
         assert player.until(FrameMessage).frame == standing + 1
         player.stop()
+
+
+def test_a_game_in_slow_motion_takes_longer_and_says_so(live: LiveServer) -> None:
+    game = live.new_game()
+    tab = str(uuid.uuid4())
+    with live.play(game, tab) as player:
+        assert player.begin().speed_percent == 100
+        player.until_frame(10)
+        player.say("speed", percent=25)
+        player.until_frame(15)
+        began = time.monotonic()
+        player.until_frame(45)
+        assert 1.9 <= time.monotonic() - began < 3.2
+    with live.play(game, tab) as player:
+        assert player.begin().speed_percent == 25
+        player.say("speed", percent=100)
+        ended = player.stop()
+    assert ended.verification == "verified"
+    recording = live.http.get(f"/api/recordings/{ended.recording_id}").json()
+    assert (recording["slowest_percent"], recording["single_steps"]) == (25, 0)
+
+
+def test_single_frames_are_executed_with_the_keys_held(live: LiveServer) -> None:
+    with live.play(live.new_game()) as player:
+        player.begin()
+        player.until_frame(5)
+        player.say("pause")
+        player.until(Paused)
+        standing = player.frames[-1].frame
+        player.hold(Keys.LEFT | Keys.FIRE)
+        player.hold(Keys.LEFT)
+        for _ in range(3):
+            player.say("step")
+        player.until_frame(standing + 3)
+        assert not heard_until_quiet(player)
+        ended = player.stop()
+    assert ended.frame == standing + 3
+    assert ended.verification == "verified"
+    with live.database.reading() as session:
+        row = recordings.get(session, ended.recording_id)
+        assert list(row.actions[-3:]) == [Action.LEFTFIRE, Action.LEFT, Action.LEFT]
+        steps = [standing + 1, standing + 2, standing + 3]
+        assert row.conditions["play"]["single_steps"] == steps
+        assert row.conditions["play"]["pauses"] == [standing]
+    assert live.http.get(f"/api/recordings/{ended.recording_id}").json()["single_steps"] == 3
+
+
+def test_a_step_while_the_game_runs_is_passed_over(live: LiveServer) -> None:
+    with live.play(live.new_game()) as player:
+        player.begin()
+        player.until_frame(5)
+        player.say("step")
+        player.until_frame(10)
+        ended = player.stop()
+    assert live.http.get(f"/api/recordings/{ended.recording_id}").json()["single_steps"] == 0
 
 
 def test_the_game_runs_at_sixty_frames_a_second(live: LiveServer) -> None:

@@ -25,6 +25,7 @@ from server.play.protocol import (
     Command,
     FrameMessage,
     InputMessage,
+    SpeedMessage,
     client_bytes,
     frame_bytes,
     parse_client,
@@ -104,9 +105,20 @@ def test_latencies_travel_in_tenths_of_a_millisecond(latency_ms: float) -> None:
     assert message.latency_ms == pytest.approx(min(max(0.1, latency_ms), 6553.5), abs=0.0501)
 
 
-@pytest.mark.parametrize("kind", ["ready", "stop", "pause", "go_on"])
+@pytest.mark.parametrize("kind", ["ready", "stop", "pause", "go_on", "step"])
 def test_commands_are_understood(kind: str) -> None:
     assert parse_client(json.dumps({"type": kind})) == Command(kind)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("percent", [25, 60, 100])
+def test_a_speed_is_understood(percent: int) -> None:
+    assert parse_client(f'{{"type": "speed", "percent": {percent}}}') == SpeedMessage(percent)
+
+
+@pytest.mark.parametrize("percent", ["24", "101", "50.5", "true", '"50"', "null", "1e400"])
+def test_speeds_out_of_reach_are_refused(percent: str) -> None:
+    with pytest.raises(BadMessage):
+        parse_client(f'{{"type": "speed", "percent": {percent}}}')
 
 
 @given(

@@ -1303,7 +1303,9 @@ export interface components {
          * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
          *     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
-         *     ``latency`` is None where it was not measured.
+         *     ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
+         *     was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
+         *     time; both are None where that is not known.
          */
         Recording: {
             /** Behaviour Id */

@@ -5,7 +5,7 @@ import { ThingMark } from "./ThingMark";
 import type { Behaviour, Recording, Run } from "@/api/types";
 import { COLUMNS, ROWS } from "@/lib/aliens";
 import { classes } from "@/lib/classes";
-import { fixed, percent } from "@/lib/format";
+import { count, fixed, percent } from "@/lib/format";
 import { isActive, STATUS_NAMES } from "@/lib/runs";
 import { playedBy, SOURCE_NAMES } from "@/lib/things";
 
@@ -68,6 +68,15 @@ export function LatencyBadge({ recording }: { recording: Recording }) {
       <Icon name="clock" /> played with delay
     </span>
   );
+}
+
+/** That a game was played in slow motion or frame by frame; nothing where it was not. */
+export function PaceBadge({ recording }: { recording: Recording }) {
+  const { slowest_percent: slowest, single_steps: steps } = recording;
+  const parts = [];
+  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest} %`);
+  if (steps) parts.push(`${count(steps, "frame")} one by one`);
+  return parts.length === 0 ? null : <span className={styles.badge}>{parts.join("; ")}</span>;
 }
 
 /** A run's state. */

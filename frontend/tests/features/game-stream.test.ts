@@ -63,7 +63,15 @@ class FakeSocket extends EventTarget {
   }
 }
 
-const HELLO = { type: "hello", palette: [], max_frames: 1200, frame: 0, resumed: false, hits: [] };
+const HELLO = {
+  type: "hello",
+  palette: [],
+  max_frames: 1200,
+  frame: 0,
+  resumed: false,
+  hits: [],
+  speed_percent: 100,
+};
 const ENDED = {
   type: "ended",
   reason: "hit",
@@ -173,6 +181,45 @@ describe("a game's stream", () => {
     socket.tell({ type: "countdown", seconds: 0 });
     socket.show(1, 1, undefined, 1);
     expect(stream.latencySummary().presses).toBe(0);
+  });
+
+  it("times no key in slow motion", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "countdown", seconds: 0 });
+    stream.setSpeed(50);
+    stream.hold(4);
+    socket.show(1, 1, undefined, 1);
+    expect(stream.latencySummary().presses).toBe(0);
+  });
+
+  it("plays a new game at the speed of the one before, and another one at its own", () => {
+    const screen = { setPalette: vi.fn(), show: vi.fn() } satisfies GameScreen;
+    const stream = new GameStream("ws://test/stream", screen, 50);
+    stream.connect();
+    newest().tell(HELLO);
+    expect(newest().commandsSent).toEqual(["speed", "ready"]);
+    expect(newest().sent[0]).toBe('{"type":"speed","percent":50}');
+    newest().close(1006);
+    vi.advanceTimersByTime(300);
+    newest().tell({ ...HELLO, frame: 40, resumed: true, speed_percent: 75 });
+    expect(newest().commandsSent).toEqual(["ready"]);
+    expect(stream.snapshot().speed).toBe(75);
+  });
+
+  it("plays single frames of a paused game only", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "countdown", seconds: 0 });
+    stream.step();
+    expect(socket.commandsSent).toEqual(["ready"]);
+    socket.tell({ type: "paused", why: "You paused the game." });
+    stream.step();
+    stream.step();
+    expect(socket.commandsSent).toEqual(["ready", "step", "step"]);
+    expect(stream.snapshot().phase).toBe("stepping");
+    socket.tell({ type: "countdown", seconds: 3 });
+    expect(stream.snapshot().phase).toBe("countdown");
   });
 
   it("collects hits and ends with all of them", () => {

@@ -47,7 +47,15 @@ function inputs(): number[] {
     .map((one) => new Uint8Array(one)[1] ?? -1);
 }
 
-const HELLO = { type: "hello", palette: [], max_frames: 1200, frame: 0, resumed: false, hits: [] };
+const HELLO = {
+  type: "hello",
+  palette: [],
+  max_frames: 1200,
+  frame: 0,
+  resumed: false,
+  hits: [],
+  speed_percent: 100,
+};
 const ENDED = {
   type: "ended",
   reason: "hit",
@@ -146,6 +154,31 @@ describe("playing", () => {
     await userEvent.keyboard("{Enter}");
     const commands = FakeSocket.last?.sent.filter((one) => typeof one === "string");
     expect(commands).toEqual(['{"type":"ready"}', '{"type":"pause"}', '{"type":"go_on"}']);
+  });
+
+  it("goes slower by key and button, and says so to the server", async () => {
+    await start();
+    await userEvent.keyboard("[Minus]");
+    expect(screen.getByRole("button", { name: "75 %" })).toHaveAttribute("aria-pressed", "true");
+    await userEvent.click(screen.getByRole("button", { name: "25 %" }));
+    expect(screen.getByRole("application")).toHaveFocus();
+    expect(FakeSocket.last?.sent.slice(1)).toEqual([
+      '{"type":"speed","percent":75}',
+      '{"type":"speed","percent":25}',
+    ]);
+  });
+
+  it("plays frame by frame with the keys held", async () => {
+    await start();
+    await userEvent.keyboard("[Period]");
+    tell({ type: "paused", why: "You paused the game." });
+    await userEvent.keyboard("{a>}[Period]");
+    expect(screen.queryByText("Paused")).toBeNull();
+    expect(screen.getByText(/Frame by frame/)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: /^One frame/ }));
+    const commands = FakeSocket.last?.sent.filter((one) => typeof one === "string");
+    expect(commands?.slice(1)).toEqual(['{"type":"pause"}', '{"type":"step"}', '{"type":"step"}']);
+    expect(inputs()).toEqual([1]);
   });
 
   it("shows the latency by key and by button, also in the next game", async () => {

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { GRACE_MS, steers, wishOf } from "@/features/play/controls";
+import { GRACE_MS, speedBeside, steers, wishOf } from "@/features/play/controls";
 import { newTabId } from "@/features/play/game-stream";
 
 const press = (code: string, repeat = false) => ({ code, repeat });
@@ -28,6 +28,26 @@ describe("keys in the game", () => {
     expect(wishOf(press("Escape"), "playing", Infinity)).toBe("pause");
     expect(wishOf(press("Enter"), "paused", Infinity)).toBe("go_on");
     expect(wishOf(press("Space"), "paused", Infinity)).toBe("go_on");
+  });
+
+  it("play a paused game frame by frame, also when held", () => {
+    expect(wishOf(press("Period"), "playing", Infinity)).toBe("pause");
+    expect(wishOf(press("Period", true), "playing", Infinity)).toBeNull();
+    expect(wishOf(press("Period"), "paused", Infinity)).toBe("step");
+    expect(wishOf(press("Period", true), "stepping", Infinity)).toBe("step");
+    expect(wishOf(press("Enter"), "stepping", Infinity)).toBe("go_on");
+    expect(wishOf(press("Space"), "stepping", Infinity)).toBeNull();
+    expect(steers("stepping")).toBe(true);
+  });
+
+  it("change the speed in steps", () => {
+    expect(wishOf(press("Minus"), "playing", Infinity)).toBe("slower");
+    expect(wishOf(press("Equal"), "paused", Infinity)).toBe("faster");
+    expect(speedBeside(100, "faster")).toBe(100);
+    expect(speedBeside(100, "slower")).toBe(75);
+    expect(speedBeside(25, "slower")).toBe(25);
+    expect(speedBeside(60, "faster")).toBe(75);
+    expect(speedBeside(50, "faster")).toBe(75);
   });
 
   it("otherwise steer", () => {

@@ -58,6 +58,17 @@ describe("the library", () => {
     );
   });
 
+  it("says which games were played in slow motion or frame by frame", async () => {
+    library([
+      recording({ id: 5, slowest_percent: 25, single_steps: 12 }),
+      recording({ id: 4, slowest_percent: 100, single_steps: 0 }),
+    ]);
+    const first = within(await screen.findByRole("article", { name: "Recording 5" }));
+    expect(first.getByText("slow motion, 25 %; 12 frames one by one")).toBeVisible();
+    const second = within(screen.getByRole("article", { name: "Recording 4" }));
+    expect(second.queryByText(/slow motion|one by one/)).toBeNull();
+  });
+
   it("works without a target", async () => {
     serve({ [LIST]: () => [recording({ targets: null, strays: null })] });
     show(<RecordingsPage behaviour={behaviour({ target: null })} />);

@@ -54,6 +54,8 @@ export function recording(change: Partial<Recording> = {}): Recording {
     order_errors: null,
     shots: 4,
     latency: null,
+    slowest_percent: null,
+    single_steps: null,
     perfect: false,
     notes: "",
     ranked: false,

@@ -15,12 +15,13 @@ interface StageOverlayProps {
   error: string | null;
   onStart: () => void;
   onGoOn: () => void;
+  onStep: () => void;
   onTakeBack: () => void;
 }
 
 /** What lies over the screen while nobody is playing on it. The end has its own card. */
 export function StageOverlay(props: StageOverlayProps) {
-  const { state, target, starting, error, onStart, onGoOn, onTakeBack } = props;
+  const { state, target, starting, error, onStart, onGoOn, onStep, onTakeBack } = props;
   if (!state || state.phase === "gone") {
     const gone = state?.phase === "gone";
     return (
@@ -59,10 +60,21 @@ export function StageOverlay(props: StageOverlayProps) {
         <Overlay>
           <span className={styles.big}>Paused</span>
           <p>{state.why}</p>
-          <Button kind="primary" large onClick={onGoOn}>
-            Go on
-          </Button>
+          <div className={styles.actions}>
+            <Button kind="primary" large onClick={onGoOn}>
+              Go on
+            </Button>
+            <Button large onClick={onStep}>
+              One frame <kbd>.</kbd>
+            </Button>
+          </div>
         </Overlay>
+      );
+    case "stepping":
+      return (
+        <p className={styles.bottomLine} role="status">
+          Frame by frame: <kbd>.</kbd> plays one, <kbd>Enter</kbd> goes on
+        </p>
       );
     case "lost":
       return (

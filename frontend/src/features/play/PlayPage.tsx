@@ -2,12 +2,13 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { Link } from "react-router";
 
 import { SHOW_LATENCY } from "./choices";
-import { steers, wishOf } from "./controls";
+import { speedBeside, steers, type Wish, wishOf } from "./controls";
 import { EndCard, type EndCardHandle } from "./EndCard";
-import type { GameScreen } from "./game-stream";
+import type { GameScreen, GameStream } from "./game-stream";
 import { Clock, type ClockHandle, Score } from "./Hud";
 import { LatencyDisplay } from "./LatencyDisplay";
 import { StageOverlay } from "./Overlays";
+import { PaceControls } from "./PaceControls";
 import styles from "./PlayPage.module.css";
 import { TouchPad } from "./TouchPad";
 import { type PlayedGame, useGame } from "./use-game";
@@ -42,10 +43,11 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   useKeys(game, held, endCard);
   usePauseWhenHidden(game);
   // Keys must reach the game, not the button that was pressed last.
+  const focusStage = useCallback(() => stage.current?.focus({ preventScroll: true }), []);
   useEffect(() => {
-    if (phase === "countdown") stage.current?.focus({ preventScroll: true });
+    if (phase === "countdown") focusStage();
     if (phase === "ended") held.releaseAll();
-  }, [phase, held]);
+  }, [phase, held, focusStage]);
 
   return (
     <div className={styles.page}>
@@ -68,6 +70,10 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             error={game.error ? messageOf(game.error) : null}
             onStart={game.start}
             onGoOn={() => stream?.command("go_on")}
+            onStep={() => {
+              stream?.step();
+              focusStage();
+            }}
             onTakeBack={() => stream?.connect()}
           />
           {state?.ended && (
@@ -93,13 +99,21 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
       <aside className={styles.side} aria-label="The game so far">
         <Clock handle={clock} />
         <Score hits={state?.hits ?? []} behaviour={behaviour} />
-        {(phase === "playing" || phase === "countdown") && (
-          <div className={styles.stop}>
-            <Button icon="pause" onClick={() => stream?.command("pause")}>
-              Pause
-            </Button>
-            <Button onClick={() => stream?.command("stop")}>End the game here</Button>
-          </div>
+        {state && stream && (
+          <PaceControls
+            state={state}
+            onPause={() => stream.command("pause")}
+            onGoOn={() => stream.command("go_on")}
+            onStep={() => {
+              stream.step();
+              focusStage();
+            }}
+            onStop={() => stream.command("stop")}
+            onSpeed={(percent) => {
+              stream.setSpeed(percent);
+              focusStage();
+            }}
+          />
         )}
         <KeyHelp />
         <Button
@@ -155,9 +169,7 @@ function useKeys(
       const wish = wishOf(event, phase, performance.now() - endedAt);
       if (wish && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
-        if (wish === "pause" || wish === "go_on") stream.command(wish);
-        else if (wish === "latency") writeChoice(SHOW_LATENCY, !readChoice(SHOW_LATENCY));
-        else endCard.current?.wish(wish);
+        if (!fulfil(wish, stream)) endCard.current?.wish(wish);
       } else if (steers(phase) && isGameKey(event.code)) {
         event.preventDefault();
         if (held.press(event.code)) stream.hold(held.bits, event.timeStamp);
@@ -182,6 +194,28 @@ function useKeys(
       window.removeEventListener("blur", letGo);
     };
   }, [stream, held, endCard]);
+}
+
+/** Does what a press asks of the game; returns whether it was meant for it. */
+function fulfil(wish: Wish, stream: GameStream): boolean {
+  switch (wish) {
+    case "pause":
+    case "go_on":
+      stream.command(wish);
+      return true;
+    case "step":
+      stream.step();
+      return true;
+    case "slower":
+    case "faster":
+      stream.setSpeed(speedBeside(stream.snapshot().speed, wish));
+      return true;
+    case "latency":
+      writeChoice(SHOW_LATENCY, !readChoice(SHOW_LATENCY));
+      return true;
+    default:
+      return false;
+  }
 }
 
 /** A game that can't be seen stands still. */
@@ -225,6 +259,10 @@ function KeyHelp() {
         <kbd>Esc</kbd>
       </dt>
       <dd>pause</dd>
+      <dt>
+        <kbd>.</kbd>
+      </dt>
+      <dd>frame by frame</dd>
     </dl>
   );
 }

@@ -1,7 +1,18 @@
 /** What a key press asks of the play page besides steering. Pure. */
 import type { Phase } from "./game-stream";
+import { SPEEDS } from "./messages";
 
-export type Wish = "keep" | "discard" | "perfect" | "again" | "pause" | "go_on" | "latency";
+export type Wish =
+  | "keep"
+  | "discard"
+  | "perfect"
+  | "again"
+  | "pause"
+  | "go_on"
+  | "step"
+  | "slower"
+  | "faster"
+  | "latency";
 
 /** Time after the end in which presses are still meant for the game. */
 export const GRACE_MS = 700;
@@ -16,8 +27,26 @@ const AFTER_END: Readonly<Record<string, Wish>> = {
   KeyR: "again",
 };
 
-const SHOWS_LATENCY = "KeyL";
-const GOING_ON = new Set(["Space", "Enter", "Escape"]);
+/** At any time of a game. */
+const BESIDE: Readonly<Record<string, Wish>> = {
+  KeyL: "latency",
+  Minus: "slower",
+  NumpadSubtract: "slower",
+  Equal: "faster",
+  NumpadAdd: "faster",
+};
+
+const RUNNING: Readonly<Record<string, Wish>> = { Escape: "pause", Period: "pause" };
+
+const STEPPING: Readonly<Record<string, Wish>> = {
+  Period: "step",
+  Enter: "go_on",
+  NumpadEnter: "go_on",
+  Escape: "go_on",
+};
+
+// Who plays frame by frame may fire with the space bar.
+const PAUSED: Readonly<Record<string, Wish>> = { ...STEPPING, Space: "go_on" };
 
 interface Press {
   readonly code: string;
@@ -30,16 +59,22 @@ interface Press {
  * @param sinceEndMs Milliseconds since the game ended.
  */
 export function wishOf(press: Press, phase: Phase, sinceEndMs: number): Wish | null {
-  if (press.repeat) return null;
-  if (press.code === SHOWS_LATENCY && steers(phase)) return "latency";
+  const wish = meaning(press.code, phase, sinceEndMs);
+  // A held key runs a paused game on, frame by frame; nothing else is meant to happen twice.
+  return press.repeat && wish !== "step" ? null : wish;
+}
+
+function meaning(code: string, phase: Phase, sinceEndMs: number): Wish | null {
   switch (phase) {
     case "playing":
     case "countdown":
-      return press.code === "Escape" ? "pause" : null;
+      return RUNNING[code] ?? BESIDE[code] ?? null;
     case "paused":
-      return GOING_ON.has(press.code) ? "go_on" : null;
+      return PAUSED[code] ?? BESIDE[code] ?? null;
+    case "stepping":
+      return STEPPING[code] ?? BESIDE[code] ?? null;
     case "ended":
-      return sinceEndMs < GRACE_MS ? null : (AFTER_END[press.code] ?? null);
+      return sinceEndMs < GRACE_MS ? null : (AFTER_END[code] ?? null);
     default:
       return null;
   }
@@ -47,5 +82,11 @@ export function wishOf(press: Press, phase: Phase, sinceEndMs: number): Wish | n
 
 /** Whether keys steer the game in this phase. */
 export function steers(phase: Phase): boolean {
-  return phase === "playing" || phase === "countdown" || phase === "paused";
+  return ["playing", "countdown", "paused", "stepping"].includes(phase);
+}
+
+/** The next speed in a direction; the same at the end. */
+export function speedBeside(percent: number, way: "slower" | "faster"): number {
+  const at = SPEEDS.findIndex((speed) => speed <= percent);
+  return SPEEDS[at + (way === "slower" ? 1 : -1)] ?? percent;
 }

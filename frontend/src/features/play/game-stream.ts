@@ -1,12 +1,20 @@
 /** One game as this tab plays it: the connection, its state, and the frames that come. */
 import { LatencyMeter, type LatencySummary } from "./latency";
-import { CLOSE, type Command, type Ended, type HitAt, type ServerMessage } from "./messages";
+import {
+  CLOSE,
+  type Command,
+  type Ended,
+  type HitAt,
+  type ServerMessage,
+  SPEEDS,
+} from "./messages";
 
 import { readFrame, ScreenDecoder, writeAck, writeInput } from "@/lib/codec";
 import type { Palette } from "@/lib/screen";
 
 /**
  * connecting: nothing was heard yet. countdown, playing, paused, ended: what the game does.
+ * stepping: it is paused and played frame by frame.
  * lost: the connection broke; it is tried again. elsewhere: another tab plays. gone: no such game.
  * refused: this browser isn't let in any more.
  */
@@ -15,6 +23,7 @@ export type Phase =
   | "countdown"
   | "playing"
   | "paused"
+  | "stepping"
   | "ended"
   | "lost"
   | "elsewhere"
@@ -31,6 +40,8 @@ export interface GameState {
   readonly ended: Ended | null;
   /** When it ended, by performance.now(). */
   readonly endedAt: number;
+  /** Percent of 60 frames a second. */
+  readonly speed: number;
 }
 
 /** What shows the frames; called for each one, outside React. */
@@ -42,16 +53,10 @@ export interface GameScreen {
 
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
 const MAX_FRAMES = 1200;
+const [FULL_SPEED] = SPEEDS;
 
 export class GameStream {
-  private state: GameState = {
-    phase: "connecting",
-    seconds: 0,
-    hits: [],
-    why: "",
-    ended: null,
-    endedAt: 0,
-  };
+  private state: GameState;
   private readonly listeners = new Set<() => void>();
   private readonly url: string;
   private readonly screen: GameScreen;
@@ -64,9 +69,19 @@ export class GameStream {
   private failures = 0;
   private timer: ReturnType<typeof setTimeout> | null = null;
 
-  constructor(url: string, screen: GameScreen) {
+  /** @param speed Percent of 60 frames a second at which a new game is played. */
+  constructor(url: string, screen: GameScreen, speed = FULL_SPEED) {
     this.url = url;
     this.screen = screen;
+    this.state = {
+      phase: "connecting",
+      seconds: 0,
+      hits: [],
+      why: "",
+      ended: null,
+      endedAt: 0,
+      speed,
+    };
   }
 
   readonly subscribe = (listener: () => void): (() => void) => {
@@ -103,7 +118,9 @@ export class GameStream {
     const pressed = (keys & ~this.keys) !== 0;
     this.keys = keys;
     this.sendKeys();
-    if (pressed && this.state.phase === "playing") this.latency.press(this.inputSequence, atMs);
+    const { phase, speed } = this.state;
+    const timed = phase === "playing" && speed === FULL_SPEED;
+    if (pressed && timed) this.latency.press(this.inputSequence, atMs);
   }
 
   /** How late this game was seen so far. */
@@ -112,13 +129,32 @@ export class GameStream {
   }
 
   command(type: Command): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ type }));
+    this.say({ type });
+  }
+
+  /** Plays on at another speed. */
+  setSpeed(percent: number): void {
+    if (percent === this.state.speed) return;
+    this.latency.forget();
+    this.update({ speed: percent });
+    this.say({ type: "speed", percent });
+  }
+
+  /** Plays one frame of a paused game. */
+  step(): void {
+    if (this.state.phase !== "paused" && this.state.phase !== "stepping") return;
+    this.update({ phase: "stepping" });
+    this.command("step");
   }
 
   /** Leaves the game; the server keeps it as it stands. */
   leave(): void {
     this.detach();
     this.listeners.clear();
+  }
+
+  private say(message: object): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
   private sendKeys(): void {
@@ -141,6 +177,8 @@ export class GameStream {
         this.latency.forget();
         this.maxFrames = message.max_frames;
         this.screen.setPalette(message.palette);
+        if (message.frame === 0) this.keepSpeed(message.speed_percent);
+        else this.update({ speed: message.speed_percent });
         this.update({ hits: message.hits });
         if (this.keys !== 0) this.sendKeys();
         this.command("ready");
@@ -170,6 +208,11 @@ export class GameStream {
         this.update({ phase: "elsewhere" });
         break;
     }
+  }
+
+  /** Asks for this page's speed, if the game has another one. */
+  private keepSpeed(percent: number): void {
+    if (percent !== this.state.speed) this.say({ type: "speed", percent: this.state.speed });
   }
 
   private closed(code: number): void {

@@ -15,6 +15,7 @@ interface Hello {
   readonly frame: number;
   readonly resumed: boolean;
   readonly hits: readonly HitAt[];
+  readonly speed_percent: number;
 }
 
 interface Countdown {
@@ -49,7 +50,10 @@ interface TakenOver {
 }
 
 export type ServerMessage = Hello | Countdown | HitMessage | Paused | Ended | TakenOver;
-export type Command = "ready" | "stop" | "pause" | "go_on";
+export type Command = "ready" | "stop" | "pause" | "go_on" | "step";
+
+/** Percent of 60 frames a second, the fastest first. */
+export const SPEEDS = [100, 75, 50, 25] as const;
 
 /** Codes with which the server closes a stream. */
 export const CLOSE = {

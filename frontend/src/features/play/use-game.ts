@@ -34,8 +34,9 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
   const play = useCallback(
     (gameId: string, streamPath: string) => {
       remember(behaviourId, gameId);
+      const speed = current.current?.snapshot().speed;
       current.current?.leave();
-      const next = new GameStream(streamUrl(streamPath, TAB), screen);
+      const next = new GameStream(streamUrl(streamPath, TAB), screen, speed);
       current.current = next;
       next.connect();
       setStream(next);

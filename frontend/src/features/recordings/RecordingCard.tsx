@@ -5,7 +5,7 @@ import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingCard.module.css";
 
 import type { Behaviour, Recording } from "@/api/types";
-import { ColumnBars, LatencyBadge, SourceBadge, VerifiedBadge } from "@/components/Badges";
+import { ColumnBars, LatencyBadge, PaceBadge, SourceBadge, VerifiedBadge } from "@/components/Badges";
 import { IconButton } from "@/components/Button";
 import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
 import { useRecordingActions } from "@/components/use-recording-actions";
@@ -76,6 +76,7 @@ export function RecordingCard(props: RecordingCardProps) {
         <div className={styles.badges}>
           <SourceBadge recording={recording} />
           <VerifiedBadge recording={recording} />
+          <PaceBadge recording={recording} />
           <LatencyBadge recording={recording} />
         </div>
         {recording.notes && <p className={styles.note}>{recording.notes}</p>}

@@ -1,0 +1,57 @@
+import type { GameState } from "./game-stream";
+import { SPEEDS } from "./messages";
+import styles from "./PlayPage.module.css";
+
+import { Button } from "@/components/Button";
+
+interface PaceControlsProps {
+  state: GameState;
+  onPause: () => void;
+  onGoOn: () => void;
+  onStep: () => void;
+  onStop: () => void;
+  onSpeed: (percent: number) => void;
+}
+
+/** How fast the game goes: as it is, slower, frame by frame, or not at all. */
+export function PaceControls(props: PaceControlsProps) {
+  const { phase, speed } = props.state;
+  const stands = phase === "paused" || phase === "stepping";
+  if (!stands && phase !== "playing" && phase !== "countdown") return null;
+  return (
+    <div className={styles.pace}>
+      <div className={styles.stop}>
+        {stands ? (
+          <>
+            <Button icon="play" onClick={props.onGoOn}>
+              Go on
+            </Button>
+            <Button icon="stepOn" onClick={props.onStep}>
+              One frame <kbd>.</kbd>
+            </Button>
+          </>
+        ) : (
+          <Button icon="pause" onClick={props.onPause}>
+            Pause
+          </Button>
+        )}
+        <Button onClick={props.onStop}>End the game here</Button>
+      </div>
+      <div className={styles.speeds} role="group" aria-label="Speed">
+        {SPEEDS.map((percent) => (
+          <Button
+            key={percent}
+            kind="quiet"
+            aria-pressed={percent === speed}
+            onClick={() => props.onSpeed(percent)}
+          >
+            {percent} %
+          </Button>
+        ))}
+        <span className={styles.speedKeys}>
+          <kbd>−</kbd> <kbd>+</kbd>
+        </span>
+      </div>
+    </div>
+  );
+}
