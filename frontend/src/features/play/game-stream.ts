@@ -53,7 +53,7 @@ export interface GameScreen {
 
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
 const MAX_FRAMES = 1200;
-const [FULL_SPEED] = SPEEDS;
+const FULL_SPEED: number = SPEEDS[0];
 
 export class GameStream {
   private state: GameState;
