@@ -6,6 +6,7 @@ import hashlib
 import threading
 from collections.abc import Callable
 
+from server.clips import ClipKind, ClipMaker
 from server.memory import memory_file
 from server.play.consoles import ConsolePool
 from server.play.frames import frames_file, thumbnail_png
@@ -27,15 +28,23 @@ def version_of(recording: Recording) -> str:
 
 
 class Derived:
-    """Frames, thumbnails and memory of recordings; safe to call from several threads.
+    """Frames, thumbnails, memory and clips of recordings; safe to call from several threads.
 
     Args:
         cache: Where they are kept.
         consoles: Where consoles to replay on come from.
         at_once: Most replays at the same time, so that watching does not disturb those who play.
+        clips: What makes clips.
     """
 
-    def __init__(self, cache: Cache, consoles: ConsolePool, at_once: int = 1) -> None:
+    def __init__(
+        self,
+        cache: Cache,
+        consoles: ConsolePool,
+        at_once: int = 1,
+        clips: ClipMaker | None = None,
+    ) -> None:
+        self._clips = clips or ClipMaker()
         self._cache = cache
         self._consoles = consoles
         self._turn = threading.BoundedSemaphore(at_once)
@@ -51,6 +60,11 @@ class Derived:
     def memory(self, recording: Recording) -> bytes:
         """Return the RAM at the start and after every frame, 128 bytes each."""
         return self._made(recording, "ram", memory_file)
+
+    def clip(self, recording: Recording, kind: ClipKind) -> bytes:
+        """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""
+        name = f"{version_of(recording)}.{kind}"
+        return self._cache.get(name, lambda: self._clips.make(recording, kind))
 
     def _made(
         self, recording: Recording, kind: str, make: Callable[[Recording, Console], bytes]

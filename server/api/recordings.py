@@ -21,6 +21,7 @@ from server.api.schemas import (
     Refusal,
 )
 from server.api.views import RecordingViews
+from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import version_of
 from server.problems import CONFLICT, NOT_FOUND
@@ -264,6 +265,25 @@ def get_recording_memory(
         recording = recordings.as_recording(recordings.get(session, recording_id))
     content = services.derived.memory(recording)
     return _derived(content, "application/octet-stream", v == version_of(recording))
+
+
+@router.get(
+    "/recordings/{recording_id}/clip.{kind}",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {media: {} for media in MEDIA_TYPES.values()}}},
+)
+def get_recording_clip(
+    request: Request, recording_id: RecordingId, kind: ClipKind, v: Version = None
+) -> Response:
+    """Return a recording as a moving picture; making it takes seconds the first time."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    answer = _derived(
+        services.derived.clip(recording, kind), MEDIA_TYPES[kind], v == version_of(recording)
+    )
+    answer.headers.update(_download(f"recording-{recording_id}.{kind}"))
+    return answer
 
 
 @router.get(

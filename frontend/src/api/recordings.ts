@@ -145,3 +145,16 @@ export function exportUrl(behaviourId: number, only: readonly number[] = []): st
 export function recordingExportUrl(recordingId: number): string {
   return `/api/recordings/${recordingId}/export`;
 }
+
+export type ClipKind = "gif" | "webp" | "mp4";
+
+/** A recording as a moving picture; making it takes seconds the first time. */
+export async function fetchClip(recording: Recording, kind: ClipKind): Promise<Blob> {
+  return new Blob([await fetchBytes(clipUrl(recording, kind))]);
+}
+
+function clipUrl({ id, frames_url }: Recording, kind: ClipKind): string {
+  // What the frames are made of is what a clip is made of.
+  const version = new URL(frames_url, location.origin).searchParams.get("v") ?? "";
+  return `/api/recordings/${id}/clip.${kind}?${new URLSearchParams({ v: version }).toString()}`;
+}

@@ -392,6 +392,26 @@ export interface paths {
         patch: operations["update_recording"];
         trace?: never;
     };
+    "/api/recordings/{recording_id}/clip.{kind}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Recording Clip
+         * @description Return a recording as a moving picture; making it takes seconds the first time.
+         */
+        get: operations["get_recording_clip"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/recordings/{recording_id}/course": {
         parameters: {
             query?: never;
@@ -848,6 +868,12 @@ export interface components {
             /** Recording Id */
             recording_id: number;
         };
+        /**
+         * ClipKind
+         * @description What a recording can be made into.
+         * @enum {string}
+         */
+        ClipKind: "gif" | "webp" | "mp4";
         /**
          * ComparisonRow
          * @description One start of the thesis' table: who hit what, and who won.
@@ -3716,6 +3742,97 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Recording"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_recording_clip: {
+        parameters: {
+            query?: {
+                /** @description Makes the answer cacheable. */
+                v?: string | null;
+            };
+            header?: never;
+            path: {
+                kind: components["schemas"]["ClipKind"];
+                recording_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/gif": unknown;
+                    "image/webp": unknown;
+                    "video/mp4": unknown;
                 };
             };
             /** @description The request can't be read. */

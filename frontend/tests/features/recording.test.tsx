@@ -1,11 +1,11 @@
 import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 
 import { behaviour, recording } from "../support/data";
 import { framesFile } from "../support/frames";
 import { show } from "../support/page";
-import { serve } from "../support/server";
+import { Refusal, serve } from "../support/server";
 
 import type { Recording, RecordingCourse } from "@/api/types";
 import { RecordingPage } from "@/features/recordings/RecordingPage";
@@ -45,6 +45,9 @@ function page(change: Partial<Recording> = {}, of: Partial<RecordingCourse> = {}
     "GET /api/recordings/1/frames": () => framesFile(N_FRAMES),
     "GET /api/recordings/1/course": () => course(of),
     "GET /api/recordings/1/memory": memory,
+    "GET /api/recordings/1/clip.gif": () => new ArrayBuffer(8),
+    "GET /api/recordings/1/clip.mp4": () =>
+      new Refusal(503, { detail: "Several clips are being made already." }),
     "PATCH /api/recordings/1": () => shown,
     "DELETE /api/recordings/1": () => undefined,
   });
@@ -144,6 +147,27 @@ describe("the page of a recording", () => {
         { notes: "Home run" },
         { perfect: true },
       ]),
+    );
+  });
+
+  it("downloads a clip under its name, and says why it could not be made", async () => {
+    const saved: string[] = [];
+    vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function click(
+      this: HTMLAnchorElement,
+    ) {
+      saved.push(`${this.download} ${this.href}`);
+    });
+    URL.createObjectURL = () => "blob:clip";
+    const asked = page();
+    await userEvent.click(await screen.findByRole("button", { name: "GIF" }));
+    await waitFor(() => expect(saved).toEqual(["recording-1.gif blob:clip"]));
+    expect(asked.find(({ path }) => path.endsWith("clip.gif"))?.query.get("v")).toBe("1");
+    await userEvent.click(await screen.findByRole("button", { name: "MP4" }));
+    expect(await screen.findByText("Several clips are being made already.")).toBeVisible();
+    expect(saved).toHaveLength(1);
+    expect(screen.getByRole("link", { name: "Data (JSON)" })).toHaveAttribute(
+      "href",
+      "/api/recordings/1/export",
     );
   });
 

@@ -1,0 +1,22 @@
+"""Make one clip: the request comes over standard input, the file goes to standard output."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+# Before anything heavy is loaded: whoever plays comes first.
+os.nice(19)
+
+from server.clips.maker import REFUSED  # noqa: E402
+from server.clips.render import render  # noqa: E402
+from server.clips.request import read_request  # noqa: E402
+from tril.recording import RecordingRefused  # noqa: E402
+
+if __name__ == "__main__":
+    try:
+        recording, kind = read_request(sys.stdin.buffer.read())
+    except RecordingRefused as refusal:
+        sys.stderr.write(str(refusal))
+        raise SystemExit(REFUSED) from None
+    sys.stdout.buffer.write(render(recording, kind))

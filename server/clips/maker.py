@@ -1,0 +1,74 @@
+"""Has clips made by a process of their own, one after the other."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+import threading
+
+from server.clips.request import ClipKind, write_request
+from tril.errors import Invalid, Unavailable
+from tril.recording import Recording
+
+_LOG = logging.getLogger(__name__)
+
+REFUSED = 3
+"""The process's exit status where the recording doesn't replay; its standard error says why."""
+
+TIMEOUT_S = 120.0
+"""A full game takes about 3 s on an idle core."""
+MAX_WAITING = 4
+"""Most that wait for their turn: each holds a thread of the server."""
+
+
+class ClipMaker:
+    """Makes clips; safe to call from several threads, which wait for each other.
+
+    Args:
+        timeout_s: How long one may take.
+        max_waiting: How many may wait for their turn before others are turned away.
+    """
+
+    def __init__(self, timeout_s: float = TIMEOUT_S, max_waiting: int = MAX_WAITING) -> None:
+        self._timeout_s = timeout_s
+        self._turn = threading.Lock()
+        self._places = threading.BoundedSemaphore(1 + max_waiting)
+
+    def make(self, recording: Recording, kind: ClipKind) -> bytes:
+        """Return a recording as a file of this kind.
+
+        Raises:
+            Unavailable: Very many are being made, or this one failed or took too long.
+            Invalid: The recording doesn't replay.
+        """
+        if not self._places.acquire(blocking=False):
+            raise Unavailable("Several clips are being made already. Try again in a minute.")
+        try:
+            with self._turn:
+                return self._run(write_request(recording, kind))
+        finally:
+            self._places.release()
+
+    def _run(self, request: bytes) -> bytes:
+        try:
+            done = subprocess.run(
+                [sys.executable, "-m", "server.clips"],
+                input=request,
+                capture_output=True,
+                timeout=self._timeout_s,
+                check=False,
+                # As many threads as cores would take them from those who play.
+                env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            )
+        except subprocess.TimeoutExpired as error:
+            raise Unavailable(
+                "Making the clip took too long, because the machine is busy. Try again later."
+            ) from error
+        if done.returncode == REFUSED:
+            raise Invalid(done.stderr.decode(errors="replace"))
+        if done.returncode != 0 or not done.stdout:
+            _LOG.error("A clip could not be made: %s", done.stderr.decode(errors="replace"))
+            raise Unavailable("The clip could not be made; the server's log says why.")
+        return done.stdout
