@@ -262,9 +262,9 @@ FAST = Recipe(
         snippet_max_steps=100,
         observation_stride=12,
         aligned=True,
-        free_share=0.5,
-        perfect_share=0.125,
-        disturbed_share=0.375,
+        free_share=0.33,
+        perfect_share=0.05,
+        disturbed_share=0.25,
         fold_updates=120,
     ),
     policy=PolicyRecipe(
