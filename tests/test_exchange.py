@@ -224,7 +224,9 @@ def test_any_short_game_comes_back_as_it_went(
     recorder = Recorder(Episode(console, start))
     for action in steps:
         for _ in range(7):
-            recorder.advance(action)
+            # Some of these games are lost on the way.
+            if recorder.episode.end is None:
+                recorder.advance(action)
     content = to_exchange(recorder.recording(), hits=recorder.episode.hits)
     given = from_exchange(json.loads(json.dumps(content)), console)
     assert given.recording == recorder.recording()
