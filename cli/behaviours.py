@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.table import Table
 
-from cli.output import JsonOption, console, print_json
+from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
+from tril import transfer
+from tril.artifacts import write_whole
 from tril.behaviours import Cell
 from tril.errors import Invalid
+from tril.exchange import BehaviourRefused
 from tril.store import behaviours
 
 app = typer.Typer(help="What is being taught.", no_args_is_help=True)
+
+MAX_FILE_BYTES = 256 * 2**20
+"""Largest file that is imported; 10,000 recordings take about 40 MB."""
 
 
 @app.command("list")
@@ -74,6 +83,64 @@ def delete(behaviour: Annotated[str, typer.Argument(help="Short name.")]) -> Non
         row = find_behaviour(session, behaviour)
         behaviours.delete(session, row)
         console.print(f"Deleted {row.slug}.")
+
+
+@app.command("export")
+def export_file(
+    behaviour: Annotated[str, typer.Argument(help="Short name.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write; else SHORT-NAME.tril.json."),
+    ] = None,
+) -> None:
+    """Write all of a behaviour to one file: target, recordings, every revision of the ranking."""
+    with open_workspace() as workspace:
+        with workspace.database.reading() as session:
+            row = find_behaviour(session, behaviour)
+            content, notices = transfer.export_whole(session, row)
+        place = output or Path(f"{row.slug}.tril.json")
+        try:
+            write_whole(place, f"{json.dumps(content, indent=1)}\n".encode())
+        except OSError as error:
+            raise Invalid(f"{place} can't be written: {error.strerror}.") from error
+    for notice in notices:
+        errors.print(f"[yellow]{notice}[/]")
+    console.print(
+        f"Wrote {row.slug} to {place}: {len(content['recordings'])} recordings,"
+        f" {len(content['rankings'])} revisions of the ranking."
+    )
+
+
+@app.command("import")
+def import_file(
+    file: Annotated[Path, typer.Argument(help="A file of `tril behaviours export`.")],
+    name: Annotated[
+        str | None, typer.Option(help="Import it as a new behaviour of this name.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Add a behaviour from a file, all or nothing; each recording is replayed and verified."""
+    with open_workspace() as workspace:
+        try:
+            if file.stat().st_size > MAX_FILE_BYTES:
+                raise Invalid(f"{file} is larger than {MAX_FILE_BYTES // 2**20} MiB.")
+            content = file.read_bytes()
+        except OSError as error:
+            raise Invalid(f"{file} can't be read: {error.strerror}.") from error
+        try:
+            outcome = transfer.import_whole(workspace.database, content, name)
+        except BehaviourRefused as refusal:
+            raise Invalid(f"{file} is refused: {refusal}") from refusal
+    if as_json:
+        print_json(asdict(outcome))
+        return
+    for notice in outcome.notices:
+        console.print(notice)
+    where = "which was empty" if outcome.was_there else "a new behaviour"
+    console.print(
+        f"Imported into {outcome.slug}, {where}: {outcome.n_recordings} recordings,"
+        f" {outcome.n_revisions} revisions of the ranking."
+    )
 
 
 def _cell(text: str) -> Cell:

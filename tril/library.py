@@ -100,7 +100,7 @@ def import_recordings(
 def export_recording(session: Session, row: RecordingRow) -> dict[str, Any]:
     """Write one recording as an object of the exchange format, with its place in the ranking."""
     tiers = rankings.as_ranking(rankings.current(session, row.behaviour_id)).tier_numbers()
-    return _exchange(row, tiers.get(row.id))
+    return as_exchange(row, tiers.get(row.id))
 
 
 def export_behaviour(
@@ -117,7 +117,7 @@ def export_behaviour(
     rows = recordings.listing(session, behaviour_id) if only is None else only
     last = len(rows) + 1
     for row in sorted(rows, key=lambda row: (tiers.get(row.id, last), row.id)):
-        yield _exchange(row, tiers.get(row.id))
+        yield as_exchange(row, tiers.get(row.id))
 
 
 def _read(
@@ -165,7 +165,8 @@ def _conditions(given: Exchanged) -> dict[str, Any]:
     return {**given.conditions, **parent}
 
 
-def _exchange(row: RecordingRow, tier: int | None) -> dict[str, Any]:
+def as_exchange(row: RecordingRow, tier: int | None = None) -> dict[str, Any]:
+    """Write one recording as an object of the exchange format, at this place in a ranking."""
     return to_exchange(
         recordings.as_recording(row),
         hits=recordings.hits_of(row),

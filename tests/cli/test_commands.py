@@ -72,6 +72,34 @@ def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
 
 
 @pytest.mark.usefixtures("data_folder")
+def test_a_behaviour_goes_into_a_file_and_comes_back_as_another(
+    three: Path, tmp_path: Path
+) -> None:
+    _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
+    file = tmp_path / "column-1.tril.json"
+    output = _run("behaviours", "export", "column-1", "-o", str(file))
+    assert "3 recordings, 1 revisions" in output
+    outcome = json.loads(_run("behaviours", "import", str(file), "--name", "Again", "--json"))
+    assert (outcome["slug"], outcome["n_recordings"], outcome["n_revisions"]) == ("again", 3, 1)
+    entry = json.loads(_run("behaviours", "list", "--json"))[-1]
+    assert (entry["slug"], entry["ranked"], entry["target"]) == (
+        "again",
+        3,
+        [[row, 0] for row in range(6)],
+    )
+    assert "3 of 3 recordings verify" in _run("recordings", "verify", "-b", "again")
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_a_file_of_something_else_is_no_behaviour(three: Path, tmp_path: Path) -> None:
+    assert "tril recordings import" in _run("behaviours", "import", str(three), status=1)
+    assert "can't be read" in _run("behaviours", "import", str(tmp_path / "no"), status=1)
+    nowhere = str(tmp_path / "file" / "column-1.json")
+    (tmp_path / "file").write_text("")
+    assert "can't be written" in _run("behaviours", "export", "column-1", "-o", nowhere, status=1)
+
+
+@pytest.mark.usefixtures("data_folder")
 @pytest.mark.parametrize("starts", ["", "a", "1-", "2,2", "5-3"])
 def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
     assert "Expected" in _run("evaluate", "no-run", "--starts", starts, status=1)

@@ -1,9 +1,15 @@
-"""Print the JSON Schema of the exchange format."""
+"""Print the JSON Schema of a recording in the exchange format, or of a behaviour's file."""
 
 import json
 import sys
 
-from tril.exchange.objects import schema
+from tril.exchange import behaviour_schema, schema
 
-json.dump(schema(), sys.stdout, indent=2)
-sys.stdout.write("\n")
+SCHEMAS = {"recording": schema, "behaviour": behaviour_schema}
+
+if __name__ == "__main__":
+    wanted = sys.argv[1] if len(sys.argv) > 1 else "recording"
+    if wanted not in SCHEMAS:
+        sys.exit(f"Expected one of {', '.join(SCHEMAS)}, got {wanted!r}.")
+    json.dump(SCHEMAS[wanted](), sys.stdout, indent=2)
+    sys.stdout.write("\n")

@@ -18,25 +18,27 @@ MAX_NOTES_LENGTH = 4000
 Source = Literal["person", "scripted", "policy"]
 """Who played a recording."""
 
-_Cell = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]
+Cell = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]
 # Base64 of one or more bytes from 0 to 5 and nothing else: the first six bits of a byte are 0 or
 # 1, and so on. Held against the decoder by the tests.
 _BYTE = "(?:A[AQgw]|B[AQ])"
 _ACTIONS = f"^(?:{_BYTE}[AEIMQU][A-F])*(?:{_BYTE}[AEIMQU][A-F]|{_BYTE}[AEIMQU]=|{_BYTE}==)$"
 
 
-def _number(value: object) -> object:
+def number(value: object) -> object:
     """Tell true from 1, which Python and a Literal do not."""
     if isinstance(value, bool):
         raise ValueError("expected a number")
     return value
 
 
-class _Model(BaseModel):
+class StrictModel(BaseModel):
+    """Takes each member as it is, 1 for true never; members that it does not name are kept."""
+
     model_config = ConfigDict(strict=True, extra="allow")
 
 
-class StartObject(_Model):
+class StartObject(StrictModel):
     """How the game began."""
 
     model_config = ConfigDict(title="Start")
@@ -46,21 +48,21 @@ class StartObject(_Model):
         le=MAX_IDLE_FRAMES,
         description="Frames without a key after the 128 frames of the intro.",
     )
-    mode: Annotated[Literal[0], BeforeValidator(_number)] = Field(
+    mode: Annotated[Literal[0], BeforeValidator(number)] = Field(
         default=0, description="The cartridge's game mode."
     )
-    difficulty: Annotated[Literal[0, 1], BeforeValidator(_number)] = Field(
+    difficulty: Annotated[Literal[0, 1], BeforeValidator(number)] = Field(
         default=0, description="The difficulty switch."
     )
 
 
-class RecordingObject(_Model):
+class RecordingObject(StrictModel):
     """One recording of Tril, see exchange-format.md. Unknown members are ignored with a notice."""
 
     model_config = ConfigDict(title="Tril recording")
 
     format: Literal["tril-recording"]
-    version: Annotated[Literal[1], BeforeValidator(_number)]
+    version: Annotated[Literal[1], BeforeValidator(number)]
     game: Literal["space_invaders"]
     rom_md5: str = Field(
         pattern="^[0-9a-f]{32}$", description="MD5 of the ROM that the game was played on."
@@ -71,7 +73,7 @@ class RecordingObject(_Model):
         description="Base64 of one byte per frame: 0 NOOP, 1 FIRE, 2 RIGHT, 3 LEFT, 4 RIGHTFIRE,"
         " 5 LEFTFIRE. The first is executed at frame 128 + idle_frames after reset.",
     )
-    hits: list[_Cell] | None = Field(
+    hits: list[Cell] | None = Field(
         default=None,
         max_length=ROWS * COLUMNS,
         description="Aliens shot, in order of time: [row from the bottom, column from the left],"
@@ -119,11 +121,11 @@ def parse(content: object) -> RecordingObject:
             f"Expected one JSON object per recording, got {shortened(repr(content))}."
         )
     try:
-        return RecordingObject.model_validate(_plain(content))
+        return RecordingObject.model_validate(plain(content))
     except RecursionError:
         raise RecordingRefused("It is nested too deeply to be a recording.") from None
     except ValidationError as error:
-        raise RecordingRefused(" ".join(_reasons(error))) from None
+        raise RecordingRefused(" ".join(reasons(error))) from None
 
 
 def schema() -> dict[str, Any]:
@@ -134,7 +136,7 @@ def schema() -> dict[str, Any]:
     }
 
 
-def _plain(content: Any, keep_numbers: bool = False) -> Any:
+def plain(content: Any, keep_numbers: bool = False) -> Any:
     """Turn 1.0 into 1, since JSON knows one kind of number, and refuse what can't be stored.
 
     Args:
@@ -153,15 +155,15 @@ def _plain(content: Any, keep_numbers: bool = False) -> Any:
             raise RecordingRefused(f"This text can't be stored: {shortened(ascii(content))}.")
         case dict():
             return {
-                _plain(key): _plain(value, keep_numbers or key == "conditions")
+                plain(key): plain(value, keep_numbers or key == "conditions")
                 for key, value in content.items()
             }
         case list():
-            return [_plain(value, keep_numbers) for value in content]
+            return [plain(value, keep_numbers) for value in content]
     return content
 
 
-def _reasons(error: ValidationError) -> Iterator[str]:
+def reasons(error: ValidationError) -> Iterator[str]:
     """Say what is wrong, a sentence for each of the first few members."""
     problems = error.errors(include_url=False)
     for problem in problems[:4]:

@@ -1,4 +1,4 @@
-"""The people who play and rank. Today there is one, the owner."""
+"""The people who play and rank: the owner, and those whose games were brought here."""
 
 from __future__ import annotations
 
@@ -36,6 +36,19 @@ def rename(session: Session, player: PlayerRow, name: str) -> None:
         raise Invalid("A player needs a name.")
     player.name = name.strip()
     note_change(session, "player", player.id)
+
+
+def named(session: Session, name: str) -> PlayerRow:
+    """Return the player of this name, the oldest of several; a participant is added if none is."""
+    row = session.scalar(
+        select(PlayerRow).where(PlayerRow.name == name).order_by(PlayerRow.id).limit(1)
+    )
+    if row is None:
+        row = PlayerRow(name=name, role=Role.PARTICIPANT)
+        session.add(row)
+        session.flush()
+        note_change(session, "player", row.id)
+    return row
 
 
 def names(session: Session) -> dict[int, str]:

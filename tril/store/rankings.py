@@ -62,6 +62,29 @@ def revisions(session: Session, behaviour_id: int, limit: int = 500) -> list[Ran
     return list(session.scalars(query.order_by(RankingRow.revision.desc()).limit(limit)))
 
 
+def history(session: Session, behaviour_id: int) -> list[RankingRow]:
+    """Return every revision, oldest first."""
+    query = select(RankingRow).where(RankingRow.behaviour_id == behaviour_id)
+    return list(session.scalars(query.order_by(RankingRow.revision)))
+
+
+def restore_history(session: Session, behaviour_id: int, rows: Sequence[RankingRow]) -> None:
+    """Write every revision of a behaviour that has none yet, oldest first, as they were saved.
+
+    Raises:
+        Conflict: The behaviour has revisions already.
+        Invalid: The newest of them ranks a recording that can't be ranked.
+    """
+    if current(session, behaviour_id).revision:
+        raise Conflict("The behaviour has a ranking already, which would be overwritten.")
+    if not rows:
+        return
+    _refuse_unrankable(session, behaviour_id, as_ranking(rows[-1]))
+    session.add_all(rows)
+    session.flush()
+    note_change(session, "ranking", behaviour_id)
+
+
 def as_ranking(row: RankingRow) -> Ranking:
     """Return the ranking that a revision holds."""
     return normalise(row.tiers)

@@ -128,6 +128,12 @@ def listing(
     return list(session.scalars(query.order_by(RecordingRow.id.desc())))
 
 
+def has_any(session: Session, behaviour_id: int) -> bool:
+    """Whether anything was ever played of a behaviour, deleted games and policies' ones too."""
+    query = select(RecordingRow.id).where(RecordingRow.behaviour_id == behaviour_id).limit(1)
+    return session.scalar(query) is not None
+
+
 def branches(session: Session, recording_id: int) -> list[RecordingRow]:
     """Return the recordings that go on from a frame of this one, oldest first.
 
