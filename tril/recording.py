@@ -17,7 +17,7 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.game import space_invaders as game
 from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, Episode, Hit, Start
+from tril.game.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
 from tril.game.observation import OBSERVATION_SHAPE, AgentView
 
 HASH_EVERY_FRAMES = game.FRAME_RATE_HZ
@@ -73,6 +73,11 @@ class Recording:
     def n_steps(self) -> int:
         """The number of an agent's steps; one cut short by the end counts."""
         return -(-len(self.actions) // game.FRAMES_PER_STEP)
+
+    def until(self, frame: int) -> Recording:
+        """The recording up to a frame, as if it had been stopped there."""
+        hashes = self.ram_hashes[: frame // HASH_EVERY_FRAMES]
+        return replace(self, actions=self.actions[:frame], ram_hashes=hashes)
 
 
 @dataclass(frozen=True)
@@ -134,15 +139,28 @@ class Recorder:
         console: Console,
         ending: Ending = Ending.HIT,
         max_frames: int = game.MAX_FRAMES,
+        near: EpisodeState | None = None,
     ) -> Self:
         """Go on with a recording: its game is rebuilt on this console by replaying it.
+
+        Args:
+            recording: What was played so far.
+            console: The console to go on with.
+            ending: Which rule for the player's death ends the game.
+            max_frames: After how many frames it ends in any case.
+            near: A state of the same game, not after the recording's last frame, from which it is
+                replayed instead of from the start; the recording has to have its RAM hashes then.
 
         Raises:
             RecordingRefused: The replay differs from what was recorded.
         """
         _check_rom(recording)
         recorder = cls(Episode(console, recording.start, ending, max_frames))
-        for action in recording.actions:
+        if near is not None:
+            recorder.episode.restore(near)
+            before = recorder.episode.frame // HASH_EVERY_FRAMES
+            recorder._hashes = list(recording.ram_hashes[:before])
+        for action in recording.actions[recorder.episode.frame :]:
             if recorder.episode.end is not None:
                 raise RecordingRefused(
                     f"The game to go on with ended at frame {recorder.episode.frame}, but"

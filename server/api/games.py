@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from fastapi import APIRouter
 
-from server.api.schemas import Game, GameNew
-from server.dependencies import GameId, Reading, Writing
-from server.problems import NOT_FOUND
+from server.api.schemas import Game, GameFrom, GameNew
+from server.dependencies import GameId, Reading, RecordingId, Writing
+from server.problems import CONFLICT, NOT_FOUND
 from tril.game.episode import Start, draw_start
 from tril.game.space_invaders import MAX_FRAMES
-from tril.store import behaviours, games, players
+from tril.store import behaviours, games, players, recordings
 from tril.store.models import GameRow
 
 router = APIRouter(prefix="/games", tags=["games"])
@@ -24,6 +24,13 @@ def create_game(session: Writing, new: GameNew) -> Game:
     drawn = draw_start(np.random.default_rng())
     start = drawn if new.idle_frames is None else Start(new.idle_frames)
     return _shown(games.create(session, new.behaviour_id, start, players.owner(session).id))
+
+
+@router.post("/from/{recording_id}", status_code=201, responses=NOT_FOUND | CONFLICT)
+def create_game_from(session: Writing, recording_id: RecordingId, begin: GameFrom) -> Game:
+    """Begin a game that goes on from a frame of a recording, which stays as it is."""
+    parent = recordings.get(session, recording_id)
+    return _shown(games.create_from(session, parent, begin.frame, players.owner(session).id))
 
 
 @router.get("/{game_id}", responses=NOT_FOUND)

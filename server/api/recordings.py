@@ -20,7 +20,7 @@ from server.api.schemas import (
     RecordingUpdate,
     Refusal,
 )
-from server.api.views import RecordingViews
+from server.api.views import RecordingViews, parent_of
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import version_of
@@ -232,12 +232,9 @@ def get_recording_thumbnail(
 def get_recording_course(session: Reading, recording_id: RecordingId) -> RecordingCourse:
     """Return what was done in every frame, and which recordings this one is related to."""
     row = recordings.get(session, recording_id)
-    parent = None
-    if row.parent_id is not None and row.parent_frame is not None:
-        parent = Branch(recording_id=row.parent_id, frame=row.parent_frame)
     return RecordingCourse(
         actions=list(row.actions),
-        parent=parent,
+        parent=parent_of(row),
         branches=[
             Branch(recording_id=branch.id, frame=branch.parent_frame)
             for branch in recordings.branches(session, row.id)

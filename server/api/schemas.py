@@ -120,13 +120,21 @@ class Latency(Schema):
     is_bad: bool
 
 
+class Branch(Schema):
+    """A recording and the frame at which the other one leaves it."""
+
+    recording_id: int
+    frame: int
+
+
 class Recording(Schema):
     """``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
 
     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
     ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
     was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
-    time; both are None where that is not known.
+    time; both are None where that is not known. ``parent`` is the recording that this one goes on
+    from.
     """
 
     id: int
@@ -151,6 +159,7 @@ class Recording(Schema):
     latency: Latency | None
     slowest_percent: int | None
     single_steps: int | None
+    parent: Branch | None
     perfect: bool
     notes: str
     ranked: bool
@@ -158,13 +167,6 @@ class Recording(Schema):
     frames_url: str
     created_at: datetime
     deleted: bool
-
-
-class Branch(Schema):
-    """A recording and the frame at which the other one leaves it."""
-
-    recording_id: int
-    frame: int
 
 
 class MemoryCell(Schema):
@@ -268,6 +270,12 @@ class GameNew(Schema):
 
     behaviour_id: Id
     idle_frames: int | None = Field(default=None, strict=True, ge=0, le=127)
+
+
+class GameFrom(Schema):
+    """A game that goes on after this frame of a recording."""
+
+    frame: int = Field(strict=True, ge=0, le=1200)
 
 
 class Game(Schema):

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Hit, Latency, Recording
+from server.api.schemas import Branch, Hit, Latency, Recording
 from server.derived import version_of
 from server.play.conditions import PlayConditions
 from tril.behaviours import Behaviour, score
@@ -15,6 +15,13 @@ from tril.game.space_invaders import COLUMNS
 from tril.store import behaviours, players, rankings
 from tril.store.models import BehaviourRow, RecordingRow
 from tril.store.recordings import as_recording, hits_of
+
+
+def parent_of(row: RecordingRow) -> Branch | None:
+    """Show which recording this one goes on from."""
+    if row.parent_id is None or row.parent_frame is None:
+        return None
+    return Branch(recording_id=row.parent_id, frame=row.parent_frame)
 
 
 class RecordingViews:
@@ -81,6 +88,7 @@ class RecordingViews:
             if conditions is None
             else conditions.slowest_percent(row.n_frames),
             single_steps=None if conditions is None else len(conditions.single_steps),
+            parent=parent_of(row),
             perfect=row.perfect,
             notes=row.notes,
             ranked=row.id in self._ranked_of(row.behaviour_id),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -75,6 +75,19 @@ class PlayConditions:
         """Take note of a latency; slow motion's and single steps' would say nothing of the way."""
         if frame not in self.single_steps and self._speed_of(frame) == FULL_SPEED_PERCENT:
             self.presses.append((frame, latency_ms))
+
+    def until(self, frame: int) -> Self:
+        """Return the conditions of the frames up to this one; the present speed holds on."""
+        kept = replace(
+            self,
+            presses=[(at, ms) for at, ms in self.presses if at <= frame],
+            dropped=[at for at in self.dropped if at <= frame],
+            speeds=[(at, percent) for at, percent in self.speeds if at < frame],
+            single_steps=[at for at in self.single_steps if at <= frame],
+            pauses=[at for at in self.pauses if at <= frame],
+        )
+        kept.set_speed(frame, self.speed_percent)
+        return kept
 
     def slowest_percent(self, n_frames: int) -> int:
         """The slowest speed at which any of so many frames was executed."""

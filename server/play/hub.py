@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from functools import partial
 from weakref import WeakValueDictionary
 
 from sqlalchemy.orm import Session
@@ -16,18 +17,20 @@ from server.play.connection import Connection
 from server.play.consoles import ConsolePool
 from server.play.protocol import Paused
 from server.play.rules import PlayRules
-from server.play.session import Phase, PlaySession
+from server.play.session import Branched, Phase, PlaySession
 from tril.errors import Unavailable
-from tril.game.episode import Hit
+from tril.game.episode import EpisodeState, Hit
 from tril.recording import Recorder, Recording, RecordingRefused, verify
 from tril.store import behaviours, games, recordings
 from tril.store.database import Database
+from tril.store.games import Progress
 from tril.store.models import BehaviourRow, GameRow, RecordingState
 
 _LOG = logging.getLogger(__name__)
 
 N_CONSOLES_AHEAD = 2
 RETRY_S = 1.0
+JOINING_S = 0.02
 
 
 class PlayHub:
@@ -125,15 +128,17 @@ class PlayHub:
             recorder=recorder,
             epoch=row.epoch,
             conditions=PlayConditions.from_conditions(row.recording.conditions) or PlayConditions(),
+            consoles=self._consoles,
             rules=self._rules,
+            branch=self._branch,
             finish=self._finish,
         )
         self._sessions[row.id] = session
         self._load_ahead()
         return session
 
-    def _rebuild(self, recording: Recording) -> Recorder:
-        return Recorder.resume(recording, self._consoles.take())
+    def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
+        return Recorder.resume(recording, self._consoles.take(), near=near)
 
     def _load_ahead(self) -> None:
         """Load consoles for the games to come, so that their starts need not wait."""
@@ -179,6 +184,44 @@ class PlayHub:
         ):
             await session.tell_ended(refusal)
             self._forget(session)
+
+    async def _branch(self, session: PlaySession, frame: int) -> Branched | None:
+        """Keep a game as it was played, and rebuild it up to a frame from which it goes on."""
+        before = session.progress()
+        near = session.tape.state_before(frame)
+        recorder = await asyncio.to_thread(self._rebuild, before.recording.until(frame), near)
+        refusal = await asyncio.to_thread(self._refusal, before.recording, before.played.hits)
+        kept = await self._keep_branch(session, recorder, refusal)
+        if kept is None:
+            self._consoles.give_back(recorder.episode.console)
+            return None
+        return Branched(recorder, kept)
+
+    async def _keep_branch(
+        self, session: PlaySession, recorder: Recorder, refusal: str | None
+    ) -> int | None:
+        """Write a branch as a game's owner; returns the recording that was kept.
+
+        Unlike the end of a game this is given up when the game is to stand still: whoever waits
+        for that may hold the lock of those who join.
+        """
+        while not session.is_halting:
+            epoch = session.epoch
+            before, after = session.progress(), session.progress_until(recorder)
+            try:
+                kept = await self._committer.run(partial(_write_branch, before, after, refusal))
+            except Unavailable as error:
+                if session.connection is not None:
+                    await session.connection.tell(Paused(why=str(error)))
+                await asyncio.sleep(RETRY_S)
+                continue
+            if kept is not None:
+                return kept
+            if session.epoch == epoch and not self._is_joining(session.game_id):
+                await self._lose(session)
+                return None
+            await asyncio.sleep(JOINING_S)
+        return None
 
     async def _insist(self, session: PlaySession, write: Callable[[Session], bool]) -> bool:
         """Write as a game's owner, however long the disk is full; returns whether it was written.
@@ -295,3 +338,10 @@ class PlayHub:
             except Unavailable as error:
                 _LOG.warning("%s", error)
             due = max(due + period_s, loop.time())
+
+
+def _write_branch(
+    before: Progress, after: Progress, refusal: str | None, session: Session
+) -> int | None:
+    row = games.branch(session, before, after, refusal)
+    return None if row is None else row.id

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
@@ -77,11 +77,14 @@ class AckMessage:
     latency_ms: float | None = None
 
 
+CommandType = Literal["ready", "stop", "pause", "go_on", "step", "rewind", "release"]
+
+
 @dataclass(frozen=True)
 class Command:
     """Page to server: what the player wants."""
 
-    type: Literal["ready", "stop", "pause", "go_on", "step"]
+    type: CommandType
 
 
 @dataclass(frozen=True)
@@ -153,7 +156,7 @@ def _parse_binary(data: bytes) -> InputMessage | AckMessage:
 class _CommandModel(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
-    type: Literal["ready", "stop", "pause", "go_on", "step"]
+    type: CommandType
 
 
 class _SpeedModel(BaseModel):
@@ -173,8 +176,8 @@ def _parse_command(text: str) -> Command | SpeedMessage:
         wish = _WISHES.validate_json(text)
     except ValidationError as error:
         raise BadMessage(
-            'Expected {"type": "ready"}, "stop", "pause", "go_on" or "step", or {"type": "speed",'
-            f' "percent": 25 to 100}}, got {text[:80]!r}'
+            f'Expected {{"type": "ready"}} or another of {", ".join(get_args(CommandType))}, or'
+            f' {{"type": "speed", "percent": 25 to 100}}, got {text[:80]!r}'
         ) from error
     return SpeedMessage(wish.percent) if isinstance(wish, _SpeedModel) else Command(wish.type)
 
@@ -234,6 +237,18 @@ class Paused(_Message):
     why: str
 
 
+class Rewound(_Message):
+    """The game was run back and goes on from this frame; what was played after it is kept.
+
+    ``recording_id`` is the recording of the game as it was before.
+    """
+
+    type: Literal["rewound"] = "rewound"
+    frame: int
+    hits: list[HitAt]
+    recording_id: int
+
+
 class Ended(_Message):
     """The game is over, saved and checked by a replay. ``reason`` is None if it was stopped."""
 
@@ -255,7 +270,7 @@ class TakenOver(_Message):
     type: Literal["taken_over"] = "taken_over"
 
 
-ServerMessage = Hello | Countdown | HitMessage | Paused | Ended | TakenOver
+ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver
 _SERVER_MESSAGES: TypeAdapter[ServerMessage] = TypeAdapter(
     Annotated[ServerMessage, Field(discriminator="type")]
 )

@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from enum import Enum, auto
 
 from server.play.conditions import FULL_SPEED_PERCENT, KEY, PlayConditions
 from server.play.connection import Connection
+from server.play.consoles import ConsolePool
 from server.play.frames import palette_json
 from server.play.protocol import (
     Close,
@@ -19,8 +21,10 @@ from server.play.protocol import (
     HitAt,
     HitMessage,
     Paused,
+    Rewound,
     TakenOver,
 )
+from server.play.rewind import Tape, run_back
 from server.play.rules import PlayRules
 from tril.behaviours import Behaviour, score
 from tril.game import space_invaders as game
@@ -43,12 +47,26 @@ WHY_STALLED = (
 
 
 class Phase(Enum):
-    """Where a session stands. WAITING for the player; COUNTING down; PLAYING; ENDED."""
+    """Where a session stands: WAITING for the player, COUNTING down, and so on."""
 
     WAITING = auto()
     COUNTING = auto()
     PLAYING = auto()
+    REWINDING = auto()
     ENDED = auto()
+
+
+@dataclass(frozen=True)
+class Branched:
+    """A game that was run back.
+
+    Attributes:
+        recorder: The game up to the frame from which it goes on.
+        recording_id: The recording of the game as it was.
+    """
+
+    recorder: Recorder
+    recording_id: int
 
 
 class PlaySession:
@@ -70,7 +88,10 @@ class PlaySession:
         recorder: The game itself, on a console of its own.
         epoch: This owner's epoch.
         conditions: How it was played so far; goes on here.
+        consoles: Where a console to run the game back on comes from.
         rules: The times to keep.
+        branch: Called to keep the game as it was and to rebuild it up to a frame, from which it
+            goes on; None if that was not possible.
         finish: Called once when the game is over, played to its end or stopped.
     """
 
@@ -82,7 +103,9 @@ class PlaySession:
         recorder: Recorder,
         epoch: int,
         conditions: PlayConditions,
+        consoles: ConsolePool,
         rules: PlayRules,
+        branch: Callable[[PlaySession, int], Awaitable[Branched | None]],
         finish: Callable[[PlaySession], Awaitable[None]],
     ) -> None:
         self.game_id = game_id
@@ -93,10 +116,14 @@ class PlaySession:
         self._behaviour = behaviour
         self._recorder = recorder
         self._conditions = conditions
+        self._consoles = consoles
         self._rules = rules
+        self._branch = branch
         self._finish = finish
-        self._saved_frame = recorder.episode.frame
+        self._tape = Tape()
+        self._saved = recorder.episode.actions
         self._stopped = asyncio.Event()
+        self._released = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
         self._is_stalled = False
         self.left_at = asyncio.get_running_loop().time()
@@ -107,23 +134,41 @@ class PlaySession:
         return self._recorder
 
     @property
+    def tape(self) -> Tape:
+        """What the game is run back on."""
+        return self._tape
+
+    @property
+    def is_halting(self) -> bool:
+        """Whether somebody waits for the game to stand still."""
+        return self._stopped.is_set()
+
+    @property
     def is_dirty(self) -> bool:
-        """Whether frames were played that are not saved."""
-        return self._recorder.episode.frame > self._saved_frame
+        """Whether something was played that is not saved and is not about to be as a branch."""
+        is_settled = self.phase is not Phase.REWINDING
+        return is_settled and self._recorder.episode.actions != self._saved
 
     def progress(self) -> Progress:
         """What there is to save."""
+        return self._progress_of(self._recorder, self._conditions)
+
+    def progress_until(self, recorder: Recorder) -> Progress:
+        """What there is to save of the game once it goes on with this recorder."""
+        return self._progress_of(recorder, self._conditions.until(recorder.episode.frame))
+
+    def _progress_of(self, recorder: Recorder, conditions: PlayConditions) -> Progress:
         return Progress(
             self.game_id,
             self.epoch,
-            self._recorder.recording(),
-            self._recorder.replay(),
-            {KEY: self._conditions.to_json()},
+            recorder.recording(),
+            recorder.replay(),
+            {KEY: conditions.to_json()},
         )
 
     def note_saved(self, progress: Progress) -> None:
         """Take note of what is on disk."""
-        self._saved_frame = max(self._saved_frame, progress.recording.n_frames)
+        self._saved = progress.recording.actions
 
     async def attach(self, connection: Connection, is_resumed: bool) -> None:
         """Show the game to a page; one that showed it before is told and closed."""
@@ -169,7 +214,7 @@ class PlaySession:
             return
         for frame, latency_ms in connection.take_latencies():
             self._conditions.note_press(frame, latency_ms)
-        if self.phase is Phase.PLAYING:
+        if self.phase in {Phase.PLAYING, Phase.REWINDING}:
             return
         if connection.shown_frame != self._recorder.episode.frame:
             await self._show()
@@ -193,6 +238,10 @@ class PlaySession:
                 await self.pause(WHY_PAUSED)
             case "step":
                 await self._step()
+            case "rewind":
+                await self._rewind()
+            case "release":
+                self._released.set()
             case "stop":
                 await self._halt()
                 self._end()
@@ -262,6 +311,54 @@ class PlaySession:
         if self._recorder.episode.end is not None:
             self._end()
 
+    async def _rewind(self) -> None:
+        """Run the game back until the player lets go, and go on from there."""
+        await self._halt()
+        if self.phase is not Phase.WAITING or self._task is not None or self.connection is None:
+            return
+        self._is_stalled = False
+        self._released.clear()
+        self._task = asyncio.create_task(
+            self._run_back(self.connection), name=f"rewind of {self.game_id}"
+        )
+
+    async def _run_back(self, connection: Connection) -> None:
+        try:
+            self.phase = Phase.REWINDING
+            frame = await run_back(
+                self._tape,
+                self._recorder.recording(),
+                self._consoles,
+                connection.show,
+                lambda: self._stopped.is_set() or self._released.is_set() or not connection.is_open,
+            )
+            if not self._released.is_set() or self._stopped.is_set():
+                return
+            if frame < self._recorder.episode.frame:
+                branched = await self._branch(self, frame)
+                if branched is None:
+                    return
+                await self._take_up(branched, connection)
+        finally:
+            # Ended, if another owner has the game by now.
+            if self.phase is not Phase.ENDED:
+                self.phase = Phase.WAITING
+            self._task = None
+        if not self._stopped.is_set():
+            self._begin()
+
+    async def _take_up(self, branched: Branched, connection: Connection) -> None:
+        """Go on with the game up to an earlier frame."""
+        before, self._recorder = self._recorder, branched.recorder
+        frame = self._recorder.episode.frame
+        self._saved = self._recorder.episode.actions
+        self._conditions = self._conditions.until(frame)
+        self._tape.cut(frame)
+        self._consoles.give_back(before.episode.console)
+        await connection.tell(
+            Rewound(frame=frame, hits=self._hits(), recording_id=branched.recording_id)
+        )
+
     async def _go_on(self) -> None:
         """Count down, then play until something stops it."""
         try:
@@ -305,6 +402,7 @@ class PlaySession:
     async def _tick(self, connection: Connection) -> None:
         episode = self._recorder.episode
         n_hits = len(episode.hits)
+        self._tape.note(episode)
         self._recorder.advance(action_for(connection.take_keys()))
         hits = episode.hits
         for n in range(n_hits, len(hits)):

@@ -23,6 +23,8 @@ from server.play.protocol import (
     HitMessage,
     InputMessage,
     Paused,
+    Rewound,
+    ServerMessage,
     TakenOver,
     client_bytes,
     frame_bytes,
@@ -98,7 +100,7 @@ def vectors() -> dict[str, Any]:
     }
 
 
-def _server_messages() -> list[Hello | Countdown | HitMessage | Paused | Ended | TakenOver]:
+def _server_messages() -> list[ServerMessage]:
     hit = HitAt(row=0, column=4, frame=95, on_target=True)
     stray = HitAt(row=1, column=0, frame=130, on_target=False)
     return [
@@ -118,6 +120,7 @@ def _server_messages() -> list[Hello | Countdown | HitMessage | Paused | Ended |
         Countdown(seconds=0),
         HitMessage(**stray.model_dump(), targets=1, strays=1),
         Paused(why="You paused the game."),
+        Rewound(frame=100, hits=[hit], recording_id=6),
         Ended(
             reason="hit",
             frame=140,

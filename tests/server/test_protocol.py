@@ -105,7 +105,7 @@ def test_latencies_travel_in_tenths_of_a_millisecond(latency_ms: float) -> None:
     assert message.latency_ms == pytest.approx(min(max(0.1, latency_ms), 6553.5), abs=0.0501)
 
 
-@pytest.mark.parametrize("kind", ["ready", "stop", "pause", "go_on", "step"])
+@pytest.mark.parametrize("kind", ["ready", "stop", "pause", "go_on", "step", "rewind", "release"])
 def test_commands_are_understood(kind: str) -> None:
     assert parse_client(json.dumps({"type": kind})) == Command(kind)  # type: ignore[arg-type]
 

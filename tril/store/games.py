@@ -15,7 +15,7 @@ from sqlalchemy import select, update
 from sqlalchemy.engine import CursorResult
 from sqlalchemy.orm import Session, joinedload
 
-from tril.errors import Conflict, NotFound
+from tril.errors import Conflict, Invalid, NotFound
 from tril.game.episode import Start
 from tril.game.space_invaders import rom_md5
 from tril.recording import Recording, Replay
@@ -28,7 +28,7 @@ from tril.store.models import (
     Verification,
     now,
 )
-from tril.store.recordings import fill
+from tril.store.recordings import as_recording, fill
 
 LEASE = timedelta(seconds=30)
 """How long an owner keeps a game without being heard of."""
@@ -59,7 +59,36 @@ class Progress:
 
 def create(session: Session, behaviour_id: int, start: Start, player_id: int | None) -> GameRow:
     """Begin a game that nobody owns yet, and its recording."""
-    recording = RecordingRow(
+    return _create(session, _playing(behaviour_id, start, player_id))
+
+
+def create_from(
+    session: Session, parent: RecordingRow, frame: int, player_id: int | None
+) -> GameRow:
+    """Begin a game that goes on from a frame of a recording, which stays as it is.
+
+    Raises:
+        Invalid: The recording has no such frame, or nothing can be played after it.
+        Conflict: The recording is still being played, or a replay of it gave something else.
+    """
+    if parent.state == RecordingState.PLAYING:
+        raise Conflict(f"Recording {parent.id} is still being played; end the game first.")
+    if parent.verification == Verification.FAILED:
+        raise Conflict(f"Recording {parent.id} can't go on, because it does not replay.")
+    last = parent.n_frames if parent.end is None else parent.n_frames - 1
+    if not 0 <= frame <= last:
+        raise Invalid(f"Recording {parent.id} can go on from frames 0 to {last}, got {frame}.")
+    until = as_recording(parent).until(frame)
+    row = _playing(parent.behaviour_id, until.start, player_id)
+    row.parent_id, row.parent_frame = parent.id, frame
+    row.actions, row.n_frames = until.actions, until.n_frames
+    row.ram_hashes = list(until.ram_hashes)
+    row.hits = [hit for hit in parent.hits if hit[2] <= frame]
+    return _create(session, row)
+
+
+def _playing(behaviour_id: int, start: Start, player_id: int | None) -> RecordingRow:
+    return RecordingRow(
         behaviour_id=behaviour_id,
         player_id=player_id,
         source=Source.PERSON,
@@ -69,6 +98,9 @@ def create(session: Session, behaviour_id: int, start: Start, player_id: int | N
         mode=start.mode,
         difficulty=start.difficulty,
     )
+
+
+def _create(session: Session, recording: RecordingRow) -> GameRow:
     session.add(recording)
     session.flush()
     row = GameRow(id=str(uuid.uuid4()), recording_id=recording.id)
@@ -130,6 +162,49 @@ def save(session: Session, progress: Progress) -> bool:
     return True
 
 
+def branch(
+    session: Session, before: Progress, after: Progress, refusal: str | None
+) -> RecordingRow | None:
+    """Keep a game as it was played and let it go on from an earlier frame, in one.
+
+    The game as it was becomes a recording of its own in the library, unless nothing was played
+    since it went on from another one. The game's own recording names it as its parent.
+
+    Args:
+        session: The transaction.
+        before: The game as it was played.
+        after: The same game up to the frame from which it goes on.
+        refusal: Why a replay of the game did not give what was recorded; None if it did.
+
+    Returns:
+        The recording that the game goes on from; None if the game is another owner's by now.
+    """
+    if not hold(session, before.game_id, before.epoch):
+        return None
+    row = get(session, before.game_id).recording
+    if row.parent_id is None or before.recording.n_frames > (row.parent_frame or 0):
+        kept = RecordingRow(
+            behaviour_id=row.behaviour_id,
+            player_id=row.player_id,
+            source=row.source,
+            state=RecordingState.KEPT,
+            parent_id=row.parent_id,
+            parent_frame=row.parent_frame,
+            conditions={**row.conditions, **before.conditions},
+            finished_at=now(),
+        )
+        fill(kept, before.recording, before.played)
+        _judge(kept, refusal)
+        session.add(kept)
+        session.flush()
+        note_change(session, "recording", kept.id)
+        row.parent_id = kept.id
+    row.parent_frame = after.recording.n_frames
+    fill(row, after.recording, after.played)
+    row.conditions = {**row.conditions, **after.conditions}
+    return session.get_one(RecordingRow, row.parent_id)
+
+
 def end(
     session: Session,
     game_id: str,
@@ -156,12 +231,18 @@ def end(
     recording = row.recording
     recording.state = state
     recording.finished_at = now()
-    recording.verification = Verification.VERIFIED if refusal is None else Verification.FAILED
-    recording.verification_note = refusal or ""
-    if recording.n_frames == 0:
+    _judge(recording, refusal)
+    # Of a game that was abandoned where it went on from another one, nothing new is left.
+    was_abandoned = state == RecordingState.UNFINISHED
+    if recording.n_frames == 0 or (was_abandoned and recording.n_frames == recording.parent_frame):
         recording.deleted_at = now()
     note_change(session, "recording", recording.id)
     return True
+
+
+def _judge(recording: RecordingRow, refusal: str | None) -> None:
+    recording.verification = Verification.VERIFIED if refusal is None else Verification.FAILED
+    recording.verification_note = refusal or ""
 
 
 def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[GameRow]:

@@ -11,3 +11,13 @@ export function getGame(gameId: string): Promise<Game> {
     api.GET("/api/games/{game_id}", { params: { path: { game_id: gameId } } }),
   );
 }
+
+/** A new game that goes on from a frame of a recording. */
+export function createGameFrom(recordingId: number, frame: number): Promise<Game> {
+  return unwrap(
+    api.POST("/api/games/from/{recording_id}", {
+      params: { path: { recording_id: recordingId } },
+      body: { frame },
+    }),
+  );
+}

@@ -300,6 +300,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/games/from/{recording_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Create Game From
+         * @description Begin a game that goes on from a frame of a recording, which stays as it is.
+         */
+        post: operations["create_game_from"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/health": {
         parameters: {
             query?: never;
@@ -957,6 +977,14 @@ export interface components {
             stream_path: string;
         };
         /**
+         * GameFrom
+         * @description A game that goes on after this frame of a recording.
+         */
+        GameFrom: {
+            /** Frame */
+            frame: number;
+        };
+        /**
          * GameNew
          * @description ``idle_frames`` None draws a start for play.
          */
@@ -1331,7 +1359,8 @@ export interface components {
          *     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
          *     ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
          *     was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
-         *     time; both are None where that is not known.
+         *     time; both are None where that is not known. ``parent`` is the recording that this one goes on
+         *     from.
          */
         Recording: {
             /** Behaviour Id */
@@ -1366,6 +1395,7 @@ export interface components {
             notes: string;
             /** Order Errors */
             order_errors: number | null;
+            parent: components["schemas"]["Branch"] | null;
             /** Perfect */
             perfect: boolean;
             /** Player */
@@ -3207,6 +3237,104 @@ export interface operations {
             };
             /** @description There is no such thing (any more). */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_game_from: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                recording_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["GameFrom"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Game"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It contradicts what has happened since. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

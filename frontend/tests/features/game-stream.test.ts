@@ -222,6 +222,27 @@ describe("a game's stream", () => {
     expect(stream.snapshot().phase).toBe("countdown");
   });
 
+  it("runs back until it is let go, and takes back hits", () => {
+    const { screen, stream, socket } = begin();
+    const hit = { row: 0, column: 2, frame: 100, on_target: true };
+    socket.tell({ ...HELLO, frame: 130, hits: [hit, { ...hit, row: 1, frame: 120 }] });
+    socket.tell({ type: "countdown", seconds: 0 });
+    stream.release();
+    stream.rewind();
+    stream.rewind();
+    expect(stream.snapshot().phase).toBe("rewinding");
+    socket.show(1, 130);
+    socket.show(2, 128);
+    expect(screen.show).toHaveBeenLastCalledWith(expect.any(Uint8Array), 128, 1200);
+    stream.release();
+    expect(socket.commandsSent).toEqual(["ready", "rewind", "release"]);
+    socket.tell({ type: "rewound", frame: 110, hits: [hit], recording_id: 6 });
+    expect(stream.snapshot().hits).toEqual([hit]);
+    socket.tell({ type: "countdown", seconds: 3 });
+    expect(stream.snapshot().phase).toBe("countdown");
+    expect(stream.latencySummary()).toMatchObject({ drawn: 0, dropped: 0 });
+  });
+
   it("collects hits and ends with all of them", () => {
     const { stream, socket } = begin();
     socket.tell(HELLO);

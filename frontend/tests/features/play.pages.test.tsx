@@ -79,6 +79,14 @@ function open() {
       max_frames: 1200,
       stream_path: "/api/games/g1/stream",
     }),
+    "POST /api/games/from/7": () => ({
+      id: "g2",
+      recording_id: 8,
+      behaviour_id: 1,
+      frame: 438,
+      max_frames: 1200,
+      stream_path: "/api/games/g2/stream",
+    }),
     "GET /api/games/g1": () => new Refusal(404, { detail: "Over." }),
     "POST /api/recordings/7/keep": () => recording({ id: 7 }),
     "POST /api/recordings/7/discard": () => recording({ id: 7, deleted: true }),
@@ -181,6 +189,27 @@ describe("playing", () => {
     expect(inputs()).toEqual([1]);
   });
 
+  it("runs back while the key is held and the page has the keyboard", async () => {
+    await start();
+    const user = userEvent.setup();
+    await user.keyboard("{Backspace>}");
+    expect(screen.getByText(/Running back/)).toBeVisible();
+    await user.keyboard("{/Backspace}");
+    tell({ type: "rewound", frame: 0, hits: [], recording_id: 6 });
+    tell({ type: "countdown", seconds: 0 });
+    await user.keyboard("{Backspace>}");
+    act(() => {
+      window.dispatchEvent(new Event("blur"));
+    });
+    const commands = FakeSocket.last?.sent.filter((one) => typeof one === "string");
+    expect(commands?.slice(1)).toEqual([
+      '{"type":"rewind"}',
+      '{"type":"release"}',
+      '{"type":"rewind"}',
+      '{"type":"release"}',
+    ]);
+  });
+
   it("shows the latency by key and by button, also in the next game", async () => {
     await start();
     expect(screen.queryByLabelText("Latency")).toBeNull();
@@ -241,6 +270,18 @@ describe("after the end", () => {
     await userEvent.keyboard(" ");
     await waitFor(() => expect(FakeSocket.opened).toBe(2));
     expect(did()).toContain("/api/recordings/7/keep");
+  });
+
+  it("plays on from shortly before the end, and keeps the game as it was", async () => {
+    const { asked, did } = await end();
+    await userEvent.keyboard("{Backspace}");
+    await waitFor(() => expect(FakeSocket.opened).toBe(2));
+    expect(did()).toEqual([
+      "/api/games",
+      "/api/recordings/7/keep",
+      "/api/games/from/7",
+    ]);
+    expect(asked.find(({ path }) => path === "/api/games/from/7")?.body).toEqual({ frame: 438 });
   });
 
   it("hears no press in the first moment", async () => {

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { GRACE_MS, speedBeside, steers, wishOf } from "@/features/play/controls";
+import { GRACE_MS, lastChanceOf, speedBeside, steers, wishOf } from "@/features/play/controls";
 import { newTabId } from "@/features/play/game-stream";
 
 const press = (code: string, repeat = false) => ({ code, repeat });
@@ -13,6 +13,7 @@ describe("keys after the end", () => {
     ["KeyP", "perfect"],
     ["Space", "again"],
     ["KeyR", "again"],
+    ["Backspace", "rewind"],
   ])("%s asks to %s", (code, wish) => {
     expect(wishOf(press(code), "ended", GRACE_MS)).toBe(wish);
   });
@@ -40,6 +41,14 @@ describe("keys in the game", () => {
     expect(steers("stepping")).toBe(true);
   });
 
+  it("run the game back, also out of a pause", () => {
+    for (const phase of ["playing", "countdown", "paused", "stepping"] as const) {
+      expect(wishOf(press("Backspace"), phase, Infinity)).toBe("rewind");
+    }
+    expect(wishOf(press("Backspace", true), "playing", Infinity)).toBeNull();
+    expect(wishOf(press("Backspace"), "rewinding", Infinity)).toBeNull();
+  });
+
   it("change the speed in steps", () => {
     expect(wishOf(press("Minus"), "playing", Infinity)).toBe("slower");
     expect(wishOf(press("Equal"), "paused", Infinity)).toBe("faster");
@@ -55,6 +64,13 @@ describe("keys in the game", () => {
     expect(wishOf(press("Space"), "playing", Infinity)).toBeNull();
     expect(steers("playing")).toBe(true);
     expect(steers("ended")).toBe(false);
+  });
+});
+
+describe("playing on after the end", () => {
+  it("begins two seconds before it, or at the start", () => {
+    expect(lastChanceOf({ frame: 558 })).toBe(438);
+    expect(lastChanceOf({ frame: 90 })).toBe(0);
   });
 });
 

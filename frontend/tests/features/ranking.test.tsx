@@ -11,7 +11,13 @@ import { RankPage } from "@/features/ranking/RankPage";
 
 /** A server that keeps one ranking as the real one does. */
 function rankingServer(begin: Partial<Ranking>) {
-  const all = [1, 2, 3, 4].map((id) => recording({ id, perfect: id === 1 }));
+  const all = [1, 2, 3, 4].map((id) =>
+    recording({
+      id,
+      perfect: id === 1,
+      parent: id === 4 ? { recording_id: 3, frame: 300 } : null,
+    }),
+  );
   let standing = ranking(begin);
   const history = [standing];
   const put = (tiers: number[][], more: Partial<Ranking> = {}) => {
@@ -61,6 +67,18 @@ function board(): string[][] {
 }
 
 const press = (name: string) => userEvent.click(screen.getByRole("button", { name }));
+
+describe("a game that was run back", () => {
+  it("is offered with its other way as a pair, and ranked beside it", async () => {
+    const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });
+    const pair = within(screen.getByRole("region", { name: "Pairs to compare" }));
+    expect(pair.getByText("Recording 4 goes on from Recording 3 at 5.0 s.")).toBeVisible();
+    await userEvent.click(pair.getByRole("button", { name: "4 is better" }));
+    expect(board()).toEqual([["1"], ["4"], ["3"], ["2"]]);
+    expect(screen.queryByRole("region", { name: "Pairs to compare" })).toBeNull();
+    await waitFor(() => expect(server.now().tiers).toEqual([[1], [4], [3], [2]]));
+  });
+});
 
 describe("ranking by buttons", () => {
   it("takes recordings from the tray, moves, ties and unties them, and saves each change", async () => {

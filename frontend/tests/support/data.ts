@@ -56,6 +56,7 @@ export function recording(change: Partial<Recording> = {}): Recording {
     latency: null,
     slowest_percent: null,
     single_steps: null,
+    parent: null,
     perfect: false,
     notes: "",
     ranked: false,

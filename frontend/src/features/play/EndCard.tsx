@@ -21,11 +21,14 @@ interface EndCardProps {
   handle: RefObject<EndCardHandle | null>;
   starting: boolean;
   onAgain: () => void;
+  /** Plays on from shortly before the end. */
+  onRewind: () => void;
 }
 
 /** How a game ended, and what becomes of it. */
-export function EndCard({ ended, behaviour, handle, starting, onAgain }: EndCardProps) {
+export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind }: EndCardProps) {
   const choice = useDecision(behaviour.id, ended.recording_id);
+  const failed = ended.verification === "failed";
   const { decision, perfect, busy } = choice;
 
   function again() {
@@ -34,16 +37,21 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain }: EndCard
     onAgain();
   }
 
+  function rewind() {
+    choice.keep();
+    onRewind();
+  }
+
   useImperativeHandle(handle, () => ({
     wish: (wish) => {
       if (wish === "keep") choice.keep();
       else if (wish === "discard") choice.discard();
       else if (wish === "perfect") choice.togglePerfect();
       else if (wish === "again") again();
+      else if (wish === "rewind" && !failed) rewind();
     },
   }));
 
-  const failed = ended.verification === "failed";
   return (
     <Overlay>
       <div role="status" aria-live="polite">
@@ -80,6 +88,14 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain }: EndCard
             </Button>
           </>
         )}
+        <Button
+          icon="undo"
+          onClick={rewind}
+          disabled={starting || failed}
+          title="Keeps this game, and plays on from two seconds before its end"
+        >
+          Rewind <kbd>⌫</kbd>
+        </Button>
         <Button
           kind={decision === "open" ? "secondary" : "primary"}
           onClick={again}

@@ -76,6 +76,12 @@ export function StageOverlay(props: StageOverlayProps) {
           Frame by frame: <kbd>.</kbd> plays one, <kbd>Enter</kbd> goes on
         </p>
       );
+    case "rewinding":
+      return (
+        <p className={styles.bottomLine} role="status">
+          Running back. Let go to play on from here; both ways are kept.
+        </p>
+      );
     case "lost":
       return (
         <Overlay>

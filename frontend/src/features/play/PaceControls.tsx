@@ -1,3 +1,4 @@
+import { steers } from "./controls";
 import type { GameState } from "./game-stream";
 import { SPEEDS } from "./messages";
 import styles from "./PlayPage.module.css";
@@ -11,13 +12,15 @@ interface PaceControlsProps {
   onStep: () => void;
   onStop: () => void;
   onSpeed: (percent: number) => void;
+  onRewind: () => void;
+  onRelease: () => void;
 }
 
 /** How fast the game goes: as it is, slower, frame by frame, or not at all. */
 export function PaceControls(props: PaceControlsProps) {
   const { phase, speed } = props.state;
   const stands = phase === "paused" || phase === "stepping";
-  if (!stands && phase !== "playing" && phase !== "countdown") return null;
+  if (!steers(phase)) return null;
   return (
     <div className={styles.pace}>
       <div className={styles.stop}>
@@ -35,6 +38,18 @@ export function PaceControls(props: PaceControlsProps) {
             Pause
           </Button>
         )}
+        <Button
+          icon="undo"
+          title="Hold to run the game back; let go to play on from there"
+          onPointerDown={(event) => {
+            event.currentTarget.setPointerCapture(event.pointerId);
+            props.onRewind();
+          }}
+          onLostPointerCapture={props.onRelease}
+          onContextMenu={(event) => event.preventDefault()}
+        >
+          Rewind <kbd>⌫</kbd>
+        </Button>
         <Button onClick={props.onStop}>End the game here</Button>
       </div>
       <div className={styles.speeds} role="group" aria-label="Speed">

@@ -2,7 +2,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { Link } from "react-router";
 
 import { SHOW_LATENCY } from "./choices";
-import { speedBeside, steers, type Wish, wishOf } from "./controls";
+import { REWIND_CODE, speedBeside, steers, type Wish, wishOf } from "./controls";
 import { EndCard, type EndCardHandle } from "./EndCard";
 import type { GameScreen, GameStream } from "./game-stream";
 import { Clock, type ClockHandle, Score } from "./Hud";
@@ -84,6 +84,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
               handle={endCard}
               starting={game.starting}
               onAgain={game.start}
+              onRewind={() => state.ended && game.goOnFrom(state.ended)}
             />
           )}
         </div>
@@ -109,6 +110,11 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
               focusStage();
             }}
             onStop={() => stream.command("stop")}
+            onRewind={() => stream.rewind()}
+            onRelease={() => {
+              stream.release();
+              focusStage();
+            }}
             onSpeed={(percent) => {
               stream.setSpeed(percent);
               focusStage();
@@ -169,7 +175,7 @@ function useKeys(
       const wish = wishOf(event, phase, performance.now() - endedAt);
       if (wish && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
-        if (!fulfil(wish, stream)) endCard.current?.wish(wish);
+        if (phase === "ended" || !fulfil(wish, stream)) endCard.current?.wish(wish);
       } else if (steers(phase) && isGameKey(event.code)) {
         event.preventDefault();
         if (held.press(event.code)) stream.hold(held.bits, event.timeStamp);
@@ -179,9 +185,11 @@ function useKeys(
       }
     };
     const up = (event: KeyboardEvent) => {
+      if (event.code === REWIND_CODE) stream.release();
       if (held.release(event.code)) stream.hold(held.bits);
     };
     const letGo = () => {
+      stream.release();
       if (held.releaseAll()) stream.hold(0);
     };
     window.addEventListener("keydown", down);
@@ -205,6 +213,9 @@ function fulfil(wish: Wish, stream: GameStream): boolean {
       return true;
     case "step":
       stream.step();
+      return true;
+    case "rewind":
+      stream.rewind();
       return true;
     case "slower":
     case "faster":
@@ -259,6 +270,10 @@ function KeyHelp() {
         <kbd>Esc</kbd>
       </dt>
       <dd>pause</dd>
+      <dt>
+        <kbd>⌫</kbd>
+      </dt>
+      <dd>rewind while held</dd>
       <dt>
         <kbd>.</kbd>
       </dt>

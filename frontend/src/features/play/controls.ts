@@ -1,6 +1,8 @@
 /** What a key press asks of the play page besides steering. Pure. */
 import type { Phase } from "./game-stream";
-import { SPEEDS } from "./messages";
+import { type Ended, SPEEDS } from "./messages";
+
+import { FRAME_RATE_HZ } from "@/lib/format";
 
 export type Wish =
   | "keep"
@@ -10,12 +12,15 @@ export type Wish =
   | "pause"
   | "go_on"
   | "step"
+  | "rewind"
   | "slower"
   | "faster"
   | "latency";
 
 /** Time after the end in which presses are still meant for the game. */
 export const GRACE_MS = 700;
+
+const CHANCE_FRAMES = 2 * FRAME_RATE_HZ;
 
 const AFTER_END: Readonly<Record<string, Wish>> = {
   KeyK: "keep",
@@ -25,11 +30,16 @@ const AFTER_END: Readonly<Record<string, Wish>> = {
   KeyP: "perfect",
   Space: "again",
   KeyR: "again",
+  Backspace: "rewind",
 };
+
+/** Runs the game back while it is held. */
+export const REWIND_CODE = "Backspace";
 
 /** At any time of a game. */
 const BESIDE: Readonly<Record<string, Wish>> = {
   KeyL: "latency",
+  [REWIND_CODE]: "rewind",
   Minus: "slower",
   NumpadSubtract: "slower",
   Equal: "faster",
@@ -82,11 +92,16 @@ function meaning(code: string, phase: Phase, sinceEndMs: number): Wish | null {
 
 /** Whether keys steer the game in this phase. */
 export function steers(phase: Phase): boolean {
-  return ["playing", "countdown", "paused", "stepping"].includes(phase);
+  return ["playing", "countdown", "paused", "stepping", "rewinding"].includes(phase);
 }
 
 /** The next speed in a direction; the same at the end. */
 export function speedBeside(percent: number, way: "slower" | "faster"): number {
   const at = SPEEDS.findIndex((speed) => speed <= percent);
   return SPEEDS[at + (way === "slower" ? 1 : -1)] ?? percent;
+}
+
+/** From which frame an ended game can be played on, in time to do something else. */
+export function lastChanceOf({ frame }: Pick<Ended, "frame">): number {
+  return Math.max(0, frame - CHANCE_FRAMES);
 }

@@ -14,7 +14,7 @@ import type { Palette } from "@/lib/screen";
 
 /**
  * connecting: nothing was heard yet. countdown, playing, paused, ended: what the game does.
- * stepping: it is paused and played frame by frame.
+ * stepping: it is paused and played frame by frame. rewinding: it is run back.
  * lost: the connection broke; it is tried again. elsewhere: another tab plays. gone: no such game.
  * refused: this browser isn't let in any more.
  */
@@ -24,6 +24,7 @@ export type Phase =
   | "playing"
   | "paused"
   | "stepping"
+  | "rewinding"
   | "ended"
   | "lost"
   | "elsewhere"
@@ -53,6 +54,7 @@ export interface GameScreen {
 
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
 const MAX_FRAMES = 1200;
+const REWINDABLE: ReadonlySet<Phase> = new Set(["countdown", "playing", "paused", "stepping"]);
 const FULL_SPEED: number = SPEEDS[0];
 
 export class GameStream {
@@ -157,6 +159,19 @@ export class GameStream {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
+  /** Runs the game back until `release`, or as long as the connection holds. */
+  rewind(): void {
+    if (!REWINDABLE.has(this.state.phase)) return;
+    this.latency.forget();
+    this.update({ phase: "rewinding" });
+    this.command("rewind");
+  }
+
+  /** The game goes on from where it was run back to. */
+  release(): void {
+    if (this.state.phase === "rewinding") this.command("release");
+  }
+
   private sendKeys(): void {
     if (this.socket?.readyState !== WebSocket.OPEN) return;
     this.inputSequence += 1;
@@ -167,7 +182,11 @@ export class GameStream {
     const { payload, isKey, frame, sequence, inputSequence } = readFrame(data);
     this.decoder.apply(payload, isKey);
     this.screen.show(this.decoder.pixels, frame, this.maxFrames);
-    socket.send(writeAck(sequence, this.latency.show(frame, inputSequence, performance.now())));
+    const latency =
+      this.state.phase === "rewinding"
+        ? null
+        : this.latency.show(frame, inputSequence, performance.now());
+    socket.send(writeAck(sequence, latency));
   }
 
   private hear(message: ServerMessage): void {
@@ -184,6 +203,7 @@ export class GameStream {
         this.command("ready");
         break;
       case "countdown":
+        this.latency.forget();
         this.update({
           phase: message.seconds > 0 ? "countdown" : "playing",
           seconds: message.seconds,
@@ -195,6 +215,9 @@ export class GameStream {
       case "paused":
         this.latency.forget();
         this.update({ phase: "paused", why: message.why });
+        break;
+      case "rewound":
+        this.update({ hits: message.hits });
         break;
       case "ended":
         this.update({

@@ -32,6 +32,14 @@ interface Paused {
   readonly why: string;
 }
 
+/** The game goes on from an earlier frame; `recording_id` is the game as it was before. */
+interface Rewound {
+  readonly type: "rewound";
+  readonly frame: number;
+  readonly hits: readonly HitAt[];
+  readonly recording_id: number;
+}
+
 export interface Ended {
   readonly type: "ended";
   readonly reason: string | null;
@@ -49,8 +57,8 @@ interface TakenOver {
   readonly type: "taken_over";
 }
 
-export type ServerMessage = Hello | Countdown | HitMessage | Paused | Ended | TakenOver;
-export type Command = "ready" | "stop" | "pause" | "go_on" | "step";
+export type ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver;
+export type Command = "ready" | "stop" | "pause" | "go_on" | "step" | "rewind" | "release";
 
 /** Percent of 60 frames a second, the fastest first. */
 export const SPEEDS = [100, 75, 50, 25] as const;

@@ -1,10 +1,12 @@
 import { useMutation } from "@tanstack/react-query";
 import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
 
+import { lastChanceOf } from "./controls";
 import { type GameScreen, type GameState, GameStream, newTabId, streamUrl } from "./game-stream";
+import type { Ended } from "./messages";
 
 import { isNotFound } from "@/api/client";
-import { createGame, getGame } from "@/api/games";
+import { createGame, createGameFrom, getGame } from "@/api/games";
 
 const TAB = newTabId();
 const NO_GAME = () => () => undefined;
@@ -22,6 +24,8 @@ export interface PlayedGame {
   readonly error: unknown;
   /** Begins a new game. */
   start: () => void;
+  /** Begins a game that goes on from shortly before the end of another one. */
+  goOnFrom: (ended: Ended) => void;
   /** Back to before the first game. */
   clear: () => void;
 }
@@ -45,7 +49,8 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
   );
 
   const create = useMutation({
-    mutationFn: () => createGame(behaviourId),
+    mutationFn: (from: Ended | null) =>
+      from ? createGameFrom(from.recording_id, lastChanceOf(from)) : createGame(behaviourId),
     onSuccess: (game) => play(game.id, game.stream_path),
   });
 
@@ -91,7 +96,10 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
     starting: create.isPending,
     error: create.error,
     start: () => {
-      if (!create.isPending) create.mutate();
+      if (!create.isPending) create.mutate(null);
+    },
+    goOnFrom: (ended) => {
+      if (!create.isPending) create.mutate(ended);
     },
     clear,
   };

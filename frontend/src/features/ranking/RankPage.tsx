@@ -2,9 +2,11 @@ import { useQuery } from "@tanstack/react-query";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { applyMove, Board, Tray } from "./Board";
+import { judge, openPairs } from "./branch-pairs";
 import { ConflictDialog } from "./ConflictDialog";
 import { Hints } from "./Hints";
 import { place, tierOf, type Tiers } from "./order";
+import { Pairs } from "./Pairs";
 import { allPlaces, isGap, placeInWords, readPlace } from "./places";
 import { CardBody, type Move } from "./RankCard";
 import styles from "./RankPage.module.css";
@@ -132,6 +134,20 @@ function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
               behaviour={behaviour}
             />
           )}
+          <Pairs
+            pairs={openPairs(tiers, unranked, byId)}
+            behaviour={behaviour}
+            onLook={setLooked}
+            onJudge={(pair, verdict) => {
+              const next = judge(tiers, pair, verdict);
+              saver.change(next);
+              setSpoken(
+                [pair.after, pair.before]
+                  .map(({ id }) => `${recordingName({ id })}: ${standingInWords(next, id)}.`)
+                  .join(" "),
+              );
+            }}
+          />
           <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
           <Tray {...desk} unranked={unranked} />
         </div>
