@@ -4,11 +4,11 @@
 
 Both train on the same learned reward (one forward pass for all games per step, by the same code)
 with the same network and hyperparameters, those of the recipe, in turns of whole rollouts; the
-ratio is the median over the rounds. Plain means: tril/SpaceInvaders-v0 in a SubprocVecEnv, a
-VecEnvWrapper that puts the learned reward in the place of the game's, and PPO as it is.
-Demonstration starts, warm start and pull are off, since plain PPO has none of them. Then the share
-of time that ours spends in the emulator, acting, the reward and learning. Prints tables and a JSON
-line.
+ratio is the median over the rounds. Beside them plain PPO with the defaults for Atari games. Plain
+means: tril/SpaceInvaders-v0 in a SubprocVecEnv, a VecEnvWrapper that puts the learned reward in the
+place of the game's, and PPO as it is. Demonstration starts, warm start and pull are off, since
+plain PPO has none of them. Then the share of time that ours spends in the emulator, acting, the
+reward and learning. Prints tables and a JSON line.
 """
 
 import argparse
@@ -16,7 +16,7 @@ import json
 import statistics
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -169,6 +169,27 @@ def make_plain(recipe: PolicyRecipe, payment: Payment, training_seed: int) -> PP
     )
 
 
+def make_atari_defaults(payment: Payment, training_seed: int) -> PPO:
+    """Return plain PPO with stable-baselines3's settings for Atari: NatureCNN, 8 x 128."""
+
+    def make_env() -> gymnasium.Env[Any, Any]:
+        return gymnasium.make(tril.game.env.ENV_ID, reward="none")
+
+    return PPO(
+        "CnnPolicy",
+        LearnedReward(SubprocVecEnv([make_env] * 8), payment),
+        learning_rate=2.5e-4,
+        n_steps=128,
+        batch_size=256,
+        n_epochs=4,
+        clip_range=0.1,
+        ent_coef=0.01,
+        vf_coef=0.5,
+        seed=training_seed,
+        device="cpu",
+    )
+
+
 def make_ours(recipe: PolicyRecipe, payment: Payment, training_seed: int) -> ImitationPPO:
     """Return our PPO on our games."""
     games = TimedGames(recipe.n_games, TrainingStarts(), training_seed=training_seed)
@@ -195,27 +216,30 @@ def measure(name: str, rounds: int, rollouts: int) -> dict[str, float]:
     network = new_network(np.random.default_rng(0))
     payment = Payment.of(RewardModel((network,), (0.0,), (1.0,)), recipe)
     steps = recipe.n_games * recipe.rollout_steps * rollouts
-    makers: list[Callable[[PolicyRecipe, Payment, int], PPO]] = [make_plain, make_ours]
-    plain, ours = (make(recipe, payment, 0) for make in makers)
-    for model in (plain, ours):
+    plain, ours = make_plain(recipe, payment, 0), make_ours(recipe, payment, 0)
+    defaults = make_atari_defaults(payment, 0)
+    models = {"plain": plain, "defaults": defaults, "ours": ours}
+    for model in models.values():
         rate(model, 1)  # not counted: the first rollout starts processes and threads
     seconds.clear()
-    rates = [(rate(plain, steps), rate(ours, steps)) for _ in range(rounds)]
-    for model in (plain, ours):
+    rates = [{kind: rate(model, steps) for kind, model in models.items()} for _ in range(rounds)]
+    for model in models.values():
         assert model.env is not None
         model.env.close()
-    result = {
-        "plain_per_s": statistics.median(a for a, _ in rates),
-        "ours_per_s": statistics.median(b for _, b in rates),
-        "ratio": statistics.median(b / a for a, b in rates),
+    result = {f"{kind}_per_s": statistics.median(one[kind] for one in rates) for kind in models} | {
+        f"over_{kind}": statistics.median(one["ours"] / one[kind] for one in rates)
+        for kind in ("plain", "defaults")
     }
-    whole = sum(steps / b for _, b in rates)
+    whole = sum(steps / one["ours"] for one in rates)
     shares = {part: seconds[part] / whole for part in ("emulator", "acting", "reward", "learning")}
     shares["rest"] = 1.0 - sum(shares.values())
     print(f"recipe {name}: network {recipe.network}, {recipe.n_games} x {recipe.rollout_steps}")
-    print(f"  plain stable-baselines3 {result['plain_per_s']:>7.0f} steps/s")
-    print(f"  ours                    {result['ours_per_s']:>7.0f} steps/s")
-    print(f"  ratio                   {result['ratio']:>7.2f}")
+    print(f"  ours                                      {result['ours_per_s']:>6.0f} steps/s")
+    for kind, said in (("plain", "same network"), ("defaults", "Atari defaults")):
+        print(
+            f"  plain stable-baselines3, {said:<16} {result[f'{kind}_per_s']:>6.0f} steps/s, ratio"
+            f" {result[f'over_{kind}']:.2f}"
+        )
     print("  " + ", ".join(f"{part} {share:.0%}" for part, share in shares.items()))
     return result | {f"{part}_share": share for part, share in shares.items()}
 
