@@ -9,7 +9,6 @@ from tril.settings import Settings
 from tril.store.database import create_database
 from tril.store.models import Base, UTCDateTime
 
-
 UPGRADE_LOCK = 8_411_105_108
 """Key of the advisory lock under which PostgreSQL databases are upgraded."""
 
