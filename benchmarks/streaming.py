@@ -25,7 +25,9 @@ import numpy.typing as npt
 from PIL import Image
 
 from server.play.codec import FrameEncoder, Screen
+from server.play.conditions import PlayConditions
 from server.play.connection import Connection
+from server.play.consoles import ConsolePool
 from server.play.protocol import AckMessage, Command, InputMessage, parse_frame
 from server.play.rules import PlayRules
 from server.play.session import PlaySession
@@ -134,12 +136,26 @@ async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
     async def finish(_session: PlaySession) -> None:
         return None
 
+    async def branch(_session: PlaySession, _frame: int) -> None:
+        return None
+
+    consoles = ConsolePool()
+
     pages = [ReadingPage() for _ in range(n_sessions)]
     sessions = []
     for number, page in enumerate(pages):
         recorder = Recorder(Episode(Console(), Start(number)))
         session = PlaySession(
-            str(number), number, READY_MADE[0], recorder, 1, PlayRules(countdown=0), finish
+            str(number),
+            number,
+            READY_MADE[0],
+            recorder,
+            1,
+            PlayConditions(),
+            consoles,
+            PlayRules(countdown=0),
+            branch,
+            finish,
         )
         await session.attach(page.connection, is_resumed=False)
         page.connection.receive(InputMessage(Keys.RIGHT | Keys.FIRE, 1))
