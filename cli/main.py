@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from cli import behaviours, recordings, runs, services
+from cli.backup import backup
 from cli.demo import demo
 from cli.evaluate import evaluate
 from cli.reproduce import reproduce
@@ -25,6 +26,7 @@ app.command()(reproduce)
 app.command()(services.serve)
 app.command()(services.worker)
 app.command()(services.inference)
+app.command()(backup)
 app.command()(services.migrate)
 app.command()(services.health)
 app.command()(services.address)

@@ -100,6 +100,22 @@ def test_a_file_of_something_else_is_no_behaviour(three: Path, tmp_path: Path) -
 
 
 @pytest.mark.usefixtures("data_folder")
+def test_a_backup_is_made_checked_and_worked_on(
+    three: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "nothing to back up" in _run("backup", str(tmp_path / "backup"), status=1)
+    _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
+    assert "Backed up" in _run("backup", str(tmp_path / "backup"))
+    found = json.loads(_run("backup", str(tmp_path / "backup"), "--check", "--json"))
+    assert (found["n_recordings"], found["n_runs"]) == (3, 0)
+    assert "not empty" in _run("backup", str(tmp_path / "backup"), status=1)
+    assert "Name the folder" in _run("backup", "--check", status=1)
+    assert "no backup" in _run("backup", str(tmp_path), "--check", status=1)
+    monkeypatch.setenv("TRIL_DATA", str(tmp_path / "backup"))
+    assert "3 of 3 recordings verify" in _run("recordings", "verify", "-b", "column-1")
+
+
+@pytest.mark.usefixtures("data_folder")
 @pytest.mark.parametrize("starts", ["", "a", "1-", "2,2", "5-3"])
 def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
     assert "Expected" in _run("evaluate", "no-run", "--starts", starts, status=1)
