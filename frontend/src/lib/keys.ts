@@ -5,42 +5,100 @@ export const LEFT = 1;
 export const RIGHT = 2;
 export const FIRE = 4;
 
-const GAME_KEYS: Readonly<Record<string, number>> = {
-  ArrowLeft: LEFT,
-  KeyA: LEFT,
-  ArrowRight: RIGHT,
-  KeyD: RIGHT,
-  Space: FIRE,
-  ArrowUp: FIRE,
-  KeyW: FIRE,
+export const CONTROLS = ["left", "right", "fire", "rewind", "pause"] as const;
+/** What a key can be chosen for. */
+export type Control = (typeof CONTROLS)[number];
+/** The codes of the keys for each control; no code stands for two. */
+export type KeyMap = Readonly<Record<Control, readonly string[]>>;
+
+/** Either hand alone can steer and fire: the arrows, or A, D and W. */
+export const DEFAULT_KEYS: KeyMap = {
+  left: ["ArrowLeft", "KeyA"],
+  right: ["ArrowRight", "KeyD"],
+  fire: ["Space", "ArrowUp", "KeyW"],
+  rewind: ["Backspace"],
+  pause: ["Escape"],
 };
 
-/** Whether a key steers the game, so that the page must not scroll by it. */
-export function isGameKey(code: string): boolean {
-  return code in GAME_KEYS || code === "ArrowDown";
+const BITS: Readonly<Record<Control, number>> = {
+  left: LEFT,
+  right: RIGHT,
+  fire: FIRE,
+  rewind: 0,
+  pause: 0,
+};
+
+/** What a key is for; null if for nothing. */
+export function controlOf(keys: KeyMap, code: string): Control | null {
+  return CONTROLS.find((control) => keys[control].includes(code)) ?? null;
+}
+
+/** The bit of the game's key that a key holds; 0 for none. */
+export function bitOf(keys: KeyMap, code: string): number {
+  const control = controlOf(keys, code);
+  return control === null ? 0 : BITS[control];
+}
+
+/** Whether the page must not scroll by a key, because it steers or lies beside those that do. */
+export function isGameKey(keys: KeyMap, code: string): boolean {
+  return bitOf(keys, code) !== 0 || code === "ArrowDown";
+}
+
+/** Gives a control one more key, which it is taken from another one for. */
+export function addKey(keys: KeyMap, control: Control, code: string): KeyMap {
+  const without = withoutKey(keys, code);
+  return { ...without, [control]: [...without[control], code] };
+}
+
+/** Takes a key from whatever it was for. */
+export function withoutKey(keys: KeyMap, code: string): KeyMap {
+  const entries = CONTROLS.map((control) => [
+    control,
+    keys[control].filter((other) => other !== code),
+  ]);
+  return Object.fromEntries(entries) as KeyMap;
+}
+
+/** Reads a stored choice of keys; null if it is none. */
+export function readKeyMap(stored: unknown): KeyMap | null {
+  if (typeof stored !== "object" || stored === null) return null;
+  const all = CONTROLS.map((control) => (stored as Record<string, unknown>)[control]);
+  const codes = all.flat();
+  const isWhole =
+    all.every(Array.isArray) &&
+    codes.every((code) => typeof code === "string") &&
+    new Set(codes).size === codes.length;
+  return isWhole ? (stored as KeyMap) : null;
+}
+
+const NAMES: Readonly<Record<string, string>> = {
+  ArrowLeft: "←",
+  ArrowRight: "→",
+  ArrowUp: "↑",
+  ArrowDown: "↓",
+  Backspace: "⌫",
+  Escape: "Esc",
+};
+
+/** What is written on a key, on most keyboards: "A" of "KeyA". */
+export function keyName(code: string): string {
+  return NAMES[code] ?? code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num ");
 }
 
 /** The keys (and touch buttons) held at the moment. */
 export class HeldKeys {
   private readonly held = new Map<string, number>();
 
-  /** A key goes down; returns whether the set of held keys changed for the game. */
-  press(code: string): boolean {
-    const bit = GAME_KEYS[code];
-    return bit === undefined ? false : this.hold(code, bit);
-  }
-
-  /** Something named `name` holds a key, such as a finger on a button. */
-  hold(name: string, bit: number): boolean {
+  /** Something named `name` holds keys of the game, such as a key or a finger on a button. */
+  hold(name: string, bits: number): boolean {
     const before = this.bits;
-    this.held.set(name, bit);
+    if (bits === 0) this.held.delete(name);
+    else this.held.set(name, bits);
     return this.bits !== before;
   }
 
   release(name: string): boolean {
-    const before = this.bits;
-    this.held.delete(name);
-    return this.bits !== before;
+    return this.hold(name, 0);
   }
 
   /** Everything is let go, as when the window loses the keyboard. */

@@ -1,4 +1,4 @@
-import { act, screen, waitFor } from "@testing-library/react";
+import { act, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 
@@ -7,6 +7,7 @@ import { show } from "../support/page";
 import { Refusal, serve } from "../support/server";
 
 import { PlayPage } from "@/features/play/PlayPage";
+import type { Pad } from "@/lib/gamepad";
 
 /** The server's end of the stream, in a test's hands. */
 class FakeSocket extends EventTarget {
@@ -69,6 +70,8 @@ const ENDED = {
   verification_note: "",
 };
 
+let pads: readonly (Pad | null)[] = [];
+
 function open() {
   const asked = serve({
     "POST /api/games": () => ({
@@ -120,6 +123,9 @@ beforeEach(() => {
   FakeSocket.last = null;
   FakeSocket.opened = 0;
   vi.stubGlobal("WebSocket", FakeSocket);
+  pads = [];
+  // jsdom has none of it.
+  Object.defineProperty(navigator, "getGamepads", { configurable: true, value: () => pads });
 });
 
 describe("playing", () => {
@@ -208,6 +214,38 @@ describe("playing", () => {
       '{"type":"rewind"}',
       '{"type":"release"}',
     ]);
+  });
+
+  it("plays with keys of one's own, also after a reload", async () => {
+    await start();
+    await userEvent.click(screen.getByRole("button", { name: "Change the keys" }));
+    const left = within(screen.getByRole("listitem", { name: "Left" }));
+    await userEvent.click(left.getByRole("button", { name: "Add a key" }));
+    await userEvent.keyboard("j");
+    await userEvent.click(left.getByRole("button", { name: "Take A away from Left" }));
+    expect(inputs()).toEqual([]);
+    await userEvent.click(screen.getByRole("button", { name: "Close" }));
+    await userEvent.keyboard("{j>}{a>}");
+    expect(inputs()).toEqual([1]);
+    const stored = JSON.parse(localStorage.getItem("tril.play.keys") ?? "") as { left: string[] };
+    expect(stored.left).toEqual(["ArrowLeft", "KeyJ"]);
+  });
+
+  it("plays with a gamepad", async () => {
+    const buttons = Array.from({ length: 17 }, () => ({ pressed: false }));
+    const pad = { axes: [0, 0], buttons };
+    pads = [null, pad];
+    vi.spyOn(document, "hasFocus").mockReturnValue(true);
+    await start();
+    pad.axes[0] = -1;
+    await waitFor(() => expect(inputs()).toEqual([1]));
+    buttons[0] = { pressed: true };
+    await waitFor(() => expect(inputs()).toEqual([1, 5]));
+    pad.axes[0] = 0;
+    buttons[0] = { pressed: false };
+    await waitFor(() => expect(inputs().at(-1)).toBe(0));
+    buttons[9] = { pressed: true };
+    await waitFor(() => expect(FakeSocket.last?.sent.at(-1)).toBe('{"type":"pause"}'));
   });
 
   it("shows the latency by key and by button, also in the next game", async () => {

@@ -1,7 +1,16 @@
 import { describe, expect, it } from "vitest";
 
-import { GRACE_MS, lastChanceOf, speedBeside, steers, wishOf } from "@/features/play/controls";
+import {
+  GRACE_MS,
+  lastChanceOf,
+  padWishOf,
+  speedBeside,
+  steers,
+  wishOf,
+} from "@/features/play/controls";
 import { newTabId } from "@/features/play/game-stream";
+import { PAD } from "@/lib/gamepad";
+import { DEFAULT_KEYS } from "@/lib/keys";
 
 const press = (code: string, repeat = false) => ({ code, repeat });
 
@@ -49,6 +58,21 @@ describe("keys in the game", () => {
     expect(wishOf(press("Backspace"), "rewinding", Infinity)).toBeNull();
   });
 
+  it("are those that were chosen, which go before all others", () => {
+    const keys = { ...DEFAULT_KEYS, fire: ["KeyL"], rewind: ["KeyK"], pause: ["KeyP"] };
+    const wish = (code: string, phase: "playing" | "paused" | "stepping" | "ended") =>
+      wishOf(press(code), phase, Infinity, keys);
+    expect(wish("KeyL", "playing")).toBeNull();
+    expect(wish("KeyL", "paused")).toBe("go_on");
+    expect(wish("KeyL", "stepping")).toBeNull();
+    expect(wish("KeyL", "ended")).toBe("again");
+    expect(wish("KeyK", "playing")).toBe("rewind");
+    expect(wish("KeyP", "playing")).toBe("pause");
+    expect(wish("KeyP", "stepping")).toBe("go_on");
+    expect(wish("Escape", "playing")).toBe("pause");
+    expect(wish("Backspace", "playing")).toBeNull();
+  });
+
   it("change the speed in steps", () => {
     expect(wishOf(press("Minus"), "playing", Infinity)).toBe("slower");
     expect(wishOf(press("Equal"), "paused", Infinity)).toBe("faster");
@@ -64,6 +88,25 @@ describe("keys in the game", () => {
     expect(wishOf(press("Space"), "playing", Infinity)).toBeNull();
     expect(steers("playing")).toBe(true);
     expect(steers("ended")).toBe(false);
+  });
+});
+
+describe("buttons of a gamepad", () => {
+  it("pause and go on", () => {
+    expect(padWishOf(PAD.start, "playing", Infinity)).toBe("pause");
+    expect(padWishOf(PAD.start, "paused", Infinity)).toBe("go_on");
+    expect(padWishOf(PAD.bottom, "playing", Infinity)).toBeNull();
+  });
+
+  it("say what becomes of a game, once they can't be meant for it", () => {
+    expect(padWishOf(PAD.bottom, "ended", GRACE_MS - 1)).toBeNull();
+    expect([0, 1, 2, 3, 9].map((button) => padWishOf(button, "ended", GRACE_MS))).toEqual([
+      "again",
+      "discard",
+      "keep",
+      "perfect",
+      null,
+    ]);
   });
 });
 

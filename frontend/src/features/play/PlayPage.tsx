@@ -1,23 +1,25 @@
-import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { Fragment, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { Link } from "react-router";
 
-import { SHOW_LATENCY } from "./choices";
-import { REWIND_CODE, speedBeside, steers, type Wish, wishOf } from "./controls";
+import { KEYS, SHOW_LATENCY } from "./choices";
+import { speedBeside, steers, type Wish, wishOf } from "./controls";
 import { EndCard, type EndCardHandle } from "./EndCard";
 import type { GameScreen, GameStream } from "./game-stream";
 import { Clock, type ClockHandle, Score } from "./Hud";
+import { KeysDialog } from "./KeysDialog";
 import { LatencyDisplay } from "./LatencyDisplay";
 import { StageOverlay } from "./Overlays";
 import { PaceControls } from "./PaceControls";
 import styles from "./PlayPage.module.css";
 import { TouchPad } from "./TouchPad";
 import { type PlayedGame, useGame } from "./use-game";
+import { useGamepad } from "./use-gamepad";
 
 import { messageOf } from "@/api/client";
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/Button";
 import { GameCanvas } from "@/components/GameCanvas";
-import { HeldKeys, isGameKey } from "@/lib/keys";
+import { bitOf, type Control, controlOf, HeldKeys, isGameKey, keyName } from "@/lib/keys";
 import type { Palette, ScreenPainter } from "@/lib/screen";
 import { readChoice, useChoice, writeChoice } from "@/lib/stored";
 import { useFittingScreenSize } from "@/lib/use-screen-size";
@@ -25,7 +27,10 @@ import { useFittingScreenSize } from "@/lib/use-screen-size";
 /** Header, path and margins take this much of the window's height. */
 const CHROME_PX = 250;
 const MIN_HEIGHT_PX = 210;
-const stageHeight = (windowHeight: number) => Math.max(windowHeight - CHROME_PX, MIN_HEIGHT_PX);
+function stageHeight(windowHeight: number): number {
+  if (document.fullscreenElement) return windowHeight;
+  return Math.max(windowHeight - CHROME_PX, MIN_HEIGHT_PX);
+}
 
 /** Plays games of a behaviour. */
 export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
@@ -36,11 +41,20 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const game = useGame(behaviour.id, screen);
   const size = useFittingScreenSize(stage, stageHeight);
   const [held] = useState(() => new HeldKeys());
+  const [choosesKeys, setChoosesKeys] = useState(false);
   const [showsLatency, setShowsLatency] = useChoice(SHOW_LATENCY);
   const { state, stream } = game;
   const phase = state?.phase;
 
-  useKeys(game, held, endCard);
+  const onWish = useRef<(wish: Wish) => void>(() => undefined);
+  useEffect(() => {
+    onWish.current = (wish) => {
+      if (wish === "fullscreen") toggleFullscreen(stage.current);
+      else if (!stream || phase === "ended" || !fulfil(wish, stream)) endCard.current?.wish(wish);
+    };
+  }, [stream, phase]);
+  useKeys(game, held, onWish);
+  useGamepad(stream, held, onWish);
   usePauseWhenHidden(game);
   // Keys must reach the game, not the button that was pressed last.
   const focusStage = useCallback(() => stage.current?.focus({ preventScroll: true }), []);
@@ -121,7 +135,12 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             }}
           />
         )}
-        <KeyHelp />
+        <KeyHelp
+          onChange={() => {
+            stream?.command("pause");
+            setChoosesKeys(true);
+          }}
+        />
         <Button
           icon="clock"
           kind="quiet"
@@ -131,8 +150,12 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
         >
           Latency <kbd>L</kbd>
         </Button>
+        <Button kind="quiet" className={styles.toggle} onClick={() => toggleFullscreen(stage.current)}>
+          Fullscreen <kbd>F</kbd>
+        </Button>
         <Tip behaviour={behaviour} />
       </aside>
+      {choosesKeys && <KeysDialog onClose={() => setChoosesKeys(false)} />}
     </div>
   );
 }
@@ -161,31 +184,34 @@ function useScreen(clock: React.RefObject<ClockHandle | null>) {
   return { screen, setPainter };
 }
 
-/** Passes keys on to the game, and after its end to the card. */
+/** Passes keys on to the game, and what else they ask for to where it is done. */
 function useKeys(
   { stream }: PlayedGame,
   held: HeldKeys,
-  endCard: React.RefObject<EndCardHandle | null>,
+  onWish: React.RefObject<(wish: Wish) => void>,
 ): void {
   useEffect(() => {
     if (!stream) return undefined;
     const down = (event: KeyboardEvent) => {
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream.snapshot();
-      const wish = wishOf(event, phase, performance.now() - endedAt);
+      const keys = readChoice(KEYS);
+      const wish = wishOf(event, phase, performance.now() - endedAt, keys);
       if (wish && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
-        if (phase === "ended" || !fulfil(wish, stream)) endCard.current?.wish(wish);
-      } else if (steers(phase) && isGameKey(event.code)) {
+        onWish.current(wish);
+      } else if (steers(phase) && isGameKey(keys, event.code)) {
         event.preventDefault();
-        if (held.press(event.code)) stream.hold(held.bits, event.timeStamp);
-      } else if (phase === "ended" && event.repeat && isGameKey(event.code)) {
+        if (held.hold(event.code, bitOf(keys, event.code))) {
+          stream.hold(held.bits, event.timeStamp);
+        }
+      } else if (phase === "ended" && event.repeat && isGameKey(keys, event.code)) {
         // Still held from the game: it must neither scroll the page nor press a button.
         event.preventDefault();
       }
     };
     const up = (event: KeyboardEvent) => {
-      if (event.code === REWIND_CODE) stream.release();
+      if (controlOf(readChoice(KEYS), event.code) === "rewind") stream.release();
       if (held.release(event.code)) stream.hold(held.bits);
     };
     const letGo = () => {
@@ -201,7 +227,7 @@ function useKeys(
       window.removeEventListener("keyup", up);
       window.removeEventListener("blur", letGo);
     };
-  }, [stream, held, endCard]);
+  }, [stream, held, onWish]);
 }
 
 /** Does what a press asks of the game; returns whether it was meant for it. */
@@ -227,6 +253,14 @@ function fulfil(wish: Wish, stream: GameStream): boolean {
     default:
       return false;
   }
+}
+
+function toggleFullscreen(stage: HTMLElement | null): void {
+  const changed = document.fullscreenElement
+    ? document.exitFullscreen()
+    : stage?.requestFullscreen();
+  // A browser may refuse it; the game goes on as it is.
+  changed?.catch(() => undefined);
 }
 
 /** A game that can't be seen stands still. */
@@ -255,30 +289,37 @@ function pressesButton(code: string): boolean {
   return code === "Space" || code === "Enter" || code === "NumpadEnter";
 }
 
-function KeyHelp() {
+function KeyHelp({ onChange }: { onChange: () => void }) {
+  const [keys] = useChoice(KEYS);
+  const names = (control: Control) =>
+    keys[control].map((code) => (
+      <Fragment key={code}>
+        <kbd>{keyName(code)}</kbd>{" "}
+      </Fragment>
+    ));
   return (
-    <dl className={styles.keys} aria-label="Keys">
-      <dt>
-        <kbd>←</kbd> <kbd>→</kbd> or <kbd>A</kbd> <kbd>D</kbd>
-      </dt>
-      <dd>move</dd>
-      <dt>
-        <kbd>Space</kbd>
-      </dt>
-      <dd>fire, may be held</dd>
-      <dt>
-        <kbd>Esc</kbd>
-      </dt>
-      <dd>pause</dd>
-      <dt>
-        <kbd>⌫</kbd>
-      </dt>
-      <dd>rewind while held</dd>
-      <dt>
-        <kbd>.</kbd>
-      </dt>
-      <dd>frame by frame</dd>
-    </dl>
+    <div className={styles.keyHelp}>
+      <dl className={styles.keys} aria-label="Keys">
+        <dt>
+          {names("left")}
+          {names("right")}
+        </dt>
+        <dd>move</dd>
+        <dt>{names("fire")}</dt>
+        <dd>fire, may be held</dd>
+        <dt>{names("rewind")}</dt>
+        <dd>rewind while held</dd>
+        <dt>{names("pause")}</dt>
+        <dd>pause</dd>
+        <dt>
+          <kbd>.</kbd>
+        </dt>
+        <dd>frame by frame</dd>
+      </dl>
+      <Button kind="quiet" className={styles.toggle} onClick={onChange}>
+        Change the keys
+      </Button>
+    </div>
   );
 }
 

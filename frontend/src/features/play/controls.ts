@@ -3,6 +3,8 @@ import type { Phase } from "./game-stream";
 import { type Ended, SPEEDS } from "./messages";
 
 import { FRAME_RATE_HZ } from "@/lib/format";
+import { PAD } from "@/lib/gamepad";
+import { type Control, controlOf, DEFAULT_KEYS, type KeyMap } from "@/lib/keys";
 
 export type Wish =
   | "keep"
@@ -15,7 +17,8 @@ export type Wish =
   | "rewind"
   | "slower"
   | "faster"
-  | "latency";
+  | "latency"
+  | "fullscreen";
 
 /** Time after the end in which presses are still meant for the game. */
 export const GRACE_MS = 700;
@@ -30,16 +33,24 @@ const AFTER_END: Readonly<Record<string, Wish>> = {
   KeyP: "perfect",
   Space: "again",
   KeyR: "again",
-  Backspace: "rewind",
 };
 
-/** Runs the game back while it is held. */
-export const REWIND_CODE = "Backspace";
+const AFTER_END_BY_CONTROL: Readonly<Partial<Record<Control, Wish>>> = {
+  fire: "again",
+  rewind: "rewind",
+};
 
-/** At any time of a game. */
+const PAD_AFTER_END: Readonly<Record<number, Wish>> = {
+  [PAD.bottom]: "again",
+  [PAD.right]: "discard",
+  [PAD.left]: "keep",
+  [PAD.top]: "perfect",
+};
+
+/** At any time of a game, unless the key was chosen for something else. */
 const BESIDE: Readonly<Record<string, Wish>> = {
+  KeyF: "fullscreen",
   KeyL: "latency",
-  [REWIND_CODE]: "rewind",
   Minus: "slower",
   NumpadSubtract: "slower",
   Equal: "faster",
@@ -48,15 +59,12 @@ const BESIDE: Readonly<Record<string, Wish>> = {
 
 const RUNNING: Readonly<Record<string, Wish>> = { Escape: "pause", Period: "pause" };
 
-const STEPPING: Readonly<Record<string, Wish>> = {
+const STANDING: Readonly<Record<string, Wish>> = {
   Period: "step",
   Enter: "go_on",
   NumpadEnter: "go_on",
   Escape: "go_on",
 };
-
-// Who plays frame by frame may fire with the space bar.
-const PAUSED: Readonly<Record<string, Wish>> = { ...STEPPING, Space: "go_on" };
 
 interface Press {
   readonly code: string;
@@ -68,23 +76,53 @@ interface Press {
  *
  * @param sinceEndMs Milliseconds since the game ended.
  */
-export function wishOf(press: Press, phase: Phase, sinceEndMs: number): Wish | null {
-  const wish = meaning(press.code, phase, sinceEndMs);
+export function wishOf(
+  press: Press,
+  phase: Phase,
+  sinceEndMs: number,
+  keys: KeyMap = DEFAULT_KEYS,
+): Wish | null {
+  const wish = meaning(press.code, phase, sinceEndMs, keys);
   // A held key runs a paused game on, frame by frame; nothing else is meant to happen twice.
   return press.repeat && wish !== "step" ? null : wish;
 }
 
-function meaning(code: string, phase: Phase, sinceEndMs: number): Wish | null {
+function meaning(code: string, phase: Phase, sinceEndMs: number, keys: KeyMap): Wish | null {
+  const control = controlOf(keys, code);
   switch (phase) {
     case "playing":
     case "countdown":
-      return RUNNING[code] ?? BESIDE[code] ?? null;
+      return control ? chosen(control, "pause") : (RUNNING[code] ?? BESIDE[code] ?? null);
     case "paused":
-      return PAUSED[code] ?? BESIDE[code] ?? null;
+      if (control === "fire") return "go_on";
+      return control ? chosen(control, "go_on") : (STANDING[code] ?? BESIDE[code] ?? null);
     case "stepping":
-      return STEPPING[code] ?? BESIDE[code] ?? null;
+      // Who plays frame by frame may fire.
+      return control ? chosen(control, "go_on") : (STANDING[code] ?? BESIDE[code] ?? null);
     case "ended":
-      return sinceEndMs < GRACE_MS ? null : (AFTER_END[code] ?? null);
+      if (sinceEndMs < GRACE_MS) return null;
+      return AFTER_END[code] ?? AFTER_END_BY_CONTROL[control ?? "left"] ?? null;
+    default:
+      return null;
+  }
+}
+
+function chosen(control: Control, pausing: Wish): Wish | null {
+  if (control === "pause") return pausing;
+  return control === "rewind" ? "rewind" : null;
+}
+
+/** What a button of a gamepad asks for when it goes down, besides steering and rewinding. */
+export function padWishOf(button: number, phase: Phase, sinceEndMs: number): Wish | null {
+  switch (phase) {
+    case "playing":
+    case "countdown":
+      return button === PAD.start ? "pause" : null;
+    case "paused":
+    case "stepping":
+      return button === PAD.start ? "go_on" : null;
+    case "ended":
+      return sinceEndMs < GRACE_MS ? null : (PAD_AFTER_END[button] ?? null);
     default:
       return null;
   }

@@ -1,0 +1,50 @@
+/** What a gamepad in the standard layout asks for. Pure. */
+import { FIRE, LEFT, RIGHT } from "./keys";
+
+/** The part of a `Gamepad` that is looked at. */
+export interface Pad {
+  readonly axes: readonly number[];
+  readonly buttons: readonly { readonly pressed: boolean }[];
+}
+
+/** Buttons by their number in the standard layout (https://w3c.github.io/gamepad/#remapping). */
+export const PAD = { bottom: 0, right: 1, left: 2, top: 3, start: 9 } as const;
+const FIRES = [PAD.bottom, PAD.right, PAD.left, PAD.top];
+const REWINDS = [4, 5, 6, 7];
+const D_PAD_LEFT = 14;
+const D_PAD_RIGHT = 15;
+/** A stick that is let go of rarely rests at exactly 0. */
+const DEAD_ZONE = 0.4;
+
+export interface PadState {
+  /** The keys of the game that it holds. */
+  readonly bits: number;
+  readonly rewind: boolean;
+  /** Numbers of the buttons pressed. */
+  readonly pressed: ReadonlySet<number>;
+}
+
+export const NO_PAD: PadState = { bits: 0, rewind: false, pressed: new Set() };
+
+/** What is held on all gamepads together. */
+export function padState(pads: readonly (Pad | null)[]): PadState {
+  let bits = 0;
+  const pressed = new Set<number>();
+  for (const pad of pads) {
+    const x = pad?.axes[0] ?? 0;
+    if (x < -DEAD_ZONE) bits |= LEFT;
+    if (x > DEAD_ZONE) bits |= RIGHT;
+    pad?.buttons.forEach((button, number) => {
+      if (button.pressed) pressed.add(number);
+    });
+  }
+  if (pressed.has(D_PAD_LEFT)) bits |= LEFT;
+  if (pressed.has(D_PAD_RIGHT)) bits |= RIGHT;
+  if (FIRES.some((number) => pressed.has(number))) bits |= FIRE;
+  return { bits, rewind: REWINDS.some((number) => pressed.has(number)), pressed };
+}
+
+/** The buttons that went down between two looks. */
+export function newlyPressed(before: PadState, now: PadState): readonly number[] {
+  return [...now.pressed].filter((number) => !before.pressed.has(number));
+}
