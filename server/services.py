@@ -8,7 +8,6 @@ import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from server.derived import Derived
 from server.feed import ChangeFeed
@@ -16,6 +15,7 @@ from server.play.consoles import ConsolePool
 from server.play.hub import PlayHub
 from server.play.rules import PlayRules
 from server.security import Access
+from server.storage import StorageMeter
 from tril.artifacts import ArtifactStore
 from tril.cache import Cache
 from tril.heartbeat import Heartbeat
@@ -42,6 +42,7 @@ class Services:
         derived: Frames and thumbnails.
         games: The games that are played in this process.
         changes: Tells pages what changes.
+        storage: Tells how much room the files take.
         importing: Held while an upload is verified, so that one at a time is.
     """
 
@@ -55,6 +56,7 @@ class Services:
     derived: Derived
     games: PlayHub
     changes: ChangeFeed
+    storage: StorageMeter
     importing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
     def rewards_of(self, run_id: str, recording: Recording) -> list[float]:
@@ -62,17 +64,6 @@ class Services:
         with self.consoles.lent() as console:
             observations = trajectory(recording, console).observations
         return [float(value) for value in self.inference.reward(run_id, observations)]
-
-    def data_bytes(self) -> int:
-        """Return how much the data folder holds."""
-        total = 0
-        for folder, _, names in os.walk(self.settings.data):
-            for name in names:
-                try:
-                    total += (Path(folder) / name).lstat().st_size
-                except FileNotFoundError:
-                    continue
-        return total
 
 
 def process_name() -> str:
@@ -104,6 +95,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), consoles),
         games=PlayHub(database, consoles, name, rules),
         changes=ChangeFeed(database),
+        storage=StorageMeter(settings),
     )
     heartbeat = Heartbeat(database, name, "server")
     try:

@@ -53,13 +53,24 @@ class ProcessStatus(Schema):
     details: dict[str, Any]
 
 
+class Storage(Schema):
+    """What the data folder holds; the cache never takes more than its limit."""
+
+    databases_bytes: int
+    artifacts_bytes: int
+    cache_bytes: int
+    cache_limit_bytes: int
+    other_bytes: int
+
+
 class System(Schema):
-    """Whether Tril is well."""
+    """Whether Tril is well. ``data_bytes`` is what the parts of ``storage`` take together."""
 
     version: str
     processes: list[ProcessStatus]
     disk_free_bytes: int
     data_bytes: int
+    storage: Storage
 
 
 class Behaviour(Schema):

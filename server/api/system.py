@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from fastapi import APIRouter, Request
 
-from server.api.schemas import Health, ProcessStatus, System
+from server.api.schemas import Health, ProcessStatus, Storage, System
 from server.dependencies import Reading, services_of
 from tril.store import processes
 
@@ -25,10 +25,18 @@ def get_health(session: Reading) -> Health:
 @router.get("/system")
 def get_system(request: Request, session: Reading) -> System:
     """Return which processes live and how much room there is."""
-    settings = services_of(request).settings
+    services = services_of(request)
+    settings, use = services.settings, services.storage.use()
     return System(
         version=version("tril"),
         processes=[ProcessStatus(**asdict(found)) for found in processes.statuses(session)],
         disk_free_bytes=shutil.disk_usage(settings.data).free,
-        data_bytes=services_of(request).data_bytes(),
+        data_bytes=use.total_bytes,
+        storage=Storage(
+            databases_bytes=use.databases_bytes,
+            artifacts_bytes=use.artifacts_bytes,
+            cache_bytes=use.cache_bytes,
+            cache_limit_bytes=settings.cache_limit_bytes,
+            other_bytes=use.other_bytes,
+        ),
     )

@@ -1642,8 +1642,24 @@ export interface components {
             summaries: components["schemas"]["PolicyChoiceSummary"][];
         };
         /**
+         * Storage
+         * @description What the data folder holds; the cache never takes more than its limit.
+         */
+        Storage: {
+            /** Artifacts Bytes */
+            artifacts_bytes: number;
+            /** Cache Bytes */
+            cache_bytes: number;
+            /** Cache Limit Bytes */
+            cache_limit_bytes: number;
+            /** Databases Bytes */
+            databases_bytes: number;
+            /** Other Bytes */
+            other_bytes: number;
+        };
+        /**
          * System
-         * @description Whether Tril is well.
+         * @description Whether Tril is well. ``data_bytes`` is what the parts of ``storage`` take together.
          */
         System: {
             /** Data Bytes */
@@ -1652,6 +1668,7 @@ export interface components {
             disk_free_bytes: number;
             /** Processes */
             processes: components["schemas"]["ProcessStatus"][];
+            storage: components["schemas"]["Storage"];
             /** Version */
             version: string;
         };

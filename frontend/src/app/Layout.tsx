@@ -1,4 +1,4 @@
-import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link, NavLink, Outlet, ScrollRestoration, useLocation } from "react-router";
 
@@ -6,13 +6,12 @@ import { listenToChanges } from "./event-stream";
 import { Invalidator } from "./invalidation";
 import styles from "./Layout.module.css";
 import { PlayerMenu } from "./PlayerMenu";
+import { StatusMenu } from "./StatusMenu";
 import { Unauthorised } from "./Unauthorised";
 
 import { connection } from "@/api/connection";
-import { isAlive, systemQuery } from "@/api/system";
 import { Alien } from "@/components/AlienGrid";
 import { Button, IconButton } from "@/components/Button";
-import { classes } from "@/lib/classes";
 import { applyTheme, nextTheme, readTheme } from "@/lib/theme";
 
 /** What every page has: the bar at the top, messages about the connection, the page itself. */
@@ -40,7 +39,7 @@ export function Layout() {
             Behaviours
           </NavLink>
           <div className={styles.right}>
-            <Processes />
+            <StatusMenu />
             <PlayerMenu />
             <ThemeButton />
           </div>
@@ -99,17 +98,6 @@ function UnreachableBanner() {
         {trying ? "Trying…" : "Try again"}
       </Button>
     </div>
-  );
-}
-
-function Processes() {
-  const { data: system } = useQuery(systemQuery);
-  const worker = isAlive(system, "worker");
-  if (worker === null) return null;
-  return (
-    <span className={classes(styles.process, !worker && styles.off)}>
-      {worker ? "Worker ready" : "Worker not running"}
-    </span>
   );
 }
 

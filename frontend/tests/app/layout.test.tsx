@@ -55,6 +55,25 @@ describe("every page", () => {
     expect(screen.getByText("Worker ready")).toBeVisible();
   });
 
+  it("tells which processes run and what the disk holds", async () => {
+    serve(CALM);
+    open("/");
+    await userEvent.click(
+      await screen.findByRole("button", { name: "Worker ready. Processes and disk" }),
+    );
+    const dialog = within(screen.getByRole("dialog", { name: "Processes and disk" }));
+    const rows = dialog.getAllByRole("row").map((row) => row.textContent);
+    expect(rows).toEqual([
+      "Workerruns",
+      "Recordings, rankings and curves200 kB",
+      "Files of trainings500 kB",
+      "Cache of frames and clips300 kB, at most 500 MB",
+      "Everything else0 B",
+      "Together1.0 MB",
+      "Free on the disk1.0 GB",
+    ]);
+  });
+
   it("lets the player change the name", async () => {
     const asked = serve({
       ...CALM,

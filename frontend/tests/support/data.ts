@@ -161,5 +161,12 @@ export function system(workerAlive: boolean): System {
     processes: [{ name: "w1", kind: "worker", alive: workerAlive, details: {} }],
     disk_free_bytes: 1e9,
     data_bytes: 1e6,
+    storage: {
+      databases_bytes: 2e5,
+      artifacts_bytes: 5e5,
+      cache_bytes: 3e5,
+      cache_limit_bytes: 5e8,
+      other_bytes: 0,
+    },
   };
 }
