@@ -7,11 +7,20 @@ from dataclasses import asdict
 from fastapi import APIRouter
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Behaviour, BehaviourNew, BehaviourUpdate, Cell
+from server.api.schemas import (
+    Behaviour,
+    BehaviourNew,
+    BehaviourUpdate,
+    Cell,
+    Checklist,
+    PlannedDemonstration,
+)
 from server.dependencies import BehaviourId, Reading, Writing
 from server.problems import CONFLICT, NOT_FOUND
-from tril.store import behaviours
-from tril.store.models import BehaviourRow
+from tril.demonstrator import example_plans, tick
+from tril.errors import Invalid
+from tril.store import behaviours, recordings
+from tril.store.models import BehaviourRow, Verification
 
 router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 
@@ -30,6 +39,37 @@ def create_behaviour(session: Writing, new: BehaviourNew) -> Behaviour:
     """Add a behaviour of one's own."""
     row = behaviours.create(session, new.name, new.description, _cells(new.target), new.ordered)
     return _one(session, row)
+
+
+@router.get("/{behaviour_id}/checklist", responses=NOT_FOUND)
+def get_checklist(session: Reading, behaviour_id: BehaviourId) -> Checklist:
+    """Return the demonstrations that exemplify a behaviour, and which of them were played.
+
+    The rules are the demonstrator's; of the library's verified recordings, whoever played them,
+    it counts what they hit.
+    """
+    behaviour = behaviours.as_behaviour(behaviours.get(session, behaviour_id))
+    try:
+        plans = example_plans(behaviour)
+    except Invalid as error:
+        return Checklist(planned=[], note=str(error))
+    games = {
+        row.id: [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+        for row in recordings.listing(session, behaviour_id)
+        if row.verification == Verification.VERIFIED
+    }
+    ticks = tick(plans, games)
+    return Checklist(
+        planned=[
+            PlannedDemonstration(
+                number=plan.number,
+                description=plan.description,
+                recording_id=ticks[plan.number],
+            )
+            for plan in plans
+        ],
+        note="",
+    )
 
 
 @router.get("/{behaviour_id}", responses=NOT_FOUND)

@@ -108,6 +108,24 @@ class BehaviourUpdate(Schema):
     ordered: StrictBool | None = None
 
 
+class PlannedDemonstration(Schema):
+    """One of the demonstrations that exemplify a behaviour.
+
+    ``recording_id`` is a recording that hit what it asks for; None while it is missing.
+    """
+
+    number: int
+    description: str
+    recording_id: int | None
+
+
+class Checklist(Schema):
+    """``planned`` best first; ``note`` says why there are none."""
+
+    planned: list[PlannedDemonstration]
+    note: str
+
+
 class Hit(Schema):
     """An alien that was shot, after how many frames."""
 

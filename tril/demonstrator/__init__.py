@@ -1,5 +1,6 @@
 """The scripted player that makes example demonstrations; never presented as a person."""
 
+from tril.demonstrator.checklist import tick
 from tril.demonstrator.example import (
     N_PERFECT,
     Demonstration,
@@ -43,4 +44,5 @@ __all__ = [
     "make_example",
     "meets",
     "perfect_demonstrations",
+    "tick",
 ]

@@ -21,6 +21,21 @@ export function behaviourQuery(behaviourId: number) {
   });
 }
 
+/** The demonstrations that exemplify a behaviour, and which of them were played. */
+export function checklistQuery(behaviourId: number) {
+  return queryOptions({
+    // What makes the numbers of recordings stale makes this stale, too.
+    queryKey: ["behaviours", behaviourId, "checklist"],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/behaviours/{behaviour_id}/checklist", {
+          params: { path: { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+  });
+}
+
 export function createBehaviour(body: BehaviourNew): Promise<Behaviour> {
   return unwrap(api.POST("/api/behaviours", { body }));
 }

@@ -76,6 +76,29 @@ export interface paths {
         patch: operations["update_behaviour"];
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/checklist": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Checklist
+         * @description Return the demonstrations that exemplify a behaviour, and which of them were played.
+         *
+         *     The rules are the demonstrator's; of the library's verified recordings, whoever played them,
+         *     it counts what they hit.
+         */
+        get: operations["get_checklist"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking": {
         parameters: {
             query?: never;
@@ -889,6 +912,16 @@ export interface components {
             recording_id: number;
         };
         /**
+         * Checklist
+         * @description ``planned`` best first; ``note`` says why there are none.
+         */
+        Checklist: {
+            /** Note */
+            note: string;
+            /** Planned */
+            planned: components["schemas"]["PlannedDemonstration"][];
+        };
+        /**
          * ClipKind
          * @description What a recording can be made into.
          * @enum {string}
@@ -1136,6 +1169,20 @@ export interface components {
                     ][];
                 };
             };
+        };
+        /**
+         * PlannedDemonstration
+         * @description One of the demonstrations that exemplify a behaviour.
+         *
+         *     ``recording_id`` is a recording that hit what it asks for; None while it is missing.
+         */
+        PlannedDemonstration: {
+            /** Description */
+            description: string;
+            /** Number */
+            number: number;
+            /** Recording Id */
+            recording_id: number | null;
         };
         /**
          * Player
@@ -2166,6 +2213,91 @@ export interface operations {
             };
             /** @description It contradicts what has happened since. */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_checklist: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Checklist"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

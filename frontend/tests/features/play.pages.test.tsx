@@ -90,6 +90,14 @@ function open() {
       max_frames: 1200,
       stream_path: "/api/games/g2/stream",
     }),
+    "GET /api/behaviours/1/checklist": () => ({
+      planned: [
+        { number: 1, description: "2 of 2 target aliens, no other", recording_id: 5 },
+        { number: 2, description: "1 of 2 target aliens, no other", recording_id: null },
+        { number: 3, description: "No alien is hit", recording_id: null },
+      ],
+      note: "",
+    }),
     "GET /api/games/g1": () => new Refusal(404, { detail: "Over." }),
     "POST /api/recordings/7/keep": () => recording({ id: 7 }),
     "POST /api/recordings/7/discard": () => recording({ id: 7, deleted: true }),
@@ -126,6 +134,18 @@ beforeEach(() => {
   pads = [];
   // jsdom has none of it.
   Object.defineProperty(navigator, "getGamepads", { configurable: true, value: () => pads });
+});
+
+describe("the demonstrations to play", () => {
+  it("are ticked where a recording shows them", async () => {
+    open();
+    const list = within(await screen.findByRole("list", { name: "Demonstrations, best first" }));
+    const [first, second] = list.getAllByRole("listitem");
+    expect(first).toHaveTextContent("2 of 2 target aliens, no other Recording 5");
+    expect(second).toHaveTextContent("1 of 2 target aliens, no other, missing");
+    expect(screen.getByText("Demonstrations: 1 of 3")).toBeVisible();
+    expect(screen.getByText(/^Next: 1 of 2 target aliens/)).toBeVisible();
+  });
 });
 
 describe("playing", () => {

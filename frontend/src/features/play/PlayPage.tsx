@@ -1,6 +1,7 @@
 import { Fragment, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { Link } from "react-router";
 
+import { Checklist } from "./Checklist";
 import { KEYS, SHOW_LATENCY } from "./choices";
 import { speedBeside, steers, type Wish, wishOf } from "./controls";
 import { EndCard, type EndCardHandle } from "./EndCard";
@@ -153,6 +154,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
         <Button kind="quiet" className={styles.toggle} onClick={() => toggleFullscreen(stage.current)}>
           Fullscreen <kbd>F</kbd>
         </Button>
+        <Checklist behaviour={behaviour} />
         <Tip behaviour={behaviour} />
       </aside>
       {choosesKeys && <KeysDialog onClose={() => setChoosesKeys(false)} />}
