@@ -1,5 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import type { ReactNode } from "react";
+import { Link } from "react-router";
 
 import { Dialog } from "./Dialog";
 import { Player } from "./Player";
@@ -60,6 +61,7 @@ export function WatchDialog(props: WatchDialogProps) {
         <p className={styles.facts}>
           <span>{scoreInWords(recording, nTargets)}</span>
           <span>{courseInWords(recording)}</span>
+          <Link to={`/recordings/${recording.id}`}>Its page: actions, memory, downloads</Link>
         </p>
       </div>
     </Dialog>
