@@ -136,25 +136,29 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             }}
           />
         )}
-        <KeyHelp
-          onChange={() => {
-            stream?.command("pause");
-            setChoosesKeys(true);
-          }}
-        />
-        <Button
-          icon="clock"
-          kind="quiet"
-          className={styles.toggle}
-          aria-pressed={showsLatency}
-          onClick={() => setShowsLatency(!showsLatency)}
-        >
-          Latency <kbd>L</kbd>
-        </Button>
-        <Button kind="quiet" className={styles.toggle} onClick={() => toggleFullscreen(stage.current)}>
-          Fullscreen <kbd>F</kbd>
-        </Button>
         <Checklist behaviour={behaviour} />
+        <KeyHelp />
+        <div className={styles.toggles}>
+          <Button
+            kind="quiet"
+            onClick={() => {
+              stream?.command("pause");
+              setChoosesKeys(true);
+            }}
+          >
+            Change the keys
+          </Button>
+          <Button
+            kind="quiet"
+            aria-pressed={showsLatency}
+            onClick={() => setShowsLatency(!showsLatency)}
+          >
+            Latency <kbd>L</kbd>
+          </Button>
+          <Button kind="quiet" onClick={() => toggleFullscreen(stage.current)}>
+            Fullscreen <kbd>F</kbd>
+          </Button>
+        </div>
         <Tip behaviour={behaviour} />
       </aside>
       {choosesKeys && <KeysDialog onClose={() => setChoosesKeys(false)} />}
@@ -291,7 +295,7 @@ function pressesButton(code: string): boolean {
   return code === "Space" || code === "Enter" || code === "NumpadEnter";
 }
 
-function KeyHelp({ onChange }: { onChange: () => void }) {
+function KeyHelp() {
   const [keys] = useChoice(KEYS);
   const names = (control: Control) =>
     keys[control].map((code) => (
@@ -300,28 +304,23 @@ function KeyHelp({ onChange }: { onChange: () => void }) {
       </Fragment>
     ));
   return (
-    <div className={styles.keyHelp}>
-      <dl className={styles.keys} aria-label="Keys">
-        <dt>
-          {names("left")}
-          {names("right")}
-        </dt>
-        <dd>move</dd>
-        <dt>{names("fire")}</dt>
-        <dd>fire, may be held</dd>
-        <dt>{names("rewind")}</dt>
-        <dd>rewind while held</dd>
-        <dt>{names("pause")}</dt>
-        <dd>pause</dd>
-        <dt>
-          <kbd>.</kbd>
-        </dt>
-        <dd>frame by frame</dd>
-      </dl>
-      <Button kind="quiet" className={styles.toggle} onClick={onChange}>
-        Change the keys
-      </Button>
-    </div>
+    <dl className={styles.keys} aria-label="Keys">
+      <dt>
+        {names("left")}
+        {names("right")}
+      </dt>
+      <dd>move</dd>
+      <dt>{names("fire")}</dt>
+      <dd>fire, may be held</dd>
+      <dt>{names("rewind")}</dt>
+      <dd>rewind while held</dd>
+      <dt>{names("pause")}</dt>
+      <dd>pause</dd>
+      <dt>
+        <kbd>.</kbd>
+      </dt>
+      <dd>frame by frame</dd>
+    </dl>
   );
 }
 

@@ -124,16 +124,6 @@ function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
       <div className={styles.page}>
         <section aria-label="Ranking">
           <Bar state={state} saver={saver} />
-          <Board {...desk} />
-        </section>
-        <div className={styles.side}>
-          {!narrow && (
-            <Preview
-              recording={byId.get(looked ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
-              playing={looked !== null}
-              behaviour={behaviour}
-            />
-          )}
           <Pairs
             pairs={openPairs(tiers, unranked, byId)}
             behaviour={behaviour}
@@ -148,6 +138,16 @@ function RankingDesk({ behaviour, ranking, recordings }: DeskProps) {
               );
             }}
           />
+          <Board {...desk} />
+        </section>
+        <div className={styles.side}>
+          {!narrow && (
+            <Preview
+              recording={byId.get(looked ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
+              playing={looked !== null}
+              behaviour={behaviour}
+            />
+          )}
           <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
           <Tray {...desk} unranked={unranked} />
         </div>
