@@ -1,4 +1,4 @@
-import { screen, waitFor, within } from "@testing-library/react";
+import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
@@ -8,6 +8,7 @@ import { Refusal, serve } from "../support/server";
 
 import type { Recording } from "@/api/types";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
+import { SelectionBar } from "@/features/recordings/SelectionBar";
 
 const LIST = "GET /api/behaviours/1/recordings";
 
@@ -206,6 +207,25 @@ describe("the library", () => {
           .map(({ body }) => (body as { change: string }).change),
       ).toEqual(["mark_perfect", "unmark_perfect"]),
     );
+  });
+
+  it("never asks for more at once than the server takes", () => {
+    const many = Array.from({ length: 501 }, (_, index) => recording({ id: 501 - index }));
+    const some: number[] = [];
+    const bar = (selected: Recording[]) => (
+      <SelectionBar
+        behaviour={behaviour()}
+        shown={many}
+        selected={selected}
+        onSelect={(chosen) => some.push(chosen.length)}
+      />
+    );
+    show(bar([]));
+    fireEvent.click(screen.getByText("Select the first 500"));
+    expect(some).toEqual([500]);
+    show(bar(many));
+    expect(screen.getByText("At most 500 are changed at once.")).toBeVisible();
+    expect(screen.queryByText("Delete")).toBeNull();
   });
 
   it("lists the deleted ones to restore them, also when nothing else is left", async () => {

@@ -51,7 +51,9 @@ export function SelectionBar({
           <Button kind="quiet" onClick={() => onSelect([])}>
             Select none
           </Button>
-          {deleted ? (
+          {selected.length > MOST ? (
+            <span className={styles.count}>At most {MOST} are changed at once.</span>
+          ) : deleted ? (
             <Button icon="undo" onClick={() => change("restore")}>
               Restore
             </Button>

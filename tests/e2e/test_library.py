@@ -1,0 +1,153 @@
+"""The library in a real browser: filters, bulk actions, a recording frame by frame, clips."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import av
+import numpy as np
+import numpy.typing as npt
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser, Page, expect
+
+from server.pages import FRONTEND
+from tests.server.live import LiveServer, cookie, live_server
+from tests.workplace import FRAMES, Workplace, make_workplace
+from tril.game.episode import Episode
+from tril.game.palette import palette_rgb
+from tril.recording import replay
+from tril.store import recordings
+
+
+@pytest.fixture
+def workplace(tmp_path: Path) -> Iterator[Workplace]:
+    made = make_workplace(tmp_path / "data")
+    yield made
+    made.database.close()
+
+
+@pytest.fixture
+def built(workplace: Workplace) -> Iterator[LiveServer]:
+    """Return a running server with the built pages."""
+    with live_server(workplace.settings.data, frontend=FRONTEND) as running:
+        yield running
+
+
+@pytest.fixture
+def page(browser: Browser, built: LiveServer) -> Iterator[Page]:
+    """Return the library of column 1; errors in its console fail the test."""
+    address = f"http://{built.authority}"
+    context = browser.new_context(viewport={"width": 1280, "height": 900}, base_url=address)
+    name, value = cookie(built.settings).split("=", 1)
+    context.add_cookies([{"name": name, "value": value, "url": address}])
+    page = context.new_page()
+    problems: list[str] = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("console", lambda m: problems.append(m.text) if m.type == "error" else None)
+    page.set_default_timeout(15_000)
+    page.goto("/behaviours/1/recordings")
+    yield page
+    context.close()
+    assert not problems, problems
+
+
+def screens_of(workplace: Workplace, recording_id: int) -> npt.NDArray[np.uint8]:
+    """Return what a replay shows, uint8 (frames + 1, 210, 160, 3)."""
+    with workplace.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    seen: list[npt.NDArray[np.uint8]] = []
+
+    def look(episode: Episode) -> None:
+        seen.append(palette_rgb()[episode.console.screen_palette()])
+
+    replay(recording, on_frame=look)
+    return np.array(seen)
+
+
+def shown_on(page: Page) -> npt.NDArray[np.uint8]:
+    """Return what the game's canvas shows, uint8 (210, 160, 3)."""
+    canvas = page.get_by_role("img", name="Game screen")
+    url = str(canvas.evaluate("(canvas) => canvas.toDataURL('image/png')"))
+    content = base64.b64decode(url.partition(",")[2])
+    return np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
+
+
+def test_every_key_and_press_leads_to_exactly_its_frame(page: Page, workplace: Workplace) -> None:
+    moving = workplace.ranked[3]
+    expected = screens_of(workplace, moving)
+    page.goto(f"/recordings/{moving}?frame=100")
+    slider = page.get_by_role("slider", name="Position in the recording")
+
+    def at(frame: int) -> None:
+        expect(slider).to_have_value(str(frame))
+        np.testing.assert_array_equal(shown_on(page), expected[frame])
+
+    at(100)
+    for key, frame in [
+        ("ArrowRight", 101),
+        ("Shift+ArrowRight", 105),
+        ("ArrowLeft", 104),
+        ("Shift+ArrowLeft", 100),
+        ("End", FRAMES),
+        ("ArrowLeft", FRAMES - 1),
+        ("Home", 0),
+    ]:
+        page.keyboard.press(key)
+        at(frame)
+    expect(page.get_by_text("Action of frame 0: the start")).to_be_visible()
+    box = slider.bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert abs(int(slider.input_value()) - FRAMES // 2) <= 1
+    at(int(slider.input_value()))
+    expect(page.get_by_text(re.compile("Action of frame .*: right and fire"))).to_be_visible()
+
+
+def test_the_address_keeps_the_filters_and_a_deletion_of_several_is_undone(
+    page: Page, workplace: Workplace
+) -> None:
+    cards = page.get_by_role("article")
+    expect(cards).to_have_count(4)
+    page.get_by_label("Show").select_option("Perfect ones")
+    expect(cards).to_have_count(1)
+    page.reload()
+    expect(cards).to_have_count(1)
+    page.get_by_role("button", name="Clear the filters").click()
+    expect(cards).to_have_count(4)
+
+    first, *_, last = sorted(workplace.ranked)
+    page.get_by_label(f"Select Recording {last}").click()
+    page.get_by_label(f"Select Recording {first + 1}").click(modifiers=["Shift"])
+    bar = page.get_by_role("group", name="Selected recordings")
+    expect(bar).to_contain_text("3 recordings selected")
+    bar.get_by_role("button", name="Delete").click()
+    expect(cards).to_have_count(1)
+    page.get_by_role("button", name="Undo").click()
+    expect(cards).to_have_count(4)
+
+
+def test_a_card_plays_while_it_is_pointed_at(page: Page) -> None:
+    card = page.get_by_role("article").first
+    expect(card.get_by_role("img", name="Recording, playing")).to_have_count(0)
+    card.get_by_role("button", name=re.compile("Watch")).hover()
+    expect(card.get_by_role("img", name="Recording, playing")).to_be_visible()
+    page.get_by_role("heading", name="4 recordings").hover()
+    expect(card.get_by_role("img", name="Recording, playing")).to_have_count(0)
+
+
+def test_a_video_and_the_data_are_downloaded(page: Page, workplace: Workplace) -> None:
+    best = workplace.ranked[0]
+    page.get_by_role("link", name=f"Recording {best}", exact=True).click()
+    with page.expect_download(timeout=60_000) as download:
+        page.get_by_role("button", name="MP4").click()
+    assert download.value.suggested_filename == f"recording-{best}.mp4"
+    with av.open(str(download.value.path()), "r") as video:
+        assert sum(1 for _ in video.decode(video=0)) == FRAMES + 1
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Data (JSON)").click()
+    assert download.value.suggested_filename == f"recording-{best}.json"
