@@ -7,6 +7,7 @@ from fastapi import APIRouter
 
 from server.api.schemas import Game, GameFrom, GameNew
 from server.dependencies import GameId, Reading, RecordingId, Writing
+from server.play.conditions import KEY, PlayConditions
 from server.problems import CONFLICT, NOT_FOUND
 from tril.game.episode import Start, draw_start
 from tril.game.space_invaders import MAX_FRAMES
@@ -30,7 +31,10 @@ def create_game(session: Writing, new: GameNew) -> Game:
 def create_game_from(session: Writing, recording_id: RecordingId, begin: GameFrom) -> Game:
     """Begin a game that goes on from a frame of a recording, which stays as it is."""
     parent = recordings.get(session, recording_id)
-    return _shown(games.create_from(session, parent, begin.frame, players.owner(session).id))
+    played = PlayConditions.from_conditions(parent.conditions)
+    conditions = None if played is None else {KEY: played.until(begin.frame).to_json()}
+    player = players.owner(session)
+    return _shown(games.create_from(session, parent, begin.frame, player.id, conditions))
 
 
 @router.get("/{game_id}", responses=NOT_FOUND)

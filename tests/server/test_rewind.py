@@ -17,7 +17,7 @@ from tril.game.controls import Keys
 from tril.game.episode import Episode, Start
 from tril.recording import Recorder
 from tril.store import games, recordings
-from tril.store.models import RecordingState
+from tril.store.models import RecordingState, Source
 
 
 def play_until(player: Player, frame: int) -> None:
@@ -50,7 +50,7 @@ def actions_of(live: LiveServer, recording_id: int) -> bytes:
 def test_a_game_goes_on_from_where_the_player_lets_go_and_both_branches_are_kept(
     live: LiveServer,
 ) -> None:
-    with live.play(live.new_game()) as player:
+    with live.play(live.new_game(idle_frames=4)) as player:
         play_until(player, 150)
         seen = dict(player.screens)
         rewound = run_back_to(player, 70)
@@ -107,7 +107,7 @@ def test_hits_after_the_frame_are_taken_back(live: LiveServer) -> None:
 
 
 def test_running_back_twice_without_playing_keeps_one_branch(live: LiveServer) -> None:
-    with live.play(live.new_game()) as player:
+    with live.play(live.new_game(idle_frames=4)) as player:
         play_until(player, 150)
         first = run_back_to(player, 120)
         second = run_back_to(player, 80)
@@ -125,7 +125,7 @@ def test_running_back_twice_without_playing_keeps_one_branch(live: LiveServer) -
 def test_a_connection_that_breaks_on_the_way_back_leaves_the_game_where_it_was(
     live: LiveServer,
 ) -> None:
-    game, tab = live.new_game(), str(uuid.uuid4())
+    game, tab = live.new_game(idle_frames=4), str(uuid.uuid4())
     with live.play(game, tab) as player:
         play_until(player, 120)
         player.say("rewind")
@@ -141,7 +141,7 @@ def test_a_connection_that_breaks_on_the_way_back_leaves_the_game_where_it_was(
 
 
 def test_a_paused_game_can_be_run_back(live: LiveServer) -> None:
-    with live.play(live.new_game()) as player:
+    with live.play(live.new_game(idle_frames=4)) as player:
         play_until(player, 90)
         player.say("pause")
         player.until(Paused)
@@ -151,7 +151,7 @@ def test_a_paused_game_can_be_run_back(live: LiveServer) -> None:
 
 
 def test_what_was_noted_of_frames_that_were_run_back_is_taken_back_too(live: LiveServer) -> None:
-    with live.play(live.new_game()) as player:
+    with live.play(live.new_game(idle_frames=4)) as player:
         play_until(player, 20)
         player.say("speed", percent=50)
         player.until_frame(40)
@@ -173,7 +173,7 @@ def test_what_was_noted_of_frames_that_were_run_back_is_taken_back_too(live: Liv
 def test_a_game_that_was_taken_up_again_can_be_run_back_past_that(workplace: Workplace) -> None:
     data = workplace.settings.data
     with live_server(data) as first:
-        game = first.new_game()
+        game = first.new_game(idle_frames=4)
         with first.play(game) as player:
             play_until(player, 130)
             seen = dict(player.screens)
@@ -192,13 +192,15 @@ def test_a_game_can_go_on_from_a_recording(live: LiveServer) -> None:
     with live.play(live.new_game(idle_frames=4)) as player:
         player.hold(Keys.FIRE)
         player.begin()
+        player.until_frame(20)
+        player.say("speed", percent=75)
         player.until_frame(150)
         parent = player.stop()
     answer = live.http.post(f"/api/games/from/{parent.recording_id}", json={"frame": 100})
     assert answer.status_code == 201, answer.text
     with live.play(answer.json()) as player:
         hello = player.begin()
-        assert (hello.frame, hello.resumed) == (100, True)
+        assert (hello.frame, hello.resumed, hello.speed_percent) == (100, True, 75)
         assert [hit.frame for hit in hello.hits] == [
             hit.frame for hit in parent.hits if hit.frame <= 100
         ]
@@ -207,6 +209,7 @@ def test_a_game_can_go_on_from_a_recording(live: LiveServer) -> None:
     assert ended.verification == "verified"
     after = shown(live, ended.recording_id)
     assert after["parent"] == {"recording_id": parent.recording_id, "frame": 100}
+    assert after["slowest_percent"] == 75
     assert shown(live, parent.recording_id)["n_frames"] == parent.frame
 
 
@@ -214,7 +217,7 @@ def test_a_game_can_go_on_from_a_recording(live: LiveServer) -> None:
 def test_a_game_can_not_go_on_from_frames_that_were_not_played(
     live: LiveServer, frame: int, status: int
 ) -> None:
-    with live.play(live.new_game()) as player:
+    with live.play(live.new_game(idle_frames=4)) as player:
         player.begin()
         player.until_frame(10)
         parent = player.stop()
@@ -223,15 +226,24 @@ def test_a_game_can_not_go_on_from_frames_that_were_not_played(
 
 
 def test_a_game_can_not_go_on_from_one_that_is_being_played(live: LiveServer) -> None:
-    game = live.new_game()
+    game = live.new_game(idle_frames=4)
     answer = live.http.post(f"/api/games/from/{game['recording_id']}", json={"frame": 0})
     assert answer.status_code == 409
     assert live.http.post("/api/games/from/99999", json={"frame": 0}).status_code == 404
 
 
+def test_a_game_can_not_go_on_from_what_no_person_played(live: LiveServer) -> None:
+    scripted = live.http.get("/api/behaviours/1/recordings").json()[-1]
+    assert scripted["source"] == "scripted"
+    answer = live.http.post(f"/api/games/from/{scripted['id']}", json={"frame": 10})
+    assert answer.status_code == 409
+    assert "no person's game" in answer.json()["detail"]
+
+
 def test_of_a_branch_that_was_never_played_nothing_is_left(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         parent = recordings.listing(session, 1)[0]
+        parent.source = Source.PERSON
         game = games.create_from(session, parent, 100, None)
         row = games.claim(session, game.id, "a", "tab")
         assert games.end(session, row.id, row.epoch, RecordingState.UNFINISHED, None)
@@ -241,6 +253,7 @@ def test_of_a_branch_that_was_never_played_nothing_is_left(workplace: Workplace)
 def test_an_owner_that_lost_its_game_can_not_branch_it(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         parent = recordings.listing(session, 1)[0]
+        parent.source = Source.PERSON
         game = games.create_from(session, parent, 100, None)
         games.claim(session, game.id, "a", "tab")
         recording = recordings.as_recording(game.recording)

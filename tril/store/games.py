@@ -63,14 +63,28 @@ def create(session: Session, behaviour_id: int, start: Start, player_id: int | N
 
 
 def create_from(
-    session: Session, parent: RecordingRow, frame: int, player_id: int | None
+    session: Session,
+    parent: RecordingRow,
+    frame: int,
+    player_id: int | None,
+    conditions: dict[str, Any] | None = None,
 ) -> GameRow:
     """Begin a game that goes on from a frame of a recording, which stays as it is.
 
+    Args:
+        session: The transaction.
+        parent: A person's game.
+        frame: The frame after which it goes on.
+        player_id: Who plays on.
+        conditions: How the game was played until then.
+
     Raises:
         Invalid: The recording has no such frame, or nothing can be played after it.
-        Conflict: The recording is still being played, or a replay of it gave something else.
+        Conflict: The recording is still being played, a replay of it gave something else, or no
+            person played it, so that what goes on from it would be half a person's game.
     """
+    if parent.source != Source.PERSON:
+        raise Conflict(f"Recording {parent.id} is no person's game; only those can be played on.")
     if parent.state == RecordingState.PLAYING:
         raise Conflict(f"Recording {parent.id} is still being played; end the game first.")
     if parent.verification == Verification.FAILED:
@@ -84,6 +98,7 @@ def create_from(
     row.actions, row.n_frames = until.actions, until.n_frames
     row.ram_hashes = list(until.ram_hashes)
     row.hits = [hit for hit in parent.hits if hit[2] <= frame]
+    row.conditions = conditions or {}
     return _create(session, row)
 
 
