@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { useState } from "react";
+import { useCallback, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
 
 import { chosen, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
@@ -28,7 +28,7 @@ interface LibraryProps {
 /** The recordings as a grid: which are shown stands in the address, any may be selected. */
 export function Library({ recordings, behaviour, onWatch, onImport }: LibraryProps) {
   const [search, setSearch] = useSearchParams();
-  const filter = readFilter(search);
+  const filter = useMemo(() => readFilter(search), [search]);
   const setFilter = (next: Filter) => setSearch(writeFilter(next), { replace: true });
   return (
     <>
@@ -82,8 +82,13 @@ function Deleted(props: Omit<GridProps, "recordings">) {
 
 function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
   const [selection, setSelection] = useState(NOTHING);
-  const shown = chosen(recordings, filter);
-  const ids = shown.map(({ id }) => id);
+  const shown = useMemo(() => chosen(recordings, filter), [recordings, filter]);
+  const ids = useMemo(() => shown.map(({ id }) => id), [shown]);
+  const select = useCallback(
+    ({ id }: Recording, range: boolean) =>
+      setSelection((before) => toggled(before, ids, id, range)),
+    [ids],
+  );
   const selected = new Set(selectedOf(selection, ids));
   if (shown.length === 0) {
     return (
@@ -115,9 +120,7 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
               behaviour={behaviour}
               onWatch={onWatch}
               selected={selected.has(recording.id)}
-              onSelect={({ id }, range) =>
-                setSelection((before) => toggled(before, ids, id, range))
-              }
+              onSelect={select}
             />
           </li>
         ))}

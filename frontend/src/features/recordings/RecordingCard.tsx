@@ -1,4 +1,4 @@
-import { useState } from "react";
+import { memo, useState } from "react";
 import { Link } from "react-router";
 
 import { NotesDialog } from "./NotesDialog";
@@ -24,12 +24,13 @@ interface RecordingCardProps {
   onSelect: (recording: Recording, range: boolean) => void;
 }
 
-/** One recording: its picture, how it went, and what can be done with it. */
-export function RecordingCard(props: RecordingCardProps) {
+/**
+ * One recording: its picture, how it went, and what can be done with it. Drawn anew only when it
+ * changes: a library may hold a thousand.
+ */
+export const RecordingCard = memo(function RecordingCard(props: RecordingCardProps) {
   const { recording, behaviour, onWatch, selected, onSelect } = props;
   const [looked, look] = useLookedAt();
-  const [writing, setWriting] = useState(false);
-  const actions = useRecordingActions(behaviour.id);
   const name = recordingName(recording);
   return (
     <article className={classes(styles.card, selected && styles.selected)} aria-label={name}>
@@ -64,7 +65,7 @@ export function RecordingCard(props: RecordingCardProps) {
           <h3>
             <Link to={`/recordings/${recording.id}`}>{name}</Link>
           </h3>
-          <Marks recording={recording} name={name} onWrite={() => setWriting(true)} />
+          <Marks recording={recording} name={name} />
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
@@ -81,27 +82,13 @@ export function RecordingCard(props: RecordingCardProps) {
         </div>
         {recording.notes && <p className={styles.note}>{recording.notes}</p>}
       </div>
-      {writing && (
-        <NotesDialog
-          recording={recording}
-          onSave={(notes) => actions.setNotes(recording, notes)}
-          onClose={() => setWriting(false)}
-        />
-      )}
     </article>
   );
-}
+});
 
 /** What can be done with one; a deleted one can only be restored. */
-function Marks({
-  recording,
-  name,
-  onWrite,
-}: {
-  recording: Recording;
-  name: string;
-  onWrite: () => void;
-}) {
+function Marks({ recording, name }: { recording: Recording; name: string }) {
+  const [writing, setWriting] = useState(false);
   const actions = useRecordingActions(recording.behaviour_id);
   if (recording.deleted) {
     return (
@@ -125,13 +112,20 @@ function Marks({
       <IconButton
         icon="note"
         label={recording.notes ? "Change the note" : "Write a note"}
-        onClick={onWrite}
+        onClick={() => setWriting(true)}
       />
       <IconButton
         icon="trash"
         label={`Delete ${name}`}
         onClick={() => actions.remove(recording)}
       />
+      {writing && (
+        <NotesDialog
+          recording={recording}
+          onSave={(notes) => actions.setNotes(recording, notes)}
+          onClose={() => setWriting(false)}
+        />
+      )}
     </>
   );
 }
