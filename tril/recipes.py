@@ -264,7 +264,7 @@ FAST = Recipe(
         aligned=True,
         free_share=0.33,
         perfect_share=0.05,
-        disturbed_share=0.25,
+        disturbed_share=0.4,
         fold_updates=120,
     ),
     policy=PolicyRecipe(

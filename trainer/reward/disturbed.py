@@ -32,14 +32,15 @@ _BURST_SHARE = 0.02
 """Chance per step of a further burst."""
 
 _BURST_ACTIONS = {
-    Action.NOOP: 0.1,
-    Action.FIRE: 0.1,
-    Action.RIGHT: 0.1,
-    Action.LEFT: 0.1,
-    Action.RIGHTFIRE: 0.3,
-    Action.LEFTFIRE: 0.3,
+    Action.NOOP: 0.05,
+    Action.FIRE: 0.05,
+    Action.RIGHT: 0.25,
+    Action.LEFT: 0.25,
+    Action.RIGHTFIRE: 0.2,
+    Action.LEFTFIRE: 0.2,
 }
-"""What is held in a burst: mostly what moves and shoots, since that is what does harm."""
+"""What is held in a burst: mostly what moves, so that the game goes on out of place and shoots down
+the column beside the right one."""
 
 
 @dataclass(frozen=True)
