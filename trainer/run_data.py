@@ -83,6 +83,10 @@ class RunData:
         ranked_as = [place.get(number) for number in self.perfect]
         return PerfectGames(self.perfect_trajectories, ranked_as, self._disturbed_copies)
 
+    def forget_copies(self) -> None:
+        """Free the disturbed copies' memory, 250 MB, once the reward is learned and checked."""
+        self._copies = None
+
     @property
     def _disturbed_copies(self) -> list[DisturbedCopy]:
         context, recipe = self.context, self.context.recipe.reward

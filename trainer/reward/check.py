@@ -15,8 +15,8 @@ import numpy.typing as npt
 from trainer.progress import Progress, Section
 from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import RewardModel
-from trainer.reward.snippets import draw_snippets, preference_pairs, snippet_sums
-from trainer.reward.training import NetworkTraining, Seed, calibrate, snippet_rule
+from trainer.reward.snippets import SnippetRule, draw_snippets, preference_pairs, snippet_sums
+from trainer.reward.training import NetworkTraining, Seed, calibrate
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -167,7 +167,7 @@ def _snippet_accuracy(
 ) -> float:
     """Return the share of newly drawn snippet pairs whose sums of R are ordered as ranked."""
     sizes = [len(scores[i]) if i in scores else 1 for i in range(max(scores) + 1)]
-    drawn = draw_snippets(pairs, sizes, snippet_rule(recipe), SNIPPETS_CHECKED, rng)
+    drawn = draw_snippets(pairs, sizes, SnippetRule.of(recipe), SNIPPETS_CHECKED, rng)
     sums = np.empty((2, len(drawn)))
     for side, (which, starts) in enumerate(
         [(drawn.better, drawn.better_start), (drawn.worse, drawn.worse_start)]

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.reward.disturbed import DisturbedCopy
-from trainer.reward.snippets import SnippetStarts, preference_pairs
+from trainer.reward.snippets import SnippetRule, SnippetStarts, preference_pairs
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -123,9 +123,8 @@ class Comparisons:
         copies_share = recipe.disturbed_share if copies else 0.0
         own = 1.0 - perfect_share - copies_share
         pairs = tuple(self.pairs)
-        aligned: SnippetStarts = "same" if recipe.aligned else "later"
         wanted = [
-            PairGroup(pairs, own * (1.0 - recipe.free_share), aligned),
+            PairGroup(pairs, own * (1.0 - recipe.free_share), SnippetRule.of(recipe).starts),
             PairGroup(pairs, own * recipe.free_share, "any"),
             PairGroup(tuple(perfect), perfect_share, "any"),
             PairGroup(tuple(copies), copies_share, "same"),

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from tril.errors import Invalid
 from tril.ranking import Pair, Ranking
+from tril.recipes import RewardRecipe
 
 Indices = npt.NDArray[np.int64]
 
@@ -56,6 +57,12 @@ class SnippetRule:
     shortest: int
     longest: int
     starts: SnippetStarts
+
+    @classmethod
+    def of(cls, recipe: RewardRecipe) -> SnippetRule:
+        """How a recipe compares ranked games, apart from the pairs that start freely."""
+        starts: SnippetStarts = "same" if recipe.aligned else "later"
+        return cls(recipe.snippet_min_steps, recipe.snippet_max_steps, starts)
 
     def every(self, stride: int) -> SnippetRule:
         """The same rule in units of every ``stride``-th observation."""

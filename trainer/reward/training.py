@@ -27,7 +27,7 @@ from trainer.optimizers import optimizer_tensors, restore_optimizer
 from trainer.progress import Progress, Section
 from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
-from trainer.reward.snippets import SnippetRule, SnippetStarts, draw_snippets
+from trainer.reward.snippets import SnippetRule, draw_snippets
 from tril.artifacts import write_whole
 from tril.errors import Invalid
 from tril.recipes import RewardRecipe
@@ -200,7 +200,7 @@ class _PaperLogits:
         self._seed = seed
         sizes = [len(game.observations) for game in self._games]
         count = recipe.snippet_pairs or updates * recipe.pairs_per_update
-        rule = snippet_rule(recipe)
+        rule = SnippetRule.of(recipe)
         self._drawn = draw_snippets(comparisons.pairs, sizes, rule, count, _rng(seed, _SNIPPETS))
         self._order = cache(self._drawn_order)
 
@@ -271,7 +271,7 @@ class _FastLogits:
         logits = []
         for group, count in zip(groups, counts, strict=True):
             pairs = [(row[better], row[worse]) for better, worse in group.pairs]
-            rule = replace(snippet_rule(recipe), starts=group.starts).every(stride)
+            rule = replace(SnippetRule.of(recipe), starts=group.starts).every(stride)
             drawn = draw_snippets(pairs, ends, rule, count, rng, first)
             better = _sums(table, drawn.better, drawn.better_start, drawn.length)
             logits.append(better - _sums(table, drawn.worse, drawn.worse_start, drawn.length))
@@ -298,12 +298,6 @@ class _FastLogits:
         ):
             table[row, begin + 1 : begin + 1 + len(part)] = part.cumsum(0)
         return table
-
-
-def snippet_rule(recipe: RewardRecipe) -> SnippetRule:
-    """Return how a recipe compares snippets of ranked games, the free ones apart."""
-    starts: SnippetStarts = "same" if recipe.aligned else "later"
-    return SnippetRule(recipe.snippet_min_steps, recipe.snippet_max_steps, starts)
 
 
 def _shared_out(count: int, shares: Sequence[float]) -> list[int]:

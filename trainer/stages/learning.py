@@ -54,6 +54,7 @@ def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.stage_folder("check"),
         data.perfect_games,
     )
+    data.forget_copies()
     found = check.to_dict()
     found["predicted_returns"] = {
         str(data.ranked[index]): value for index, value in check.predicted_returns.items()
