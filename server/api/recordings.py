@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
@@ -23,12 +24,13 @@ from server.api.schemas import (
 from server.api.views import RecordingViews, parent_of
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
-from server.derived import version_of
+from server.derived import Derived, version_of
 from server.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.game.space_invaders import RAM_NAMES
 from tril.library import Imported, export_behaviour, import_recordings
 from tril.library import export_recording as exchanged
+from tril.recording import Recording as Played
 from tril.store import behaviours, players, recordings
 from tril.store.models import RecordingRow
 
@@ -205,11 +207,7 @@ def get_recording_frames(
     request: Request, recording_id: RecordingId, v: Version = None
 ) -> Response:
     """Return every frame of a recording, as docs/protocol.md describes."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, recording_id))
-    content = services.derived.frames(recording)
-    return _derived(content, "application/octet-stream", v == version_of(recording))
+    return _derive(request, recording_id, v, Derived.frames, "application/octet-stream")
 
 
 @router.get(
@@ -221,11 +219,7 @@ def get_recording_thumbnail(
     request: Request, recording_id: RecordingId, v: Version = None
 ) -> Response:
     """Return a picture of the moment after a recording's last hit, else of its last frame."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, recording_id))
-    content = services.derived.thumbnail(recording)
-    return _derived(content, "image/png", v == version_of(recording))
+    return _derive(request, recording_id, v, Derived.thumbnail, "image/png")
 
 
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
@@ -257,11 +251,7 @@ def get_recording_memory(
     request: Request, recording_id: RecordingId, v: Version = None
 ) -> Response:
     """Return the RAM at the start and after every frame of a recording, 128 bytes each."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, recording_id))
-    content = services.derived.memory(recording)
-    return _derived(content, "application/octet-stream", v == version_of(recording))
+    return _derive(request, recording_id, v, Derived.memory, "application/octet-stream")
 
 
 @router.get(
@@ -273,11 +263,8 @@ def get_recording_clip(
     request: Request, recording_id: RecordingId, kind: ClipKind, v: Version = None
 ) -> Response:
     """Return a recording as a moving picture; making it takes seconds the first time."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, recording_id))
-    answer = _derived(
-        services.derived.clip(recording, kind), MEDIA_TYPES[kind], v == version_of(recording)
+    answer = _derive(
+        request, recording_id, v, lambda derived, one: derived.clip(one, kind), MEDIA_TYPES[kind]
     )
     answer.headers.update(_download(f"recording-{recording_id}.{kind}"))
     return answer
@@ -309,8 +296,19 @@ def _of_behaviour(session: Session, behaviour_id: int, ids: list[int]) -> list[R
     return [rows[key] for key in sorted(rows)]
 
 
-def _derived(content: bytes, media_type: str, is_version: bool) -> Response:
-    cached = _FOR_EVER if is_version else "private, no-cache"
+def _derive(
+    request: Request,
+    recording_id: int,
+    version: str | None,
+    derive: Callable[[Derived, Played], bytes],
+    media_type: str,
+) -> Response:
+    """Answer with what a recording yields, from the cache where it is there."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    content = derive(services.derived, recording)
+    cached = _FOR_EVER if version == version_of(recording) else "private, no-cache"
     return Response(content, media_type=media_type, headers={"Cache-Control": cached})
 
 
