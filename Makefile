@@ -32,13 +32,13 @@ environment: $(RUN_STAMP) ## the virtual environment with what running needs
 
 frontend: $(PAGE) ## the page, built
 
-test: $(DEV_STAMP) frontend test-frontend ## every test, in a real browser too
-	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
-		$(PY) -m pytest $(ARGS)
+test: test-frontend test-unit test-e2e ## every test, in a real browser too
 
+# As many at once as there are cores; whoever is idle takes over what others have left to do.
 test-unit: $(DEV_STAMP) ## every test of the Python part that needs no browser
-	$(PY) -m pytest -m "not e2e" $(ARGS)
+	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
 
+# One after the other: a game in a browser wants the machine for itself.
 test-e2e: $(DEV_STAMP) frontend ## the tests in a real browser
 	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
 		$(PY) -m pytest -m e2e $(ARGS)

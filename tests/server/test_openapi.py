@@ -32,6 +32,9 @@ CHECKS = (
     unsupported_method,
 )
 
+ANSWER_TIMEOUT_S = 60
+"""A recording as a GIF is drawn when it is first asked for, on whatever core is left."""
+
 
 def test_the_document_that_the_frontend_is_generated_from_is_current() -> None:
     current = create_app(Settings.model_construct()).openapi()
@@ -79,4 +82,5 @@ def test_every_answer_is_one_that_the_document_describes(case: Case[Any], live: 
         base_url=f"http://{live.authority}",
         headers={"Cookie": str(live.http.headers["Cookie"])},
         checks=list(CHECKS),
+        timeout=ANSWER_TIMEOUT_S,
     )
