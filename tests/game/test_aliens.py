@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from tests.game.conftest import LONG_GAME_FRAMES, LongGame
-from tests.game.screen_reader import ScreenReader
+from tests.game.screen_reader import ALIEN_COLOUR, SKY, ScreenReader
 from tril.game import space_invaders as game
 from tril.game.aliens import AlienGrid, landed
 from tril.game.console import Console
 from tril.game.episode import Ending, EndReason, Episode, Start
 
+CANNON_COLOUR = 196
 EXPLOSION_FRAMES = 32
 """An alien that was hit stays on the screen, exploding, for up to this many frames."""
 
@@ -128,3 +129,50 @@ def test_an_episode_ends_when_the_aliens_land() -> None:
         console._ale.setRAM(game.RAM_ALIEN_Y, 40)
         episode.advance(0)
         assert episode.end is EndReason.LANDED
+
+
+def test_the_formation_is_where_the_screen_shows_the_aliens(
+    console: Console, long_game: LongGame
+) -> None:
+    episode = Episode(console, long_game.start, max_frames=LONG_GAME_FRAMES)
+    height, width = game.ALIEN_SIZE
+    drawn = np.zeros((height, width), np.bool_)
+    exact = 0
+    for action in long_game.actions[:-1]:
+        episode.advance(action)
+        place = episode.formation
+        assert -96 <= place.left < 160
+        assert 0 <= place.top < 256
+        if episode.hits and episode.frame - episode.hits[-1].frame < EXPLOSION_FRAMES:
+            continue
+        seen = console.screen_palette() == ALIEN_COLOUR
+        seen[: SKY.start] = seen[SKY.stop :] = False
+        for row, column in np.argwhere(episode.aliens):
+            left = place.left + game.COLUMN_WIDTH * column
+            top = place.top + game.ROW_HEIGHT * (game.ROWS - 1 - row)
+            box = seen[top : top + height, left : left + width]
+            assert box.any(), f"frame {episode.frame}"
+            drawn |= box
+            box[:] = False
+        assert not seen.any(), f"frame {episode.frame}"
+        exact += 1
+    assert exact > len(long_game.actions) / 2
+    assert all(edge.any() for edge in (drawn[0], drawn[-1], drawn[:, 0], drawn[:, -1]))
+    assert episode.shifts == 5, "the left columns are gone"
+
+
+@pytest.mark.parametrize("difficulty", [0, 1])
+def test_the_cannon_is_where_it_was_a_frame_before(console: Console, difficulty: int) -> None:
+    episode = Episode(console, Start(5, difficulty=difficulty))
+    offset, width = game.CANNON_EDGES[difficulty]
+    moves = [game.Action.RIGHT] * 150 + [game.Action.LEFTFIRE] * 60
+    for action in moves:
+        before = int(console.ram[game.RAM_PLAYER_X])
+        episode.advance(action)
+        if episode.end is not None:
+            break
+        bottom = console.screen_palette()[game.CANNON_TOP + game.CANNON_HEIGHT - 1]
+        # Bombs fall past it and have another colour.
+        (xs,) = np.nonzero(bottom == CANNON_COLOUR)
+        assert (xs.min(), xs.max()) == (before + offset, before + offset + width - 1)
+    assert episode.frame > 150

@@ -37,6 +37,19 @@ class AlienGridState:
     alien_x: int = -1
 
 
+@dataclass(frozen=True)
+class Formation:
+    """Where the full 6x6 grid of aliens stands on the screen, in pixels.
+
+    Attributes:
+        left: of the first column; negative where that column is gone and the rest has moved on.
+        top: of the top row.
+    """
+
+    left: int
+    top: int
+
+
 class AlienGrid:
     """The aliens that are left in a game, by their place in the full grid."""
 
@@ -90,6 +103,13 @@ class AlienGrid:
     def shifts(self) -> int:
         """How many columns at the left have emptied: the column that the RAM's bit 0 stands for."""
         return self._state.shifts
+
+    def formation(self, ram: Ram) -> Formation:
+        """Return where the grid stands on the screen of the frame that was followed last."""
+        return Formation(
+            left=int(ram[game.RAM_ALIEN_X]) + game.ALIEN_LEFT - game.COLUMN_WIDTH * self.shifts,
+            top=game.TOP_ROW + game.ALIEN_Y_PX * int(ram[game.RAM_ALIEN_Y]),
+        )
 
     def save(self) -> AlienGridState:
         """Return the state of the grid."""

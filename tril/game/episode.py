@@ -11,6 +11,7 @@ from tril.game import space_invaders as game
 from tril.game.aliens import (
     AlienGrid,
     AlienGridState,
+    Formation,
     cleared,
     in_play,
     landed,
@@ -174,6 +175,11 @@ class Episode:
     def shifts(self) -> int:
         """The absolute column that bit 0 of the RAM's alien rows stands for."""
         return self._grid.shifts
+
+    @property
+    def formation(self) -> Formation:
+        """Where the grid of aliens stands on the screen: for pictures, never for learning."""
+        return self._grid.formation(self.console.ram_bytes())
 
     def advance(self, action: int) -> None:
         """Run one frame with this action.

@@ -111,8 +111,16 @@ RAM_NAMES = {
 
 # Geometry in pixels.
 COLUMN_WIDTH = 16
+ROW_HEIGHT = 18
 ALIEN_CENTRE = 4
 """Column c, counted from the leftmost that still has aliens, is centred at alien x + 16 c + 4."""
+ALIEN_SIZE = (10, 8)
+"""Height and width of an alien on the screen."""
+ALIEN_LEFT = -1
+"""From alien x to the left edge of the leftmost column that still has aliens."""
+TOP_ROW = 31
+ALIEN_Y_PX = 2
+"""The top row begins at 31 + 2 times alien y; alien y counts from 0."""
 MISSILE_OFFSET = 5
 """A missile leaves at about player x + 5."""
 PLAYER_LEFT_WALL = 35
@@ -120,6 +128,11 @@ PLAYER_LEFT_WALL = 35
 PLAYER_RIGHT_WALL = 117
 PLAYER_SPEED_PX = 0.5
 """Pixels that the player moves in a frame."""
+CANNON_TOP = 185
+CANNON_HEIGHT = 10
+CANNON_EDGES = ((-1, 7), (0, 14))
+"""By difficulty: from player x to the cannon's left edge, and its width. A screen shows it where
+player x was a frame before."""
 SHIELDS = ((42, 50), (74, 82), (106, 114))
 """First and last x of the three shields; they stop missiles until they are worn through."""
 
