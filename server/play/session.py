@@ -3,41 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from enum import Enum, auto
 
-from server.play.conditions import FULL_SPEED_PERCENT, KEY, PlayConditions
+from server.play.conditions import KEY, PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
-from server.play.frames import palette_json
-from server.play.protocol import (
-    Close,
-    Command,
-    Countdown,
-    Ended,
-    Hello,
-    HitAt,
-    HitMessage,
-    Paused,
-    Rewound,
-    TakenOver,
-)
+from server.play.news import all_hits, greeting, hits_after, outcome
+from server.play.pace import FrameClock, happens_within
+from server.play.protocol import Close, Command, Countdown, Paused, Rewound, TakenOver
 from server.play.rewind import Tape, run_back
 from server.play.rules import PlayRules
-from tril.behaviours import Behaviour, score
-from tril.game import space_invaders as game
+from tril.behaviours import Behaviour
 from tril.game.controls import action_for
-from tril.game.episode import Hit
 from tril.recording import Recorder
 from tril.store.games import Progress
-
-_LOG = logging.getLogger(__name__)
-
-FRAME_S = 1.0 / game.FRAME_RATE_HZ
-MAX_LAG_S = 0.25
-"""A clock that is later than this has stood still, and goes on from now instead of rushing."""
 
 WHY_PAUSED = "You paused the game."
 WHY_STALLED = (
@@ -178,21 +159,8 @@ class PlaySession:
         if before is not None:
             await _dismiss(before)
         episode = self._recorder.episode
-        height, width = game.SCREEN_SHAPE
-        await connection.tell(
-            Hello(
-                palette=palette_json(),
-                width=width,
-                height=height,
-                frame_rate_hz=game.FRAME_RATE_HZ,
-                max_frames=episode.max_frames,
-                frame=episode.frame,
-                epoch=self.epoch,
-                resumed=is_resumed,
-                hits=self._hits(),
-                speed_percent=self._conditions.speed_percent,
-            )
-        )
+        speed = self._conditions.speed_percent
+        await connection.tell(greeting(self._behaviour, episode, self.epoch, is_resumed, speed))
         await self._show()
         if self.phase is Phase.ENDED:
             return
@@ -274,20 +242,8 @@ class PlaySession:
         connection = self.connection
         if connection is None:
             return
-        episode = self._recorder.episode
-        found = score(self._behaviour, self._cells())
         await connection.tell(
-            Ended(
-                reason=None if episode.end is None else str(episode.end),
-                frame=episode.frame,
-                hits=self._hits(),
-                targets=None if found is None else found.targets,
-                strays=None if found is None else found.strays,
-                order_errors=None if found is None else found.order_errors,
-                recording_id=self.recording_id,
-                verification="verified" if refusal is None else "failed",
-                verification_note=refusal or "",
-            )
+            outcome(self._behaviour, self._recorder.episode, self.recording_id, refusal)
         )
         await connection.close(Close.GAME_OVER, "The game is over.")
 
@@ -355,9 +311,8 @@ class PlaySession:
         self._conditions = self._conditions.until(frame)
         self._tape.cut(frame)
         self._consoles.give_back(before.episode.console)
-        await connection.tell(
-            Rewound(frame=frame, hits=self._hits(), recording_id=branched.recording_id)
-        )
+        hits = all_hits(self._behaviour, self._recorder.episode)
+        await connection.tell(Rewound(frame=frame, hits=hits, recording_id=branched.recording_id))
 
     async def _go_on(self) -> None:
         """Count down, then play until something stops it."""
@@ -365,7 +320,7 @@ class PlaySession:
             self.phase = Phase.COUNTING
             for seconds in range(self._rules.countdown, 0, -1):
                 await self._tell_countdown(seconds)
-                if await self._stopped_within(self._rules.countdown_second_s):
+                if await happens_within(self._stopped, self._rules.countdown_second_s):
                     return
             await self._tell_countdown(0)
             self.phase = Phase.PLAYING
@@ -380,10 +335,9 @@ class PlaySession:
             await self.connection.tell(Paused(why=WHY_STALLED))
 
     async def _play(self) -> None:
-        loop = asyncio.get_running_loop()
         if self.connection is not None:
             self.connection.forget_presses()
-        deadline = loop.time()
+        clock = FrameClock(self.game_id)
         while not self._stopped.is_set() and self._recorder.episode.end is None:
             connection = self.connection
             if connection is None or not connection.is_open:
@@ -392,28 +346,15 @@ class PlaySession:
                 self._is_stalled = True
                 return
             await self._tick(connection)
-            deadline += FRAME_S * FULL_SPEED_PERCENT / self._conditions.speed_percent
-            now = loop.time()
-            if now - deadline > MAX_LAG_S:
-                _LOG.warning("Game %s stood still for %.2f s.", self.game_id, now - deadline)
-                deadline = now
-            await asyncio.sleep(max(0.0, deadline - now))
+            await clock.wait(self._conditions.speed_percent)
 
     async def _tick(self, connection: Connection) -> None:
         episode = self._recorder.episode
         n_hits = len(episode.hits)
         self._tape.note(episode)
         self._recorder.advance(action_for(connection.take_keys()))
-        hits = episode.hits
-        for n in range(n_hits, len(hits)):
-            found = score(self._behaviour, self._cells()[: n + 1])
-            await connection.tell(
-                HitMessage(
-                    **self._hit(hits[n]).model_dump(),
-                    targets=None if found is None else found.targets,
-                    strays=None if found is None else found.strays,
-                )
-            )
+        for hit in hits_after(self._behaviour, episode, n_hits):
+            await connection.tell(hit)
         if not await self._show():
             self._conditions.dropped.append(episode.frame)
 
@@ -427,13 +368,6 @@ class PlaySession:
     async def _tell_countdown(self, seconds: int) -> None:
         if self.connection is not None:
             await self.connection.tell(Countdown(seconds=seconds))
-
-    async def _stopped_within(self, seconds: float) -> bool:
-        try:
-            await asyncio.wait_for(self._stopped.wait(), seconds)
-        except TimeoutError:
-            return False
-        return True
 
     async def _halt(self) -> None:
         """Stop counting or playing and wait until the frame at hand is through."""
@@ -452,17 +386,6 @@ class PlaySession:
 
     async def _run_finish(self) -> None:
         await self._finish(self)
-
-    def _cells(self) -> tuple[tuple[int, int], ...]:
-        return tuple((hit.row, hit.column) for hit in self._recorder.episode.hits)
-
-    def _hits(self) -> list[HitAt]:
-        return [self._hit(hit) for hit in self._recorder.episode.hits]
-
-    def _hit(self, hit: Hit) -> HitAt:
-        target = self._behaviour.target
-        on_target = None if target is None else (hit.row, hit.column) in target
-        return HitAt(row=hit.row, column=hit.column, frame=hit.frame, on_target=on_target)
 
 
 async def _dismiss(connection: Connection) -> None:
