@@ -264,7 +264,9 @@ FAST = Recipe(
         aligned=True,
         free_share=0.33,
         perfect_share=0.05,
-        disturbed_share=0.4,
+        disturbed_share=0.6,
+        disturbed_copies=12,
+        weight_decay=1e-3,
         fold_updates=120,
     ),
     policy=PolicyRecipe(

@@ -1,6 +1,6 @@
 import pytest
 
-from tril.game.controls import DEFAULT_KEY_CODES, Keys, action_for
+from tril.game.controls import DEFAULT_KEY_CODES, Keys, action_for, keys_for
 from tril.game.space_invaders import Action
 
 
@@ -23,3 +23,8 @@ def test_every_set_of_held_keys_has_its_action(keys: Keys, action: Action) -> No
 
 def test_every_key_can_be_held_from_the_keyboard() -> None:
     assert set(DEFAULT_KEY_CODES.values()) == set(Keys)
+
+
+@pytest.mark.parametrize("action", Action)
+def test_the_keys_of_an_action_stand_for_it(action: Action) -> None:
+    assert action_for(keys_for(action)) is action

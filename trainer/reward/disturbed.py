@@ -2,22 +2,28 @@
 
 A ranking of a dozen games says little about aliens that nobody shot: the network takes them for
 targets. A perfect game that is disturbed for some steps and then goes on as recorded, now out of
-place, hits such aliens, and is worse than it was. That a policy gets worse the more noise it is
-disturbed by is the idea of D-REX (Brown et al. 2020, "Better-than-Demonstrator Imitation Learning
-via Automatically-Ranked Demonstrations"); here it is the demonstration itself that is disturbed,
-from the emulator's saved states.
+place, hits such aliens, and is worse than it was. Nor does a ranking tell hits from where one
+stands while hitting: a perfect game that goes on without the fire key stands in the same places as
+late, and hits nothing.
+
+That a policy gets worse the more noise it is disturbed by is the idea of D-REX (Brown et al. 2020,
+"Better-than-Demonstrator Imitation Learning via Automatically-Ranked Demonstrations"); here it is
+the demonstration itself that is disturbed, from the emulator's saved states.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 
 import numpy as np
 import numpy.typing as npt
 
 from tril.game.agent import AgentGame, AgentGameState
 from tril.game.console import Console
+from tril.game.controls import Keys, action_for, keys_for
 from tril.game.space_invaders import FRAMES_PER_STEP, Action
 from tril.recording import Recording
 
@@ -26,6 +32,14 @@ SHORTEST_COPY = 20
 
 LONGEST_COPY = 120
 """Steps after the first disturbance: a snippet is at most 100 steps long."""
+
+_NO_KEY = Keys(0)
+
+_MISSING_SHARE = 0.5
+"""Chance of a copy to go on without one of the keys, instead of in bursts."""
+
+_MISSING_KEYS = {Keys.FIRE: 2, Keys.LEFT: 1, Keys.RIGHT: 1}
+"""How often each is the missing one, of those that are pressed in the rest of the game."""
 
 _BURST_STEPS = (2, 15)
 _BURST_SHARE = 0.02
@@ -112,33 +126,52 @@ def _disturb(
     rng: np.random.Generator,
     tick: Callable[[], None],
 ) -> npt.NDArray[np.uint8]:
-    """Play a game on from a state, in bursts of one held action and as recorded between them."""
+    """Play a game on from a state: without a key, or with bursts of one held action."""
     game.restore(state)
     observations = [game.observation]
-    actions, weights = list(_BURST_ACTIONS), list(_BURST_ACTIONS.values())
     n_steps = len(recording.actions) // FRAMES_PER_STEP
-    left = 0
-    held = Action.NOOP
-    for step in range(first_step, min(n_steps, first_step + LONGEST_COPY)):
+    steps = range(first_step, min(n_steps, first_step + LONGEST_COPY))
+    missing = _draw_missing(recording, steps, rng)
+    bursts = {} if missing else _draw_bursts(steps, rng)
+    for step in steps:
         if game.end is not None:
             break
-        if not left and (step == first_step or rng.random() < _BURST_SHARE):
-            left = int(rng.integers(*_BURST_STEPS, endpoint=True))
-            held = actions[int(rng.choice(len(actions), p=weights))]
-        if left:
-            game.step(held)
-            left -= 1
+        if step in bursts:
+            game.step(bursts[step])
         else:
-            _play(game, recording, step)
+            _play(game, recording, step, missing)
         observations.append(game.observation)
         tick()
     return np.stack(observations)
 
 
-def _play(game: AgentGame, recording: Recording, step: int) -> None:
+def _draw_missing(recording: Recording, steps: range, rng: np.random.Generator) -> Keys:
+    """Return the key that is missing in these steps; none is where the copy has bursts."""
+    rest = recording.actions[steps.start * FRAMES_PER_STEP : steps.stop * FRAMES_PER_STEP]
+    pressed = reduce(or_, map(keys_for, set(rest)), _NO_KEY)
+    keys = [key for key, weight in _MISSING_KEYS.items() if key & pressed for _ in range(weight)]
+    if not keys or rng.random() >= _MISSING_SHARE:
+        return _NO_KEY
+    return keys[int(rng.integers(len(keys)))]
+
+
+def _draw_bursts(steps: range, rng: np.random.Generator) -> dict[int, Action]:
+    """Return the action held in each step of a burst; the first step begins one."""
+    actions, weights = list(_BURST_ACTIONS), list(_BURST_ACTIONS.values())
+    held: dict[int, Action] = {}
+    for step in steps:
+        if step in held or (step != steps.start and rng.random() >= _BURST_SHARE):
+            continue
+        action = actions[int(rng.choice(len(actions), p=weights))]
+        length = int(rng.integers(*_BURST_STEPS, endpoint=True))
+        held.update(dict.fromkeys(range(step, step + length), action))
+    return held
+
+
+def _play(game: AgentGame, recording: Recording, step: int, missing: Keys = _NO_KEY) -> None:
     """Play a step as it was recorded, frame by frame: a person may change keys within it."""
     begin = step * FRAMES_PER_STEP
     for action in recording.actions[begin : begin + FRAMES_PER_STEP]:
         if game.end is not None:
             return
-        game.advance(action)
+        game.advance(action_for(keys_for(action) & ~missing))

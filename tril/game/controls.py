@@ -36,6 +36,14 @@ def action_for(keys: Keys) -> Action:
     return _ACTIONS[_MOVES[keys & (Keys.LEFT | Keys.RIGHT)], bool(keys & Keys.FIRE)]
 
 
+_KEYS = {action_for(keys): keys for keys in map(Keys, (0, 1, 2, 4, 5, 6))}
+
+
+def keys_for(action: int) -> Keys:
+    """Return the held keys that stand for an action, never left and right at once."""
+    return _KEYS[Action(action)]
+
+
 DEFAULT_KEY_CODES: Mapping[str, Keys] = MappingProxyType(
     {
         "ArrowLeft": Keys.LEFT,

@@ -1,10 +1,15 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from trainer.progress import RunCancelled
+from trainer.reward import disturbed
 from trainer.reward.disturbed import LONGEST_COPY, SHORTEST_COPY, disturbed_copies
 from tril.game.agent import AgentGame
 from tril.game.console import Console
+from tril.game.controls import Keys, action_for, keys_for
+from tril.game.space_invaders import FRAMES_PER_STEP, Action
 from tril.game.starts import Start
 from tril.recording import Recording, trajectory
 
@@ -37,6 +42,37 @@ def test_copies_begin_in_the_game_and_leave_it(recording: Recording) -> None:
         differ.append(not np.array_equal(own[:same], original[first : first + same]))
     # Not all: to the left of the left wall there is nowhere to go.
     assert np.mean(differ) >= 0.7
+
+
+def test_some_copies_go_on_without_a_key(
+    recording: Recording, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(disturbed, "_MISSING_SHARE", 1.0)
+    monkeypatch.setattr(disturbed, "_MISSING_KEYS", {Keys.FIRE: 1})
+    (copy,) = disturbed_copies([recording], 1, np.random.default_rng(0), lambda: None)
+    game = AgentGame(Console())
+    game.reset(recording.start)
+    expected = [game.observation]
+    for frame, action in enumerate(recording.actions):
+        if game.end is not None:
+            break
+        is_disturbed = frame >= copy.first_step * FRAMES_PER_STEP
+        game.advance(action_for(keys_for(action) & ~Keys.FIRE) if is_disturbed else action)
+        if (frame + 1) % FRAMES_PER_STEP == 0 or game.end is not None:
+            expected.append(game.observation)
+    mine = np.stack(expected)[copy.first_step : copy.first_step + len(copy.observations)]
+    assert np.array_equal(copy.observations, mine)
+
+
+def test_a_key_that_is_not_pressed_again_is_not_the_missing_one(
+    recording: Recording, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(disturbed, "_MISSING_SHARE", 1.0)
+    still = replace(recording, actions=bytes([Action.NOOP]) * 4 * STEPS, ram_hashes=())
+    original = trajectory(still).observations
+    for copy in disturbed_copies([still], 5, np.random.default_rng(0), lambda: None):
+        first, n = copy.first_step, len(copy.observations)
+        assert not np.array_equal(copy.observations, original[first : first + n])
 
 
 def test_the_same_draws_give_the_same_copies(recording: Recording) -> None:
