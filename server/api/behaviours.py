@@ -17,10 +17,11 @@ from server.api.schemas import (
 )
 from server.dependencies import BehaviourId, Reading, Writing
 from server.problems import CONFLICT, NOT_FOUND
-from tril.demonstrator import example_plans, tick
+from tril.demonstrator import PlayedGame, example_plans, tick
 from tril.errors import Invalid
+from tril.game.episode import EndReason
 from tril.store import behaviours, recordings
-from tril.store.models import BehaviourRow, Verification
+from tril.store.models import BehaviourRow, RecordingRow, Verification
 
 router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 
@@ -46,7 +47,7 @@ def get_checklist(session: Reading, behaviour_id: BehaviourId) -> Checklist:
     """Return the demonstrations that exemplify a behaviour, and which of them were played.
 
     The rules are the demonstrator's; of the library's verified recordings, whoever played them,
-    it counts what they hit.
+    it counts what they hit, and that they were survived to their end.
     """
     behaviour = behaviours.as_behaviour(behaviours.get(session, behaviour_id))
     try:
@@ -54,7 +55,7 @@ def get_checklist(session: Reading, behaviour_id: BehaviourId) -> Checklist:
     except Invalid as error:
         return Checklist(planned=[], note=str(error))
     games = {
-        row.id: [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+        row.id: _played(row)
         for row in recordings.listing(session, behaviour_id)
         if row.verification == Verification.VERIFIED
     }
@@ -101,6 +102,14 @@ def update_behaviour(
 def delete_behaviour(session: Writing, behaviour_id: BehaviourId) -> None:
     """Take a behaviour out of the lists."""
     behaviours.delete(session, behaviours.get(session, behaviour_id))
+
+
+def _played(row: RecordingRow) -> PlayedGame:
+    return PlayedGame(
+        hits=tuple((hit.row, hit.column) for hit in recordings.hits_of(row)),
+        end=None if row.end is None else EndReason(row.end),
+        n_frames=row.n_frames,
+    )
 
 
 def _one(session: Session, row: BehaviourRow) -> Behaviour:

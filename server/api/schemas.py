@@ -111,7 +111,8 @@ class BehaviourUpdate(Schema):
 class PlannedDemonstration(Schema):
     """One of the demonstrations that exemplify a behaviour.
 
-    ``recording_id`` is a recording that hit what it asks for; None while it is missing.
+    ``recording_id`` is a recording that hit what it asks for and was survived to its end; None
+    while it is missing.
     """
 
     number: int

@@ -16,7 +16,14 @@ from tril.demonstrator.expert import EXPERT_STYLE, Expert, check_expert
 from tril.demonstrator.judging import Judgement, ShownGame
 from tril.demonstrator.kinds import KINDS, SCRIPTED, ExampleKind, kind_named
 from tril.demonstrator.manner import HUMAN, PERFECT, Manner
-from tril.demonstrator.plans import N_DEMONSTRATIONS, DemonstrationPlan, example_plans, meets
+from tril.demonstrator.plans import (
+    N_DEMONSTRATIONS,
+    DemonstrationPlan,
+    PlayedGame,
+    example_plans,
+    meets,
+    shows,
+)
 
 __all__ = [
     "EXPERT_STYLE",
@@ -33,6 +40,7 @@ __all__ = [
     "Expert",
     "Judgement",
     "Manner",
+    "PlayedGame",
     "ShownGame",
     "carry_out",
     "check_expert",
@@ -44,5 +52,6 @@ __all__ = [
     "make_example",
     "meets",
     "perfect_demonstrations",
+    "shows",
     "tick",
 ]

@@ -1,30 +1,29 @@
-"""Which of a behaviour's demonstrations are there, by what games really hit."""
+"""Which of a behaviour's demonstrations are there, by what games really came to."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tril.behaviours import Cell
-from tril.demonstrator.plans import DemonstrationPlan, meets
+from tril.demonstrator.plans import DemonstrationPlan, PlayedGame, shows
 
 
 def tick(
-    plans: Sequence[DemonstrationPlan], games: Mapping[int, Sequence[Cell]]
+    plans: Sequence[DemonstrationPlan], games: Mapping[int, PlayedGame]
 ) -> dict[int, int | None]:
-    """Assign games to the plans that they carry out, so that as many plans as possible have one.
+    """Assign games to the plans that they show, so that as many plans as possible have one.
 
     A game stands for one plan only, also where it meets the rules of several; older assignments
     make way where that helps (Kuhn's algorithm for bipartite matching).
 
     Args:
         plans: What is to be shown.
-        games: The hits of each game as (row, column), in order of time, by its id.
+        games: What each game came to, by its id.
 
     Returns:
         By the number of each plan the id of its game, None where it is missing.
     """
     fitting = {
-        plan.number: [number for number, hits in games.items() if meets(plan, hits) is None]
+        plan.number: [number for number, game in games.items() if shows(plan, game) is None]
         for plan in plans
     }
     plan_of: dict[int, int] = {}

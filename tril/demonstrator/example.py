@@ -19,16 +19,18 @@ from tril.demonstrator.manner import PERFECT, Manner
 from tril.demonstrator.person import PersonLikePlayer
 from tril.demonstrator.plans import (
     DemonstrationPlan,
+    PlayedGame,
     comes_near,
     draw_hits,
     example_plans,
     meets,
+    shows,
 )
 from tril.demonstrator.player import ScriptedPlayer, Style, draw_brisk_style, draw_style
 from tril.errors import Unavailable
 from tril.exchange import to_exchange
 from tril.game.console import Console
-from tril.game.episode import TRAINING_IDLE_FRAMES, EndReason, Episode, Start
+from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start
 from tril.recording import Recorder, Recording, Replay
 
 N_PERFECT = 12
@@ -161,13 +163,13 @@ def demonstrate(
 
 def _why_not(made: Demonstration) -> str | None:
     """Say why a game is no demonstration of its plan; None if it is."""
-    hits = made.shown.hits
+    hits, end = made.shown.hits, made.replay.end
     if made.manner != PERFECT and not made.perfect:
         return comes_near(made.plan, hits)
-    ends = [EndReason.STEPS, EndReason.CLEARED, *([] if made.manner == PERFECT else [None])]
-    if made.replay.end not in ends:
-        return f"The game ended at frame {made.replay.n_frames}: {made.replay.end}."
-    return meets(made.plan, hits)
+    if made.manner != PERFECT and end is None:
+        # A person leaves a game when all is shown.
+        return meets(made.plan, hits)
+    return shows(made.plan, PlayedGame(hits, end, made.replay.n_frames))
 
 
 def example_tasks(

@@ -14,6 +14,7 @@ import numpy as np
 
 from tril.behaviours import ROW_1, Behaviour, Cell
 from tril.errors import Invalid
+from tril.game.episode import EndReason
 from tril.game.space_invaders import COLUMNS, ROWS
 
 N_DEMONSTRATIONS = 12
@@ -36,6 +37,7 @@ _WRONG_COUNTS = ((1, 1), (3, 4), (5, 6), (7, 8), (11, 13))
 _NEARNESS = 1.5
 """How much less likely, as an exponent, each column further away is to be shot at next."""
 _MAX_DRAWS = 10_000
+_TO_THE_END = frozenset({EndReason.STEPS, EndReason.CLEARED})
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,32 @@ class DemonstrationPlan:
     each_of: tuple[frozenset[Cell], ...] = ()
     sequence: tuple[Cell, ...] | None = None
     jumbled: bool = False
+
+
+@dataclass(frozen=True)
+class PlayedGame:
+    """What a game came to.
+
+    Attributes:
+        hits: The aliens hit as (row, column), in order of time.
+        end: Why it ended, None where it was left before.
+        n_frames: How many frames were played.
+    """
+
+    hits: tuple[Cell, ...]
+    end: EndReason | None
+    n_frames: int
+
+
+def shows(plan: DemonstrationPlan, game: PlayedGame) -> str | None:
+    """Say why a game doesn't show a plan; None if it does.
+
+    It has to meet the plan's rule and to be survived to its end: the 300 steps, or the last alien.
+    One that was left or lost before doesn't show what would have been left alone.
+    """
+    if game.end not in _TO_THE_END:
+        return f"The game ended at frame {game.n_frames}: {game.end or 'left'}."
+    return meets(plan, game.hits)
 
 
 def meets(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:

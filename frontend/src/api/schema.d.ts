@@ -88,7 +88,7 @@ export interface paths {
          * @description Return the demonstrations that exemplify a behaviour, and which of them were played.
          *
          *     The rules are the demonstrator's; of the library's verified recordings, whoever played them,
-         *     it counts what they hit.
+         *     it counts what they hit, and that they were survived to their end.
          */
         get: operations["get_checklist"];
         put?: never;
@@ -1174,7 +1174,8 @@ export interface components {
          * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
-         *     ``recording_id`` is a recording that hit what it asks for; None while it is missing.
+         *     ``recording_id`` is a recording that hit what it asks for and was survived to its end; None
+         *     while it is missing.
          */
         PlannedDemonstration: {
             /** Description */

@@ -21,6 +21,9 @@ export function Checklist({ behaviour }: { behaviour: Behaviour }) {
         Demonstrations: {done} of {planned.length}
         {next && <span> Next: {next.description}</span>}
       </summary>
+      <p className={styles.checklistRule}>
+        A game counts that is survived to its end; one that was stopped or lost does not.
+      </p>
       <ol aria-label="Demonstrations, best first">
         {planned.map(({ number, description, recording_id: id }) => (
           <li key={number} className={id === null ? undefined : styles.ticked}>
