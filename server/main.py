@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import logging.config
 import os
@@ -54,6 +55,16 @@ class Server(uvicorn.Server):
     Streams of events end only because they are told to.
     """
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, then leave what stays for good out of garbage collections.
+
+        A collection that looks at all of it, 160,000 objects, takes 80 ms: five frames.
+        """
+        await super().startup(sockets)
+        if self.started:
+            gc.collect()
+            gc.freeze()
+
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End the streams, then stop."""
         app = self.config.app
@@ -61,6 +72,8 @@ class Server(uvicorn.Server):
             services: Services = app.state.services
             services.changes.close()
         await super().shutdown(sockets)
+        # The emulators' library complains about consoles that outlive the process.
+        gc.unfreeze()
 
 
 def run_server(settings: Settings) -> None:

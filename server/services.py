@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from server.derived import Derived
 from server.feed import ChangeFeed
 from server.play.consoles import ConsolePool
-from server.play.hub import PlayHub
+from server.play.hub import N_SPARE_CONSOLES, PlayHub
 from server.play.rules import PlayRules
 from server.security import Access
 from server.storage import StorageMeter
@@ -82,7 +82,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     database = create_database(settings.application_url)
     check_schema(database)
     name = process_name()
-    consoles = ConsolePool()
+    consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
     jobs = Jobs(database, settings)
     services = Services(
         settings=settings,
@@ -101,11 +101,13 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     try:
         await asyncio.to_thread(heartbeat.start)
         services.changes.start()
+        consoles.start()
         services.games.start()
         jobs.start_reconciling()
         yield services
     finally:
         await services.games.stop()
+        await asyncio.to_thread(consoles.stop)
         services.changes.stop()
         await asyncio.to_thread(heartbeat.stop)
         jobs.close()

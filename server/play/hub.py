@@ -28,7 +28,8 @@ from tril.store.models import BehaviourRow, GameRow, RecordingState
 
 _LOG = logging.getLogger(__name__)
 
-N_CONSOLES_AHEAD = 2
+N_SPARE_CONSOLES = 2
+"""Consoles beside those of the games, to replay and to run back on."""
 RETRY_S = 1.0
 JOINING_S = 0.02
 
@@ -53,12 +54,10 @@ class PlayHub:
         self._sessions: dict[str, PlaySession] = {}
         self._joining: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._tasks: list[asyncio.Task[None]] = []
-        self._loading: asyncio.Task[None] | None = None
         self._is_stopping = False
 
     def start(self) -> None:
-        """Load consoles, and begin to save games and to look after those that were left alone."""
-        self._load_ahead()
+        """Begin to save games and to look after those that were left alone."""
         self._tasks = [
             asyncio.create_task(self._every(self._rules.save_every_s, self._save_all)),
             asyncio.create_task(self._every(self._rules.sweep_every_s, self._sweep, at_once=True)),
@@ -70,8 +69,6 @@ class PlayHub:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        if self._loading is not None:
-            await self._loading
         sessions = list(self._sessions.values())
         await asyncio.gather(*(session.settle() for session in sessions))
         for session in list(self._sessions.values()):
@@ -134,18 +131,10 @@ class PlayHub:
             finish=self._finish,
         )
         self._sessions[row.id] = session
-        self._load_ahead()
         return session
 
     def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
         return Recorder.resume(recording, self._consoles.take(), near=near)
-
-    def _load_ahead(self) -> None:
-        """Load consoles for the games to come, so that their starts need not wait."""
-        if self._loading is None or self._loading.done():
-            self._loading = asyncio.create_task(
-                asyncio.to_thread(self._consoles.load, N_CONSOLES_AHEAD)
-            )
 
     async def _save_all(self) -> None:
         batch = {

@@ -1,12 +1,12 @@
-"""Running a game back: its screens in reverse, from states that were saved once a second."""
+"""Running a game back: its scenes in reverse, from states that were saved once a second."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from server.play.codec import Screen
 from server.play.consoles import ConsolePool
+from server.play.scene import Scene
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Episode, EpisodeState
@@ -43,8 +43,8 @@ class Tape:
         before = [at for at in self._states if at <= frame]
         return self._states[max(before)] if before else None
 
-    def screens(self, recording: Recording, last: int, console: Console) -> dict[int, Screen]:
-        """Return the screens of a frame and of those before it in its second, by frame.
+    def scenes(self, recording: Recording, last: int, console: Console) -> dict[int, Scene]:
+        """Return the scenes of a frame and of those before it in its second, by frame.
 
         Call it in a thread: it plays up to a second on the console, or from the start if no state
         is nearer.
@@ -53,14 +53,14 @@ class Tape:
         state = self.state_before(last)
         if state is not None:
             episode.restore(state)
-        screens: dict[int, Screen] = {}
+        scenes: dict[int, Scene] = {}
         first = last - last % STATE_EVERY_FRAMES
         while True:
             self.note(episode)
             if episode.frame >= first:
-                screens[episode.frame] = console.screen_palette()
+                scenes[episode.frame] = Scene.of(episode)
             if episode.frame >= last:
-                return screens
+                return scenes
             episode.advance(recording.actions[episode.frame])
 
 
@@ -68,7 +68,7 @@ async def run_back(
     tape: Tape,
     recording: Recording,
     consoles: ConsolePool,
-    show: Callable[[Screen, int], Awaitable[object]],
+    show: Callable[[Scene], Awaitable[object]],
     is_over: Callable[[], bool],
 ) -> int:
     """Show a game in reverse until the player lets go; at its start it waits there.
@@ -77,7 +77,7 @@ async def run_back(
         tape: The game's states.
         recording: What was played.
         consoles: Where a console to show it on comes from.
-        show: Shows a screen of a frame.
+        show: Shows a scene.
         is_over: Whether to stop.
 
     Returns:
@@ -85,20 +85,21 @@ async def run_back(
     """
     loop = asyncio.get_running_loop()
     console = await asyncio.to_thread(consoles.take)
-    screens: dict[int, Screen] = {}
+    scenes: dict[int, Scene] = {}
     frame = recording.n_frames
     began = deadline = loop.time()
     try:
-        while not is_over():
-            pace = SLOW_FRAMES if loop.time() - began < FAST_AFTER_S else FAST_FRAMES
-            to = max(0, frame - pace)
-            if to < frame:
-                if to not in screens:
-                    screens = await asyncio.to_thread(tape.screens, recording, to, console)
-                await show(screens[to], to)
-                frame = to
-            deadline = max(deadline + 1 / game.FRAME_RATE_HZ, loop.time())
-            await asyncio.sleep(deadline - loop.time())
+        with consoles.undisturbed():
+            while not is_over():
+                pace = SLOW_FRAMES if loop.time() - began < FAST_AFTER_S else FAST_FRAMES
+                to = max(0, frame - pace)
+                if to < frame:
+                    if to not in scenes:
+                        scenes = await asyncio.to_thread(tape.scenes, recording, to, console)
+                    await show(scenes[to])
+                    frame = to
+                deadline = max(deadline + 1 / game.FRAME_RATE_HZ, loop.time())
+                await asyncio.sleep(deadline - loop.time())
     finally:
         consoles.give_back(console)
     return frame

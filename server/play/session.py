@@ -15,6 +15,7 @@ from server.play.pace import FrameClock, happens_within
 from server.play.protocol import Close, Command, Countdown, Paused, Rewound, TakenOver
 from server.play.rewind import Tape, run_back
 from server.play.rules import PlayRules
+from server.play.scene import Scene
 from tril.behaviours import Behaviour
 from tril.game.controls import action_for
 from tril.recording import Recorder
@@ -324,7 +325,8 @@ class PlaySession:
                     return
             await self._tell_countdown(0)
             self.phase = Phase.PLAYING
-            await self._play()
+            with self._consoles.undisturbed():
+                await self._play()
         finally:
             if self.phase is not Phase.ENDED:
                 self.phase = Phase.WAITING
@@ -362,8 +364,7 @@ class PlaySession:
         """Send the screen; returns whether the page was there and not too far behind."""
         if self.connection is None:
             return False
-        episode = self._recorder.episode
-        return await self.connection.show(episode.console.screen_palette(), episode.frame)
+        return await self.connection.show(Scene.of(self._recorder.episode))
 
     async def _tell_countdown(self, seconds: int) -> None:
         if self.connection is not None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from starlette.testclient import TestClient
 
 from server.app import create_app
+from server.play.rules import PlayRules
 from server.security import Access
 from tests.workplace import Workplace
 
@@ -16,7 +17,7 @@ from tests.workplace import Workplace
 @contextmanager
 def signed_in(workplace: Workplace, frontend: Path) -> Iterator[TestClient]:
     """Run the application and give a client that is signed in."""
-    app = create_app(workplace.settings, frontend)
+    app = create_app(workplace.settings, frontend, PlayRules(max_games=1))
     with TestClient(app, base_url=f"http://127.0.0.1:{workplace.settings.port}") as client:
         access = Access(workplace.settings)
         client.cookies.set(access.cookie_name, access.new_cookie())

@@ -37,8 +37,8 @@ from tril.game.controls import Keys
 from tril.settings import Settings
 from tril.store.database import Database, create_database
 
-QUICK = PlayRules(countdown=2, countdown_second_s=0.02)
-"""A short countdown; all other times as people have them."""
+QUICK = PlayRules(countdown=2, countdown_second_s=0.02, max_games=4)
+"""A short countdown and few games at once; all other times as people have them."""
 
 TIMEOUT_S = 20.0
 

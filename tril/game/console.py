@@ -70,7 +70,8 @@ class Console:
         """Load the ROM; takes about 0.1 s.
 
         Args:
-            known_starts: starts already reached, shared with other consoles of this process.
+            known_starts: starts already reached, shared with other consoles of this process, also
+                those of other threads.
         """
         ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
         self._ale = ale_py.ALEInterface()
@@ -94,7 +95,7 @@ class Console:
     def _play_to(self, start: Start) -> None:
         earlier = [
             known
-            for known in self._known_starts
+            for known in list(self._known_starts)  # another thread may add one
             if (known.mode, known.difficulty) == (start.mode, start.difficulty)
             and known.idle_frames < start.idle_frames
         ]
