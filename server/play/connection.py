@@ -8,7 +8,7 @@ from typing import Protocol
 
 from starlette.websockets import WebSocketDisconnect
 
-from server.play.codec import FrameEncoder, Screen
+from server.play.codec import FrameEncoder
 from server.play.protocol import (
     MAX_UNACKNOWLEDGED,
     AckMessage,
@@ -18,6 +18,7 @@ from server.play.protocol import (
     ServerMessage,
     frame_bytes,
 )
+from server.play.scene import Scene
 from tril.game.controls import Keys
 
 MAX_REASON_CHARACTERS = 60
@@ -63,6 +64,7 @@ class Connection:
         self._executed_sequence = 0
         self._on_their_way: dict[int, int] = {}
         self._latencies: list[tuple[int, float]] = []
+        self._shown_shots: int | None = None
         self.shown_frame: int | None = None
         self.is_open = True
 
@@ -117,18 +119,25 @@ class Connection:
             self._acknowledged = message.sequence
             self._progress_at = time.monotonic()
 
-    async def show(self, screen: Screen, frame: int) -> bool:
-        """Send a screen unless too many are on their way; returns whether it was sent."""
+    async def show(self, scene: Scene) -> bool:
+        """Send a scene unless too many are on their way; returns whether it was sent."""
         async with self._lock:
             if not self.is_open or self.n_unacknowledged >= MAX_UNACKNOWLEDGED:
                 return False
             if not self.n_unacknowledged:
                 self._progress_at = time.monotonic()
             self._sent += 1
-            encoded = self._encoder.encode(screen)
-            self.shown_frame = frame
-            self._on_their_way[self._sent] = frame
-            message = FrameMessage(self._sent, frame, self._executed_sequence, encoded)
+            shots, self._shown_shots = self._shown_shots, scene.shots
+            self.shown_frame = scene.frame
+            self._on_their_way[self._sent] = scene.frame
+            message = FrameMessage(
+                self._sent,
+                scene.frame,
+                self._executed_sequence,
+                self._encoder.encode(scene.screen),
+                scene.formation,
+                is_shot=shots is not None and scene.shots > shots,
+            )
             await self._send(frame_bytes(message))
         return True
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from server.play.frames import palette_json
-from server.play.protocol import Ended, Hello, HitAt, HitMessage
+from server.play.protocol import AlienGeometry, Ended, Hello, HitAt, HitMessage
 from tril.behaviours import Behaviour, score
 from tril.game import space_invaders as game
 from tril.game.episode import Episode, Hit
@@ -25,6 +25,15 @@ def greeting(
         resumed=is_resumed,
         hits=all_hits(behaviour, episode),
         speed_percent=speed_percent,
+        aliens=alien_geometry(),
+    )
+
+
+def alien_geometry() -> AlienGeometry:
+    """Return how the grid of aliens is laid out on the screen."""
+    height, width = game.ALIEN_SIZE
+    return AlienGeometry(
+        width=width, height=height, column_px=game.COLUMN_WIDTH, row_px=game.ROW_HEIGHT
     )
 
 

@@ -12,13 +12,21 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from server.play.codec import EncodedFrame
 from server.play.conditions import Percent
 from server.play.frames import FLAG_KEY
+from tril.game.aliens import Formation
 from tril.game.controls import Keys
 
 MAX_UNACKNOWLEDGED = 6
 MAX_MESSAGE_BYTES = 256
 """Longest message that a page may send."""
 
-_FRAME = struct.Struct("<BBHIII")
+FLAG_SHOT = 2
+"""Marks a FRAME in which a missile has left the cannon since the one sent before."""
+
+_FRAME = struct.Struct("<BBBBIII")
+_LEFT_BIAS_PX = 96
+"""The first column's place is sent with so much added: it can be left of the screen by almost six
+columns of 16 pixels."""
+_BYTE = 2**8
 _CLIENT = struct.Struct("<BBHI")
 _LATENCY_UNIT_MS = 0.1
 _LONGEST_LATENCY = 2**16 - 1
@@ -49,12 +57,16 @@ class FrameMessage:
         frame: How many frames of the game have been executed; 0 is the start's screen.
         input_sequence: The newest input that a frame was executed with.
         encoded: The screen.
+        formation: Where the grid of aliens stands on it; left from -96 to 159, top to 255.
+        is_shot: Whether a missile has left the cannon since the screen sent before.
     """
 
     sequence: int
     frame: int
     input_sequence: int
     encoded: EncodedFrame
+    formation: Formation
+    is_shot: bool
 
 
 @dataclass(frozen=True)
@@ -101,8 +113,9 @@ def frame_bytes(message: FrameMessage) -> bytes:
     """Write a FRAME."""
     header = _FRAME.pack(
         1,
-        FLAG_KEY * message.encoded.is_key,
-        0,
+        FLAG_KEY * message.encoded.is_key | FLAG_SHOT * message.is_shot,
+        (message.formation.left + _LEFT_BIAS_PX) % _BYTE,
+        message.formation.top % _BYTE,
         message.sequence,
         message.frame,
         message.input_sequence % _SEQUENCES,
@@ -114,9 +127,12 @@ def parse_frame(data: bytes) -> FrameMessage:
     """Read a FRAME; raises BadMessage."""
     if len(data) < _FRAME.size or data[0] != 1:
         raise BadMessage(f"Expected a frame of at least {_FRAME.size} bytes that begins with 1.")
-    _, flags, _, sequence, frame, input_sequence = _FRAME.unpack_from(data)
+    _, flags, left, top, sequence, frame, input_sequence = _FRAME.unpack_from(data)
     encoded = EncodedFrame(bool(flags & FLAG_KEY), data[_FRAME.size :])
-    return FrameMessage(sequence, frame, input_sequence, encoded)
+    formation = Formation(left - _LEFT_BIAS_PX, top)
+    return FrameMessage(
+        sequence, frame, input_sequence, encoded, formation, bool(flags & FLAG_SHOT)
+    )
 
 
 def client_bytes(message: InputMessage | AckMessage) -> bytes:
@@ -199,6 +215,15 @@ class HitAt(_Message):
     on_target: bool | None
 
 
+class AlienGeometry(_Message):
+    """Pixels: how large an alien is, and from one column's or row's edge to the next one's."""
+
+    width: int
+    height: int
+    column_px: int
+    row_px: int
+
+
 class Hello(_Message):
     """The first message: how to show what comes, and where the game is."""
 
@@ -213,6 +238,7 @@ class Hello(_Message):
     resumed: bool
     hits: list[HitAt]
     speed_percent: int
+    aliens: AlienGeometry
 
 
 class Countdown(_Message):

@@ -13,6 +13,7 @@ from typing import Any
 
 from server.play.codec import FrameEncoder
 from server.play.frames import frames_file, palette_json
+from server.play.news import alien_geometry
 from server.play.protocol import (
     AckMessage,
     Countdown,
@@ -44,6 +45,7 @@ def vectors() -> dict[str, Any]:
     recorder = Recorder(Episode(Console(), Start(5)))
     encoder = FrameEncoder()
     frames: list[dict[str, Any]] = []
+    shots = 0
     console = recorder.episode.console
     for frame in range(N_FRAMES + 1):
         if frame:
@@ -52,7 +54,10 @@ def vectors() -> dict[str, Any]:
         if frame in SHOWN_FRAMES:
             sequence = len(frames) + 1
             screen = console.screen_palette()
-            message = FrameMessage(sequence, frame, 100 + frame, encoder.encode(screen))
+            formation = recorder.episode.formation
+            is_shot, shots = recorder.episode.shots > shots, recorder.episode.shots
+            encoded = encoder.encode(screen)
+            message = FrameMessage(sequence, frame, 100 + frame, encoded, formation, is_shot)
             frames.append(
                 {
                     "base64": _base64(frame_bytes(message)),
@@ -60,6 +65,8 @@ def vectors() -> dict[str, Any]:
                     "sequence": sequence,
                     "frame": frame,
                     "input_sequence": 100 + frame,
+                    "formation": {"left": formation.left, "top": formation.top},
+                    "shot": is_shot,
                     "screen_sha256": hashlib.sha256(screen.tobytes()).hexdigest(),
                 }
             )
@@ -115,6 +122,7 @@ def _server_messages() -> list[ServerMessage]:
             resumed=True,
             hits=[hit],
             speed_percent=50,
+            aliens=alien_geometry(),
         ),
         Countdown(seconds=3),
         Countdown(seconds=0),

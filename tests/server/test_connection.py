@@ -10,10 +10,16 @@ import pytest
 
 from server.play.connection import Connection
 from server.play.protocol import AckMessage, BadMessage, InputMessage, Paused, parse_frame
+from server.play.scene import Scene
+from tril.game.aliens import Formation
 from tril.game.controls import Keys
 from tril.game.space_invaders import SCREEN_SHAPE
 
 SCREEN = np.zeros(SCREEN_SHAPE, np.uint8)
+
+
+def scene(frame: int, shots: int = 0) -> Scene:
+    return Scene(frame, SCREEN, Formation(23, 31), shots)
 
 
 class Wire:
@@ -43,12 +49,12 @@ def test_at_most_six_frames_are_on_their_way() -> None:
     async def play() -> None:
         wire = Wire()
         connection = Connection(wire)
-        shown = [await connection.show(SCREEN, frame) for frame in range(10)]
+        shown = [await connection.show(scene(frame)) for frame in range(10)]
         assert shown == [True] * 6 + [False] * 4
         connection.receive(AckMessage(2))
-        assert await connection.show(SCREEN, 10)
-        assert await connection.show(SCREEN, 11)
-        assert not await connection.show(SCREEN, 12)
+        assert await connection.show(scene(10))
+        assert await connection.show(scene(11))
+        assert not await connection.show(scene(12))
         frames = [parse_frame(data).frame for data in wire.sent if isinstance(data, bytes)]
         assert frames == [0, 1, 2, 3, 4, 5, 10, 11]
 
@@ -59,7 +65,7 @@ def test_frames_shown_at_the_same_time_keep_to_six_as_well() -> None:
     async def play() -> None:
         wire = Wire()
         connection = Connection(wire)
-        shown = await asyncio.gather(*(connection.show(SCREEN, frame) for frame in range(10)))
+        shown = await asyncio.gather(*(connection.show(scene(frame)) for frame in range(10)))
         assert sum(shown) == 6
         sequences = [parse_frame(data).sequence for data in wire.sent if isinstance(data, bytes)]
         assert sequences == [1, 2, 3, 4, 5, 6]
@@ -76,7 +82,7 @@ def test_a_page_stalls_only_while_frames_wait_for_it(monkeypatch: pytest.MonkeyP
         connection = Connection(Wire())
         now += 50
         for frame in range(6):
-            await connection.show(SCREEN, frame)
+            await connection.show(scene(frame))
         assert connection.stalled_for_s == 0
         now += 3
         assert connection.stalled_for_s == 3
@@ -107,14 +113,30 @@ def test_a_frame_names_the_newest_input_that_it_was_executed_with() -> None:
         wire = Wire()
         connection = Connection(wire)
         connection.receive(InputMessage(Keys.LEFT, 1))
-        await connection.show(SCREEN, 0)
+        await connection.show(scene(0))
         connection.take_keys()
         connection.receive(InputMessage(Keys.RIGHT, 2))
-        await connection.show(SCREEN, 1)
+        await connection.show(scene(1))
         connection.take_keys()
-        await connection.show(SCREEN, 2)
+        await connection.show(scene(2))
         named = [parse_frame(data).input_sequence for data in wire.sent if isinstance(data, bytes)]
         assert named == [0, 1, 2]
+
+    asyncio.run(play())
+
+
+def test_a_shot_is_told_with_the_first_frame_sent_after_it() -> None:
+    async def play() -> None:
+        wire = Wire()
+        connection = Connection(wire)
+        for frame, shots in enumerate((3, 3, 4, 4, 2, 3)):
+            await connection.show(scene(frame, shots))
+        connection.receive(AckMessage(1))
+        # Two missiles while the page is behind are told once; a game that is run back tells none.
+        connection.receive(AckMessage(6))
+        await connection.show(scene(9, 5))
+        told = [parse_frame(data).is_shot for data in wire.sent if isinstance(data, bytes)]
+        assert told == [False, False, True, False, False, True, True]
 
     asyncio.run(play())
 
@@ -123,7 +145,7 @@ def test_a_latency_belongs_to_the_frame_that_was_drawn() -> None:
     async def play() -> None:
         connection = Connection(Wire())
         for frame in (40, 41, 43):
-            await connection.show(SCREEN, frame)
+            await connection.show(scene(frame))
         connection.receive(AckMessage(1))
         connection.receive(AckMessage(3, 31.5))
         assert connection.take_latencies() == [(43, 31.5)]
@@ -147,7 +169,7 @@ def test_a_page_that_has_gone_is_sent_nothing_more() -> None:
         connection = Connection(wire)
         await connection.tell(Paused(why=""))
         assert not connection.is_open
-        assert not await connection.show(SCREEN, 0)
+        assert not await connection.show(scene(0))
         await connection.close(4001)
         assert wire.closed is None
 

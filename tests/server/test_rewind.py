@@ -10,6 +10,7 @@ import pytest
 
 from server.play.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.rewind import Tape
+from server.play.scene import Scene
 from tests.server.live import LiveServer, Player, live_server
 from tests.workplace import Workplace
 from tril.game.console import Console
@@ -262,23 +263,26 @@ def test_an_owner_that_lost_its_game_can_not_branch_it(workplace: Workplace) -> 
         assert games.branch(session, lost, lost, None) is None
 
 
-def test_a_tape_gives_every_screen_whether_its_states_are_there_or_not() -> None:
+def test_a_tape_gives_every_scene_whether_its_states_are_there_or_not() -> None:
     rng = np.random.default_rng(3)
     console, tape = Console(), Tape()
     recorder = Recorder(Episode(console, Start(9)))
-    screens = [console.screen_palette()]
+    expected = [Scene.of(recorder.episode)]
     while recorder.episode.frame < 200 and recorder.episode.end is None:
         tape.note(recorder.episode)
         recorder.advance(int(rng.integers(6)))
-        screens.append(console.screen_palette())
+        expected.append(Scene.of(recorder.episode))
     recording, other = recorder.recording(), Console()
     for known in (tape, Tape()):
         for last in (recording.n_frames, 125, 120, 119, 1, 0):
-            given = known.screens(recording, last, other)
+            given = known.scenes(recording, last, other)
             assert max(given) == last
             assert min(given) == last - last % 60
-            for frame, screen in given.items():
-                np.testing.assert_array_equal(screen, screens[frame])
+            for frame, scene in given.items():
+                np.testing.assert_array_equal(scene.screen, expected[frame].screen)
+                assert scene.frame == frame
+                assert scene.formation == expected[frame].formation
+                assert scene.shots == expected[frame].shots
     tape.cut(100)
     state = tape.state_before(500)
     assert state is not None
