@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,7 +17,7 @@ from tril.artifacts import ArtifactStore
 from tril.behaviours import READY_MADE
 from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
-from tril.recipes import RECIPES, Recipe
+from tril.recipes import RECIPES, Recipe, judged_where_trained
 from tril.store import runs
 from tril.store.models import RunRow, RunStatus
 
@@ -41,6 +41,14 @@ def reproduce(
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
     ] = None,
+    own_starts: Annotated[
+        bool,
+        typer.Option(
+            "--own-starts",
+            help="The published protocol: for each of the starts 0, 1, 2 an imitator that is"
+            " trained and judged on it alone.",
+        ),
+    ] = False,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder of the ledger, pages and pictures.")
     ] = Path("docs/results"),
@@ -65,16 +73,21 @@ def reproduce(
             f" {', '.join(one.slug for one in READY_MADE)}."
         )
     with open_workspace() as workspace:
-        cells = [
-            Cell.of(slug, chosen, chosen_steps, seed)
+        recipes = [chosen]
+        if own_starts:
+            starts = chosen.evaluation.start_numbers
+            recipes = [judged_where_trained(chosen, number) for number in starts]
+        cells = {
+            Cell.of(slug, one, chosen_steps, seed): one
             for seed in training_seed or [0, 1, 2]
             for slug in slugs
-        ]
+            for one in recipes
+        }
         missing = [] if page_only else Ledger(output).missing(cells)
         if missing:
             errors.print(f"{len(missing)} of {len(cells)} results are missing.")
             with worker_at_hand(workspace):
-                failed = _compute(workspace, chosen, missing, output)
+                failed = _compute(workspace, {cell: cells[cell] for cell in missing}, output)
         else:
             failed = 0
         page = write_page(output, COMMAND)
@@ -86,14 +99,14 @@ def reproduce(
             )
 
 
-def _compute(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell], output: Path) -> int:
+def _compute(workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path) -> int:
     """Train the cells and write each into the ledger when it is done; return how many failed."""
     from trainer.ledger import Ledger, read_entry
     from trainer.report import write_report
     from trainer.reproduction import cell_folder, write_page
 
     store = ArtifactStore(workspace.settings.artifact_root)
-    waiting = dict.fromkeys(_runs_of(workspace, recipe, cells))
+    waiting = dict.fromkeys(_runs_of(workspace, cells))
     failed = 0
     while waiting:
         for run_id in list(waiting):
@@ -115,7 +128,7 @@ def _compute(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell], output
     return failed
 
 
-def _runs_of(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell]) -> list[str]:
+def _runs_of(workspace: Workspace, cells: Mapping[Cell, Recipe]) -> list[str]:
     """Return a run for each cell: one that is there and not lost, else a new one."""
     from trainer.ledger import read_cell
 
@@ -136,7 +149,7 @@ def _runs_of(workspace: Workspace, recipe: Recipe, cells: Sequence[Cell]) -> lis
             go_on_anyway=True,
             example=True,
         )
-        for cell in cells
+        for cell, recipe in cells.items()
     ]
 
 

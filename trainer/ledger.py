@@ -36,6 +36,7 @@ class Cell:
         digest: Of the recipe's values, see recipe_digest: another value makes another cell.
         steps: PPO steps.
         training_seed: Fed every random choice.
+        own_starts: As in PolicyRecipe: what the policy was trained and judged on, if not held out.
     """
 
     behaviour: str
@@ -43,11 +44,19 @@ class Cell:
     digest: str
     steps: int
     training_seed: int
+    own_starts: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, behaviour: str, recipe: Recipe, steps: int, training_seed: int) -> Cell:
         """Name the cell of a run."""
-        return cls(behaviour, recipe.name, recipe_digest(recipe), steps, training_seed)
+        return cls(
+            behaviour,
+            recipe.name,
+            recipe_digest(recipe),
+            steps,
+            training_seed,
+            recipe.policy.own_starts,
+        )
 
 
 @dataclass(frozen=True)
@@ -250,7 +259,9 @@ def _entry(data: dict[str, Any]) -> Entry:
     return Entry(
         **{
             **data,
-            "cell": Cell(**data["cell"]),
+            "cell": Cell(
+                **{**data["cell"], "own_starts": tuple(data["cell"].get("own_starts", ()))}
+            ),
             "demonstrations": shown,
             "games": tuple(games),
         }

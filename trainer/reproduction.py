@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,7 +57,8 @@ def write_page(folder: Path, command: str) -> Path:
     Raises:
         Invalid: The ledger can't be read.
     """
-    groups = _groups(Ledger(folder).entries)
+    entries = Ledger(folder).entries
+    groups = _groups([entry for entry in entries if not entry.cell.own_starts])
     by_recipe: dict[str, list[_Group]] = {}
     for group in groups:
         by_recipe.setdefault(group.recipe, []).append(group)
@@ -75,6 +76,7 @@ def write_page(folder: Path, command: str) -> Path:
     ]
     for recipe, of_recipe in by_recipe.items():
         parts += _section(folder, recipe, of_recipe)
+    parts += _own_starts(entries)
     page = folder / "README.md"
     write_whole(page, "\n".join(parts).encode())
     return page
@@ -139,6 +141,40 @@ def _section(folder: Path, recipe: str, groups: Sequence[_Group]) -> list[str]:
     ]
 
 
+def _own_starts(entries: Sequence[Entry]) -> list[str]:
+    """The published protocol's table: each start's game by the policies trained on that start."""
+    known = {behaviour.slug: behaviour for behaviour in READY_MADE}
+    found: dict[tuple[int, str, int, int], dict[int, Entry]] = {}
+    for entry in entries:
+        cell = entry.cell
+        if len(cell.own_starts) != 1 or cell.behaviour not in known:
+            continue
+        place = list(known).index(cell.behaviour)
+        row = found.setdefault((place, cell.recipe, cell.steps, cell.training_seed), {})
+        row[cell.own_starts[0]] = entry
+    if not found:
+        return []
+    lines = [
+        "## One imitator per start",
+        "",
+        "The published protocol: an imitator is trained on games from one evaluation start and"
+        " judged on that start alone. Targets + strays of its greedy game; a cross: it was lost.",
+        "",
+        *_hits_head("behaviour | recipe | steps | seed", "---|---|---:|---:"),
+    ]
+    for (place, recipe, steps, seed), by_start in sorted(found.items()):
+        behaviour = READY_MADE[place]
+        head = f"| {behaviour.name} | {recipe} | {steps:,} | {seed} | "
+        lines.append(head + _hits_row({n: by_start.get(n) for n in STARTS}))
+    links = [
+        f"- [{known[entry.cell.behaviour].name}, start {start}, training seed"
+        f" {entry.cell.training_seed}]({cell_folder(entry)}/README.md)"
+        for by_start in found.values()
+        for start, entry in sorted(by_start.items())
+    ]
+    return [*lines, "", *links, ""]
+
+
 def _means(groups: Sequence[_Group]) -> list[str]:
     lines = [
         "| behaviour | steps | seeds | policy | targets | strays | order errors | lost"
@@ -176,24 +212,31 @@ def _means(groups: Sequence[_Group]) -> list[str]:
 
 
 def _hits(groups: Sequence[_Group]) -> list[str]:
-    heads = [f"{policy} {start}" for start in STARTS for policy in POLICIES]
-    lines = [
-        f"| behaviour | seed | {' | '.join(heads)} | winner 0 / 1 / 2 |",
-        f"|---|---:|{'---|' * len(heads)}---|",
-    ]
+    lines = _hits_head("behaviour | seed", "---|---:")
     for group in groups:
         for entry in group.entries:
-            cells, winners = [], []
-            for start in STARTS:
-                ours, theirs = (entry.game(policy, start) for policy in POLICIES)
-                cells += [_game(ours), _game(theirs)]
-                who = winner(ours.figures, theirs.figures) if ours and theirs else None
-                winners.append(who or "")
-            lines.append(
-                f"| {group.behaviour.name} | {entry.cell.training_seed} | {' | '.join(cells)}"
-                f" | {' / '.join(winners)} |"
-            )
+            head = f"| {group.behaviour.name} | {entry.cell.training_seed} | "
+            lines.append(head + _hits_row(dict.fromkeys(STARTS, entry)))
     return lines
+
+
+def _hits_head(names: str, rules: str) -> list[str]:
+    heads = [f"{policy} {start}" for start in STARTS for policy in POLICIES]
+    return [
+        f"| {names} | {' | '.join(heads)} | winner 0 / 1 / 2 |",
+        f"|{rules}|{'---|' * len(heads)}---|",
+    ]
+
+
+def _hits_row(by_start: Mapping[int, Entry | None]) -> str:
+    """Return both policies' games of each start, and who won them."""
+    cells, winners = [], []
+    for start, entry in by_start.items():
+        ours, theirs = (entry.game(policy, start) if entry else None for policy in POLICIES)
+        cells += [_game(ours), _game(theirs)]
+        who = winner(ours.figures, theirs.figures) if ours and theirs else None
+        winners.append(who or "")
+    return f"{' | '.join(cells)} | {' / '.join(winners)} |"
 
 
 def _rewards(groups: Sequence[_Group]) -> list[str]:

@@ -105,6 +105,8 @@ class PolicyRecipe:
             of the published work's snapshots comes after 500,000, then every 1,000,000.
         snapshot_episodes: Games from training starts by which a snapshot's mean predicted return
             is judged.
+        own_starts: Evaluation starts that take the place of the training starts, see
+            judged_where_trained.
     """
 
     network: Literal["nature", "small"] = "nature"
@@ -130,6 +132,7 @@ class PolicyRecipe:
     critic_warm_up_steps: int = 0
     snapshot_steps: tuple[int, ...] = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
     snapshot_episodes: int = 12
+    own_starts: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -368,6 +371,24 @@ def recipe_from_dict(data: dict[str, Any]) -> Recipe:
         )
     except (KeyError, TypeError) as error:
         raise Invalid(f"This is not a recipe of this version of Tril: {error}.") from error
+
+
+def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
+    """Return the recipe under the published protocol, which holds nothing out.
+
+    The published work trains a policy of its own for each start and judges it on the very start
+    (thesis, section 6.1): what is shown is how well that one game was learned.
+
+    Raises:
+        Invalid: The policy is not one that PPO trains.
+    """
+    if recipe.method == "dagger":
+        raise Invalid("DAgger has no games of PPO that could begin at the start it is judged on.")
+    return replace(
+        recipe,
+        policy=replace(recipe.policy, own_starts=(start_number,)),
+        evaluation=EvaluationRecipe((start_number,), ()),
+    )
 
 
 def with_values(recipe: Recipe, values: dict[str, Any]) -> Recipe:

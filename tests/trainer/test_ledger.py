@@ -17,7 +17,7 @@ from trainer.ledger import (
 )
 from trainer.reproduction import cell_folder, write_page
 from tril.errors import Invalid
-from tril.recipes import FAST, PAPER, with_values
+from tril.recipes import FAST, PAPER, judged_where_trained, with_values
 from tril.summary import GameFigures
 
 
@@ -60,6 +60,20 @@ def test_what_is_added_is_read_back_and_no_longer_missing(tmp_path: Path) -> Non
     changed = replace(first, check={})
     again.add(changed)
     assert list(Ledger(tmp_path).entries) == [changed]
+
+
+def test_policies_judged_where_they_were_trained_have_a_table_of_their_own(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    ledger.add(entry())
+    for start in (0, 2):
+        cell = Cell.of("column-2", judged_where_trained(FAST, start), 1000, 0)
+        ledger.add(replace(entry(), cell=cell))
+    assert Ledger(tmp_path).entries == ledger.entries
+    held_out, own = write_page(tmp_path, "tril reproduce").read_text().split("## One imitator per")
+    assert held_out.count("| Column 2 | 0 | 6 + 0 | 6 + 0 | 5 + 0 |") == 1
+    row = "| Column 2 | fast | 1,000 | 0 | 6 + 0 | 6 + 0 |  |  | 2 + 0 ✗ | 3 + 0 | tie /  / clone |"
+    assert row in own
+    assert own.count("/README.md)") == 2
 
 
 def test_a_line_that_is_no_result_is_named(tmp_path: Path) -> None:

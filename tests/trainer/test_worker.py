@@ -17,7 +17,7 @@ from tests.workplace import TINY, Workplace
 from trainer.pipeline import TAKEN_OVER
 from trainer.reward.model import RewardModel
 from tril.jobs import STAGES, Jobs, overall_progress
-from tril.recipes import with_values
+from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
 from tril.store import artifacts, evaluations, metrics, processes, recordings
 from tril.store.models import RunRow, RunStatus
@@ -47,6 +47,20 @@ def until_over(workplace: Workplace, run_id: str, worker: WorkerProcess) -> RunR
 def is_in(workplace: Workplace, run_id: str, stage: str) -> bool:
     row = workplace.run(run_id)
     return row.status == RunStatus.RUNNING and row.stage == stage and row.stage_done > 0
+
+
+def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(judged_where_trained(TINY, 1))
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        row = until_over(workplace, run_id, worker)
+        assert row.status == RunStatus.DONE, worker.log.read_text()
+    with workplace.database.reading() as session:
+        games = evaluations.listing(session, run_id)
+        assert {(game.start_number, game.held_out) for game in games} == {(1, False)}
+    assert row.outcome["headline"]["imitator"] is None
 
 
 def test_a_run_goes_through_all_stages_and_leaves_its_results(

@@ -26,7 +26,7 @@ from tril.artifacts import write_whole
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.game.episode import Ending, Hit
-from tril.game.starts import TRAINING_IDLE_FRAMES, Start
+from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start
 from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recipes import Recipe
 from tril.recording import Recording
@@ -173,16 +173,17 @@ def _start_network(task: ImitationTask) -> ScreenPolicy:
 
 
 def _training_starts(task: ImitationTask) -> TrainingStarts:
+    idle_frames = idle_frames_of(task.recipe)
     share = task.recipe.policy.demonstration_share
     if not share:
-        return TrainingStarts()
+        return TrainingStarts(idle_frames)
     best = best_demonstrations(task.tiers, task.recipe.policy.best_share)
     logs = [
         DemonstrationLog(recording.start, recording.actions)
         for recording in (*(task.recordings[i] for i in best), *task.perfect)
         if recording.actions
     ]
-    return TrainingStarts(demonstrations=tuple(logs), demonstration_share=share)
+    return TrainingStarts(idle_frames, tuple(logs), share)
 
 
 class _Reporter:
@@ -365,7 +366,7 @@ def judge(policy: Policy, payment: Payment, recipe: Recipe, tick: Callable[[], N
     """
     games = play(
         policy,
-        judging_starts(recipe.policy.snapshot_episodes),
+        judging_starts(recipe),
         "greedy",
         model=payment.model,
         ending=Ending(recipe.ending),
@@ -375,7 +376,14 @@ def judge(policy: Policy, payment: Payment, recipe: Recipe, tick: Callable[[], N
     return float(np.mean(totals))
 
 
-def judging_starts(count: int) -> list[Start]:
-    """Return training starts, spread over all of them, by which snapshots are judged."""
-    places = np.linspace(0, len(TRAINING_IDLE_FRAMES) - 1, min(count, len(TRAINING_IDLE_FRAMES)))
-    return [Start(TRAINING_IDLE_FRAMES[round(place)]) for place in places]
+def judging_starts(recipe: Recipe) -> list[Start]:
+    """Return starts of the training games, spread over all of them, to judge snapshots by."""
+    frames = idle_frames_of(recipe)
+    count = min(recipe.policy.snapshot_episodes, len(frames))
+    return [Start(frames[round(place)]) for place in np.linspace(0, len(frames) - 1, count)]
+
+
+def idle_frames_of(recipe: Recipe) -> tuple[int, ...]:
+    """Return the idle frames that whole training games begin with."""
+    own = tuple(evaluation_start(number).idle_frames for number in recipe.policy.own_starts)
+    return own or TRAINING_IDLE_FRAMES

@@ -95,10 +95,11 @@ def conditions_of(policy: str, choice: Choice) -> dict[str, Any]:
 
 
 def starts_seen(data: RunData) -> set[int]:
-    """Return the evaluation starts from which a demonstration of the run began."""
+    """Return the evaluation starts from which demonstrations or training games of the run began."""
     shown = data.recordings([*data.ranked, *data.perfect])
     numbers = {evaluation_number(recording.start) for recording in shown.values()}
-    return {number for number in numbers if number is not None}
+    shown_from = {number for number in numbers if number is not None}
+    return shown_from | set(data.context.recipe.policy.own_starts)
 
 
 def headline(data: RunData) -> dict[str, Any]:

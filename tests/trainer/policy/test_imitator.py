@@ -14,13 +14,19 @@ from tests.trainer.policy.made_up import (
 )
 from trainer.evaluation import play
 from trainer.policy import imitator
-from trainer.policy.imitator import ImitationTask, judging_starts, train_imitator
+from trainer.policy.imitator import (
+    ImitationTask,
+    idle_frames_of,
+    judging_starts,
+    train_imitator,
+)
 from trainer.policy.networks import load_policy, new_policy, save_policy
 from trainer.policy.rewards import Payment
 from trainer.progress import RunCancelled
 from tril.behaviours import READY_MADE
 from tril.errors import Invalid
-from tril.game.starts import TRAINING_IDLE_FRAMES
+from tril.game.starts import TRAINING_IDLE_FRAMES, evaluation_start
+from tril.recipes import DAGGER, FAST, judged_where_trained, with_values
 
 STEPS = 128
 
@@ -100,7 +106,9 @@ def test_the_best_snapshot_by_the_learned_reward_is_saved(
     assert [snapshot.steps for snapshot in snapshots] == [64, 128]
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
-    games = play(load_policy(finished.path), judging_starts(1), "greedy", model=task.model)
+    games = play(
+        load_policy(finished.path), judging_starts(task.recipe), "greedy", model=task.model
+    )
     payment = Payment.of(task.model, task.recipe.policy)
     totals = [payment.total(game.rewards, game.end) for game in games if game.rewards is not None]
     assert np.mean(totals) == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
@@ -183,6 +191,15 @@ def test_a_warm_start_needs_a_clone_of_the_same_network(
 
 def test_snapshots_are_judged_on_training_starts_only() -> None:
     for count in (1, 12, 96, 200):
-        starts = judging_starts(count)
+        starts = judging_starts(with_values(FAST, {"policy.snapshot_episodes": count}))
         assert len({start.idle_frames for start in starts}) == min(count, 96)
         assert {start.idle_frames for start in starts} <= set(TRAINING_IDLE_FRAMES)
+
+
+def test_the_published_protocol_trains_and_judges_on_one_start() -> None:
+    recipe = judged_where_trained(FAST, 2)
+    assert judging_starts(recipe) == [evaluation_start(2)]
+    assert idle_frames_of(recipe) == (evaluation_start(2).idle_frames,)
+    assert (recipe.evaluation.start_numbers, recipe.evaluation.further_start_numbers) == ((2,), ())
+    with pytest.raises(Invalid, match="DAgger"):
+        judged_where_trained(DAGGER, 2)
