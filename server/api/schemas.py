@@ -127,6 +127,20 @@ class Checklist(Schema):
     note: str
 
 
+class Ghost(Schema):
+    """Where the cannon of a recording stood on the screen, in pixels.
+
+    ``lefts`` are its left edges: at the start, then after every frame.
+    """
+
+    recording_id: int
+    source: Literal["person", "scripted", "policy"]
+    lefts: list[int]
+    top: int
+    width: int
+    height: int
+
+
 class Hit(Schema):
     """An alien that was shot, after how many frames."""
 

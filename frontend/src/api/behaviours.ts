@@ -36,6 +36,21 @@ export function checklistQuery(behaviourId: number) {
   });
 }
 
+/** Where the cannon of the best demonstration stood in every frame; null without one. */
+export function ghostQuery(behaviourId: number) {
+  return queryOptions({
+    // What is ranked or marked anew may be another one.
+    queryKey: ["behaviours", behaviourId, "ghost"],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/behaviours/{behaviour_id}/ghost", {
+          params: { path: { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+  });
+}
+
 export function createBehaviour(body: BehaviourNew): Promise<Behaviour> {
   return unwrap(api.POST("/api/behaviours", { body }));
 }

@@ -99,6 +99,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/ghost": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Ghost
+         * @description Return where the cannon of the best demonstration stood in every frame.
+         *
+         *     The best one is the first of the ranking's best tier, without a ranking the newest one that is
+         *     marked as perfect; null if there is neither.
+         */
+        get: operations["get_ghost"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking": {
         parameters: {
             query?: never;
@@ -294,7 +317,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game
-         * @description Begin a game; it waits for a player at its stream.
+         * @description Begin a game; it waits for a player at its stream. 503 if too many games are open.
          */
         post: operations["create_game"];
         delete?: never;
@@ -335,6 +358,8 @@ export interface paths {
         /**
          * Create Game From
          * @description Begin a game that goes on from a frame of a recording, which stays as it is.
+         *
+         *     503 if too many games are open.
          */
         post: operations["create_game_from"];
         delete?: never;
@@ -1026,6 +1051,29 @@ export interface components {
             behaviour_id: number;
             /** Idle Frames */
             idle_frames?: number | null;
+        };
+        /**
+         * Ghost
+         * @description Where the cannon of a recording stood on the screen, in pixels.
+         *
+         *     ``lefts`` are its left edges: at the start, then after every frame.
+         */
+        Ghost: {
+            /** Height */
+            height: number;
+            /** Lefts */
+            lefts: number[];
+            /** Recording Id */
+            recording_id: number;
+            /**
+             * Source
+             * @enum {string}
+             */
+            source: "person" | "scripted" | "policy";
+            /** Top */
+            top: number;
+            /** Width */
+            width: number;
         };
         /**
          * Headline
@@ -2268,6 +2316,91 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Checklist"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (any more). */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_ghost: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Ghost"] | null;
                 };
             };
             /** @description The request can't be read. */

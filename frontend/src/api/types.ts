@@ -11,6 +11,7 @@ export type ComparisonRow = Schemas["ComparisonRow"];
 export type ConfusedTiers = Schemas["ConfusedTiers"];
 export type EvaluationGame = Schemas["EvaluationGame"];
 export type Game = Schemas["Game"];
+export type Ghost = Schemas["Ghost"];
 export type Headline = Schemas["Headline"];
 export type ImportResult = Schemas["ImportResult"];
 export type Interval = Schemas["Interval"];
