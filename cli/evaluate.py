@@ -6,10 +6,10 @@ from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
-from rich.progress import Progress as Bar
 from rich.table import Table
 
-from cli.output import JsonOption, console, errors, print_json
+from cli.output import JsonOption, console, print_json
+from cli.progress import progress_bar
 from cli.workspace import Workspace, open_workspace
 from tril.artifacts import ArtifactStore
 from tril.behaviours import Behaviour, score
@@ -96,8 +96,7 @@ def _play(
         actor = load_policy(path)
     with stored_file(database, store, run_id, "reward_model") as path:
         model = RewardModel.load(path)
-    with Bar(console=errors, transient=True) as bar:
-        watched = _Watched(bar)
+    with progress_bar("playing") as watched:
         games = play(
             actor,
             [evaluation_start(number) for number in numbers],
@@ -109,17 +108,6 @@ def _play(
             progress=watched,
         )
     return behaviour, games
-
-
-class _Watched:
-    """Shows how far the games are."""
-
-    def __init__(self, bar: Bar) -> None:
-        self._bar = bar
-        self._task = bar.add_task("playing")
-
-    def advance(self, done: int, total: int, values: object = None) -> None:
-        self._bar.update(self._task, completed=done, total=total)
 
 
 def _figures(behaviour: Behaviour, game: Any) -> GameFigures:

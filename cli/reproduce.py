@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +11,7 @@ import typer
 
 from cli.follow import worker_at_hand
 from cli.output import console, errors
+from cli.progress import progress_bar
 from cli.runs import chosen_recipe, start_run
 from cli.workspace import Workspace, open_workspace
 from tril.artifacts import ArtifactStore
@@ -49,6 +50,12 @@ def reproduce(
             " trained and judged on it alone.",
         ),
     ] = False,
+    extrapolation: Annotated[
+        bool,
+        typer.Option(
+            help="Also the rewards learned from rankings by points and by shots, here and now.",
+        ),
+    ] = True,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder of the ledger, pages and pictures.")
     ] = Path("docs/results"),
@@ -90,6 +97,8 @@ def reproduce(
                 failed = _compute(workspace, {cell: cells[cell] for cell in missing}, output)
         else:
             failed = 0
+        if extrapolation and not page_only:
+            _extrapolate(chosen, training_seed or [0, 1, 2], output)
         page = write_page(output, COMMAND)
         console.print(f"Results: {page}", soft_wrap=True)
         if failed:
@@ -97,6 +106,26 @@ def reproduce(
                 f"{failed} of {len(missing)} runs did not end well: see tril runs list. Run the"
                 " command again to have them computed anew."
             )
+
+
+def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
+    """Make the sanity experiments that are missing, one after the other."""
+    from trainer import extrapolation_results as results
+    from trainer.extrapolation import QUANTITIES, extrapolate
+
+    experiments = {
+        results.Experiment.of(quantity, recipe, seed): quantity
+        for seed in training_seeds
+        for quantity in QUANTITIES
+    }
+    for experiment in results.missing(output, list(experiments)):
+        label = f"Ranked by {experiment.quantity}, training seed {experiment.training_seed}"
+        with progress_bar(label) as progress:
+            found = extrapolate(
+                experiment.quantity, recipe.reward, experiment.training_seed, progress
+            )
+        results.write(output, experiment, found)
+        console.print(f"{label}: done")
 
 
 def _compute(workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path) -> int:

@@ -117,35 +117,75 @@ def returns_figure(tiers: Sequence[int], returns: Sequence[float], tau: float) -
     return rendered(figure)
 
 
+@dataclass(frozen=True)
+class ReturnsGroup:
+    """Games of one kind, by what they were worth and what the learned reward makes of them.
+
+    Attributes:
+        label: What the legend says.
+        colour: Of the marks.
+        mark: Their shape, as matplotlib names it.
+        demonstrated: Whether the reward was learned from them.
+        worths: The true quantity of each.
+        returns: The predicted return of each.
+    """
+
+    label: str
+    colour: str
+    mark: str
+    demonstrated: bool
+    worths: Sequence[float]
+    returns: Sequence[float]
+
+
 def extrapolation_figure(groups: Sequence[JudgedGames], quantity: str) -> bytes:
+    """Draw predicted return against true quantity for the games of a run, see returns_scatter."""
+    return returns_scatter(
+        [
+            ReturnsGroup(
+                f"{one.player}, {'demonstrations' if one.demonstrated else 'unseen games'}",
+                COLOURS[one.player],
+                MARKS[one.player],
+                one.demonstrated,
+                [game.true_quantity for game in one.games],
+                [game.predicted_return for game in one.games],
+            )
+            for one in groups
+        ],
+        quantity,
+    )
+
+
+def returns_scatter(
+    groups: Sequence[ReturnsGroup], quantity: str, *, set_apart: bool = True
+) -> bytes:
     """Draw predicted return against true quantity (T-REX, Brown et al. 2019, figure 3).
 
     Filled marks are demonstrations, hollow ones games that the reward was not learned from. The
-    band is the range of the demonstrations: what lies beyond it is extrapolated. Marks that share a
-    quantity are set apart by who played.
+    band is the range of the demonstrations: what lies beyond it is extrapolated.
 
     Args:
-        groups: Who played, with at least one game.
+        groups: The games, at least one in each group.
         quantity: What the true quantity counts.
+        set_apart: Whether marks that share a quantity are set apart by their groups.
     """
     figure, ((axis,),) = grid_of_axes(6.0, 4.0, 1, 1)
-    demonstrated = [game for group in groups if group.demonstrated for game in group.games]
-    if demonstrated:
-        worths = [game.true_quantity for game in demonstrated]
-        returns = [game.predicted_return for game in demonstrated]
+    worths = [worth for group in groups if group.demonstrated for worth in group.worths]
+    returns = [value for group in groups if group.demonstrated for value in group.returns]
+    if worths:
         axis.axvspan(min(worths) - 0.5, max(worths) + 0.5, color=_BAND, linewidth=0)
         axis.axhline(max(returns), color=_FAINT, linewidth=1, linestyle="--")
         axis.axhline(min(returns), color=_FAINT, linewidth=1, linestyle="--")
     for place, group in enumerate(groups):
-        apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups)
+        apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups) if set_apart else 0.0
         axis.plot(
-            [game.true_quantity + apart for game in group.games],
-            [game.predicted_return for game in group.games],
-            MARKS[group.player],
-            color=COLOURS[group.player],
+            [worth + apart for worth in group.worths],
+            group.returns,
+            group.mark,
+            color=group.colour,
             markersize=6,
             markerfacecolor=None if group.demonstrated else "none",
-            label=f"{group.player}, {'demonstrations' if group.demonstrated else 'unseen games'}",
+            label=group.label,
         )
     axis.set_xlabel(quantity, color=_INK)
     axis.set_ylabel("predicted return", color=_INK)

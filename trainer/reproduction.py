@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from trainer import extrapolation_results
 from trainer.ledger import Entry, Ledger, LedgerGame
 from trainer.table_figures import AliensRow, ReturnsPanel, aliens_table, returns_table
 from tril.artifacts import write_whole
@@ -77,6 +78,7 @@ def write_page(folder: Path, command: str) -> Path:
     for recipe, of_recipe in by_recipe.items():
         parts += _section(folder, recipe, of_recipe)
     parts += _own_starts(entries)
+    parts += extrapolation_results.page_lines(folder)
     page = folder / "README.md"
     write_whole(page, "\n".join(parts).encode())
     return page

@@ -45,6 +45,18 @@ def test_it_plays_the_game_that_agents_play(console: Console) -> None:
     assert points == sum(5 * (row + 1) for row, _ in hits) > 0
 
 
+def test_missiles_can_be_what_pays() -> None:
+    env = SpaceInvadersEnv(start=Start(12), reward="shots")
+    game = AgentGame(Console())
+    game.reset(Start(12))
+    env.reset(seed=0)
+    paid = 0.0
+    while game.end is None:
+        game.step(1)
+        paid += float(env.step(1)[1])
+    assert paid == game.episode.shots > len(game.hits) > 0
+
+
 def test_the_reward_can_be_left_to_a_learned_one() -> None:
     env = SpaceInvadersEnv(start=Start(12), reward="none")
     env.reset(seed=0)
@@ -93,7 +105,7 @@ def test_the_screen_can_be_rendered() -> None:
     ("values", "message"),
     [
         ({"target": [(6, 0)]}, "rows and columns from 0 to 5"),
-        ({"reward": "score"}, 'reward "points" or "none"'),
+        ({"reward": "score"}, 'reward "points", "shots" or "none"'),
         ({"render_mode": "human"}, 'render_mode None or "rgb_array"'),
         ({"ending": "never"}, "never"),
     ],

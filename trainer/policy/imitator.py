@@ -26,7 +26,7 @@ from tril.artifacts import write_whole
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.game.episode import Ending, Hit
-from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start
+from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start, spread_starts
 from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recipes import Recipe
 from tril.recording import Recording
@@ -378,9 +378,7 @@ def judge(policy: Policy, payment: Payment, recipe: Recipe, tick: Callable[[], N
 
 def judging_starts(recipe: Recipe) -> list[Start]:
     """Return starts of the training games, spread over all of them, to judge snapshots by."""
-    frames = idle_frames_of(recipe)
-    count = min(recipe.policy.snapshot_episodes, len(frames))
-    return [Start(frames[round(place)]) for place in np.linspace(0, len(frames) - 1, count)]
+    return spread_starts(recipe.policy.snapshot_episodes, idle_frames_of(recipe))
 
 
 def idle_frames_of(recipe: Recipe) -> tuple[int, ...]:

@@ -6,8 +6,8 @@ import tril.game.env  # registers it
 env = gymnasium.make("tril/SpaceInvaders-v0", target=[(row, 4) for row in range(6)])
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, get_args
 
 import gymnasium
 import numpy as np
@@ -16,12 +16,19 @@ import numpy.typing as npt
 from tril.game import space_invaders as game
 from tril.game.agent import AgentGame, StickyActions
 from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, Start, draw_start
+from tril.game.episode import Ending, EndReason, Hit, Start, draw_start
 from tril.game.observation import OBSERVATION_SHAPE, Observation
 
 ENV_ID = "tril/SpaceInvaders-v0"
 
 Cell = tuple[int, int]
+
+EnvReward = Literal["points", "shots", "none"]
+
+
+def points_of(hits: Iterable[Hit]) -> int:
+    """Return the points of the aliens shot, 5 to 30 by row."""
+    return sum(game.POINTS[hit.row] for hit in hits)
 
 
 class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
@@ -31,8 +38,9 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
     minimal ones. An episode is terminated by the hit on the player, or when the aliens are gone or
     have landed, and truncated after 300 steps.
 
-    The reward is the points of the aliens shot (5 to 30 by row), or always 0: a learned reward can
-    then be put on top by a wrapper. The bonus ship, which observations do not show, pays nothing.
+    The reward is the points of the aliens shot (5 to 30 by row), or 1 for each missile fired, or
+    always 0: a learned reward can then be put on top by a wrapper. The bonus ship, which
+    observations do not show, pays nothing.
 
     `info` holds `hits` (list of (row from the bottom, column from the left), from 0, in order of
     time), `frame`, `end` (why the episode ended, None while it goes on), `start` (its idle frames),
@@ -43,7 +51,7 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
         target: the cells of the behaviour that is taught, if hits describe it.
         start: how every game begins; None draws one for each, never an evaluation start.
         ending: which rule for the player's death ends an episode: "hit" or "life_counter".
-        reward: "points" or "none".
+        reward: "points", "shots" or "none".
         sticky_action_probability: of repeating, at any frame, the action of the frame before.
         render_mode: None or "rgb_array".
 
@@ -60,12 +68,12 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
         target: Sequence[Cell] | None = None,
         start: Start | None = None,
         ending: Ending | str = Ending.HIT,
-        reward: Literal["points", "none"] = "points",
+        reward: EnvReward = "points",
         sticky_action_probability: float = 0.0,
         render_mode: str | None = None,
     ) -> None:
-        if reward not in ("points", "none"):
-            raise ValueError(f'Expected reward "points" or "none", got {reward!r}.')
+        if reward not in get_args(EnvReward):
+            raise ValueError(f'Expected reward "points", "shots" or "none", got {reward!r}.')
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f'Expected render_mode None or "rgb_array", got {render_mode!r}.')
         self.observation_space = gymnasium.spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)
@@ -73,7 +81,7 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
         self.render_mode = render_mode
         self._target = _cells(target)
         self._start = start
-        self._pays_points = reward == "points"
+        self._reward = reward
         self._sticky_action_probability = sticky_action_probability
         self._game = AgentGame(Console(), Ending(ending))
 
@@ -102,17 +110,26 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
     def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Play one step; see gymnasium.Env."""
         episode = self._game.episode
-        first_frame, hits_before = episode.frame, len(episode.hits)
+        first_frame, before = episode.frame, self._earned()
         self._game.step(int(action))
-        points = sum(game.POINTS[hit.row] for hit in episode.hits[hits_before:])
         end = self._game.end
         return (
             self._game.observation,
-            float(points) if self._pays_points else 0.0,
+            float(self._earned() - before),
             end is not None and end is not EndReason.STEPS,
             end is EndReason.STEPS,
             self._info(first_frame),
         )
+
+    def _earned(self) -> int:
+        """Return what the episode has paid so far."""
+        match self._reward:
+            case "points":
+                return points_of(self._game.hits)
+            case "shots":
+                return self._game.episode.shots
+            case "none":
+                return 0
 
     def _info(self, first_frame: int) -> dict[str, Any]:
         episode = self._game.episode

@@ -1,5 +1,6 @@
 """How a game begins, and which starts are kept for evaluation."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +66,12 @@ EVALUATION_STARTS: tuple[Start, ...] = tuple(Start(idle) for idle in EVALUATION_
 TRAINING_IDLE_FRAMES: tuple[int, ...] = tuple(sorted(_permutation()[EVALUATION_START_COUNT:]))
 """The idle frames that play, the demonstrator and training draw from: none is an evaluation
 start."""
+
+
+def spread_starts(count: int, idle_frames: Sequence[int] = TRAINING_IDLE_FRAMES) -> list[Start]:
+    """Return starts spread evenly over those with these idle frames, at most all of them."""
+    places = np.linspace(0, len(idle_frames) - 1, min(count, len(idle_frames)))
+    return [Start(idle_frames[round(place)]) for place in places]
 
 
 def evaluation_start(number: int) -> Start:
