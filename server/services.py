@@ -13,6 +13,7 @@ from server.derived import Derived
 from server.feed import ChangeFeed
 from server.play.consoles import ConsolePool
 from server.play.hub import N_SPARE_CONSOLES, PlayHub
+from server.play.limits import GameLimits
 from server.play.rules import PlayRules
 from server.security import Access
 from server.storage import StorageMeter
@@ -40,6 +41,7 @@ class Services:
         inference: Answers for trained networks.
         consoles: Loaded consoles.
         derived: Frames and thumbnails.
+        limits: How many games may be open.
         games: The games that are played in this process.
         changes: Tells pages what changes.
         storage: Tells how much room the files take.
@@ -54,6 +56,7 @@ class Services:
     inference: InferenceClient
     consoles: ConsolePool
     derived: Derived
+    limits: GameLimits
     games: PlayHub
     changes: ChangeFeed
     storage: StorageMeter
@@ -83,6 +86,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     check_schema(database)
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
+    limits = GameLimits.of(settings, rules.max_games)
     jobs = Jobs(database, settings)
     services = Services(
         settings=settings,
@@ -93,7 +97,8 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         inference=InferenceClient(settings.inference_socket),
         consoles=consoles,
         derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), consoles),
-        games=PlayHub(database, consoles, name, rules),
+        limits=limits,
+        games=PlayHub(database, consoles, name, rules, limits),
         changes=ChangeFeed(database),
         storage=StorageMeter(settings),
     )

@@ -21,6 +21,12 @@ class Settings(BaseSettings):
         jobs_database_url: URL of the job queue's own database; SQLite in ``data`` if empty.
         artifacts_url: fsspec URL of the artifact store; a folder in ``data`` if empty.
         cache_limit_bytes: Upper bound of re-derived files (frames, thumbnails) kept on disk.
+        server_processes: Server processes behind one port; 1 is enough for a house, one per core
+            for many players.
+        max_games: Most games open at the same time, of everybody; 0 means as many as the server
+            processes can play, 32 each.
+        max_games_per_player: Most games of one player open at the same time. Everybody who opens
+            the page with the same key is one player.
         learning_threads: Threads that learning may use; 0 means all cores.
     """
 
@@ -34,6 +40,9 @@ class Settings(BaseSettings):
     jobs_database_url: str = ""
     artifacts_url: str = ""
     cache_limit_bytes: int = Field(default=512 * 1024 * 1024, ge=0)
+    server_processes: int = Field(default=1, ge=1, le=64)
+    max_games: int = Field(default=0, ge=0)
+    max_games_per_player: int = Field(default=32, ge=1)
     learning_threads: int = Field(default=0, ge=0)
 
     @field_validator("data")

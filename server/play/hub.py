@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
+from datetime import timedelta
 from functools import partial
 from weakref import WeakValueDictionary
 
@@ -15,6 +16,7 @@ from server.play.committer import Committer
 from server.play.conditions import PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
+from server.play.limits import GameLimits, TooManyGames
 from server.play.protocol import Paused
 from server.play.rules import PlayRules
 from server.play.session import Branched, Phase, PlaySession
@@ -30,6 +32,7 @@ _LOG = logging.getLogger(__name__)
 
 N_SPARE_CONSOLES = 2
 """Consoles beside those of the games, to replay and to run back on."""
+WHY_IDLE = "Nobody played on for long; what was played is kept."
 RETRY_S = 1.0
 JOINING_S = 0.02
 
@@ -42,16 +45,24 @@ class PlayHub:
         consoles: Where consoles to play on come from.
         owner: Name of this process.
         rules: The times to keep.
+        limits: How many games may be open over all processes.
     """
 
     def __init__(
-        self, database: Database, consoles: ConsolePool, owner: str, rules: PlayRules
+        self,
+        database: Database,
+        consoles: ConsolePool,
+        owner: str,
+        rules: PlayRules,
+        limits: GameLimits,
     ) -> None:
+        self._limits = limits
         self._consoles = consoles
         self._owner = owner
         self._rules = rules
         self._committer = Committer(database)
         self._sessions: dict[str, PlaySession] = {}
+        self._arriving: set[str] = set()
         self._joining: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._tasks: list[asyncio.Task[None]] = []
         self._is_stopping = False
@@ -81,12 +92,10 @@ class PlayHub:
         Raises:
             NotFound: There is no such game.
             GameOver: It has ended.
-            Unavailable: It could not be taken over; says what to do.
+            Unavailable: It could not be taken over, or too many games are open; says what to do.
         """
         lock = self._joining.setdefault(game_id, asyncio.Lock())
-        async with lock:
-            if game_id not in self._sessions and len(self._sessions) >= self._rules.max_games:
-                raise Unavailable("Too many games are being played; try again later.")
+        async with lock, self._place_for(game_id):
             row, behaviour = await self._committer.run(
                 lambda session: self._claim(session, game_id, tab)
             )
@@ -101,8 +110,35 @@ class PlayHub:
             await session.attach(connection, is_resumed)
             return session
 
+    @asynccontextmanager
+    async def _place_for(self, game_id: str) -> AsyncIterator[None]:
+        """Keep a place for a game that arrives, if need be by letting go of one without a page."""
+        self._arriving.add(game_id)
+        try:
+            taken = self._sessions.keys() | self._arriving
+            if len(taken) > self._rules.max_games and game_id not in self._sessions:
+                await self._make_room()
+            yield
+        finally:
+            self._arriving.remove(game_id)
+
+    async def _make_room(self) -> None:
+        left = [
+            session
+            for session in self._sessions.values()
+            if session.connection is None
+            and session.phase is Phase.WAITING
+            and session.game_id not in self._arriving
+        ]
+        if not left:
+            raise TooManyGames("This process plays as many games as it can; join again.")
+        await self._let_go(min(left, key=lambda session: session.left_at))
+
     def _claim(self, session: Session, game_id: str, tab: str) -> tuple[GameRow, BehaviourRow]:
+        had_a_place = games.is_open(session, game_id)
         row = games.claim(session, game_id, self._owner, tab)
+        if not had_a_place:
+            self._limits.check(session, row.recording.player_id, n_counted=1)
         return row, session.get_one(BehaviourRow, row.recording.behaviour_id)
 
     async def _resume(self, row: GameRow, behaviour: BehaviourRow) -> PlaySession:
@@ -252,7 +288,10 @@ class PlayHub:
             if session.phase is not Phase.WAITING:
                 continue
             if session.connection is not None:
-                await self._release(session)
+                if now - session.still_since > self._rules.idle_after.total_seconds():
+                    await self._end_idle(session)
+                else:
+                    await self._release(session)
             elif now - session.left_at > self._rules.forgotten_after_s:
                 await self._let_go(session)
         await self._committer.run(
@@ -262,15 +301,22 @@ class PlayHub:
             lambda session: games.abandoned(session, self._rules.abandoned_after)
         ):
             if row.id not in self._sessions:
-                await self._end_abandoned(row.id)
+                await self._end_abandoned(row.id, self._rules.abandoned_after)
 
-    async def _end_abandoned(self, game_id: str) -> None:
-        """Turn an abandoned game into an unfinished recording of the library."""
-        try:
-            row = await self._committer.run(
-                lambda session: games.claim(session, game_id, self._owner, "")
-            )
-        except games.GameOver:
+    async def _end_idle(self, session: PlaySession) -> None:
+        """End a game that stands still before its page, which is told; not one to be saved yet."""
+        if session.is_dirty:
+            return
+        await session.say_over(WHY_IDLE)
+        await self._let_go(session)
+        await self._end_abandoned(session.game_id, timedelta(0))
+
+    async def _end_abandoned(self, game_id: str, after: timedelta) -> None:
+        """Turn a game that nobody has had for so long into an unfinished recording."""
+        row = await self._committer.run(
+            lambda session: games.claim_abandoned(session, game_id, self._owner, after)
+        )
+        if row is None:
             return
         recording = recordings.as_recording(row.recording)
         refusal = await asyncio.to_thread(

@@ -18,10 +18,12 @@ class PlayRules:
         stalled_after_s: A game is paused when its page draws nothing for so long.
         forgotten_after_s: A game without a page leaves this process's memory after so long; it
             goes on from what is saved.
+        idle_after: A game that stands still before its page for so long, never begun or paused,
+            becomes an unfinished recording.
         abandoned_after: A game that nobody plays for so long becomes an unfinished recording.
         decided_after: A finished game that nobody decided about is kept after so long.
         sweep_every_s: Seconds between looks for such games.
-        max_games: Most games that one process plays at the same time.
+        max_games: Most games that one process plays at the same time; so many consoles are loaded.
     """
 
     countdown: int = 3
@@ -29,6 +31,7 @@ class PlayRules:
     save_every_s: float = 0.8
     stalled_after_s: float = 2.0
     forgotten_after_s: float = 60.0
+    idle_after: timedelta = timedelta(minutes=10)
     abandoned_after: timedelta = timedelta(minutes=15)
     decided_after: timedelta = timedelta(hours=1)
     sweep_every_s: float = 30.0

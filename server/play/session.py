@@ -62,6 +62,8 @@ class PlaySession:
         epoch: This owner's epoch.
         connection: The page that shows it, if one does.
         phase: Where it stands.
+        left_at: When its page went, by the event loop's clock.
+        still_since: When it came to stand still, by the same.
 
     Args:
         game_id: The game.
@@ -108,7 +110,7 @@ class PlaySession:
         self._released = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
         self._is_stalled = False
-        self.left_at = asyncio.get_running_loop().time()
+        self.left_at = self.still_since = asyncio.get_running_loop().time()
 
     @property
     def recorder(self) -> Recorder:
@@ -155,6 +157,7 @@ class PlaySession:
     async def attach(self, connection: Connection, is_resumed: bool) -> None:
         """Show the game to a page; one that showed it before is told and closed."""
         await self._halt()
+        self._stand_still()
         self._is_stalled = False
         before, self.connection = self.connection, connection
         if before is not None:
@@ -232,6 +235,14 @@ class PlaySession:
         if connection is not None:
             await _dismiss(connection)
 
+    async def say_over(self, why: str) -> None:
+        """Stop because the game was ended without its player, and tell the page."""
+        await self._halt()
+        self.phase = Phase.ENDED
+        connection, self.connection = self.connection, None
+        if connection is not None:
+            await connection.close(Close.GAME_OVER, why)
+
     async def settle(self) -> None:
         """Stop the clock, silently, because the process ends; what has ended is seen through."""
         await self._halt()
@@ -265,6 +276,7 @@ class PlaySession:
         self._task = asyncio.create_task(self._tick(connection), name=f"step of {self.game_id}")
         await asyncio.wait([self._task])
         self._task = None
+        self._stand_still()
         if self._recorder.episode.end is not None:
             self._end()
 
@@ -297,9 +309,7 @@ class PlaySession:
                     return
                 await self._take_up(branched, connection)
         finally:
-            # Ended, if another owner has the game by now.
-            if self.phase is not Phase.ENDED:
-                self.phase = Phase.WAITING
+            self._stand_still()
             self._task = None
         if not self._stopped.is_set():
             self._begin()
@@ -328,8 +338,7 @@ class PlaySession:
             with self._consoles.undisturbed():
                 await self._play()
         finally:
-            if self.phase is not Phase.ENDED:
-                self.phase = Phase.WAITING
+            self._stand_still()
             self._task = None
         if self._recorder.episode.end is not None:
             self._end()
@@ -369,6 +378,12 @@ class PlaySession:
     async def _tell_countdown(self, seconds: int) -> None:
         if self.connection is not None:
             await self.connection.tell(Countdown(seconds=seconds))
+
+    def _stand_still(self) -> None:
+        """Wait for the player from now on, unless the game is over."""
+        if self.phase is not Phase.ENDED:
+            self.phase = Phase.WAITING
+        self.still_since = asyncio.get_running_loop().time()
 
     async def _halt(self) -> None:
         """Stop counting or playing and wait until the frame at hand is through."""

@@ -17,7 +17,10 @@ from tests.workplace import Workplace
 @contextmanager
 def signed_in(workplace: Workplace, frontend: Path) -> Iterator[TestClient]:
     """Run the application and give a client that is signed in."""
-    app = create_app(workplace.settings, frontend, PlayRules(max_games=1))
+    settings = workplace.settings.model_copy(
+        update={"max_games": 1000, "max_games_per_player": 1000}
+    )
+    app = create_app(settings, frontend, PlayRules(max_games=1))
     with TestClient(app, base_url=f"http://127.0.0.1:{workplace.settings.port}") as client:
         access = Access(workplace.settings)
         client.cookies.set(access.cookie_name, access.new_cookie())

@@ -179,11 +179,16 @@ class Player:
 
 @contextmanager
 def live_server(
-    data: Path, rules: PlayRules = QUICK, frontend: Path | None = None, port: int = 0
+    data: Path,
+    rules: PlayRules = QUICK,
+    frontend: Path | None = None,
+    port: int = 0,
+    **more: Any,
 ) -> Iterator[LiveServer]:
-    """Run a server in a thread of this process."""
+    """Run a server in a thread of this process, with more settings by name."""
     listening = bind(Settings(data=data, port=port))
-    settings = Settings(data=data, port=listening.getsockname()[1])
+    many = {"max_games": 1000, "max_games_per_player": 1000}
+    settings = Settings(data=data, port=listening.getsockname()[1], **{**many, **more})
     app = create_app(settings, rules=rules, **({"frontend": frontend} if frontend else {}))
     server = Server(server_config(app, settings))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})

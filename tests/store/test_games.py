@@ -15,7 +15,7 @@ from tril.game.console import Console
 from tril.game.episode import Episode, Start
 from tril.game.space_invaders import Action
 from tril.recording import Recorder
-from tril.store import games, recordings
+from tril.store import games, players, recordings
 from tril.store.games import GameOver, Progress
 from tril.store.models import RecordingState, Verification, now
 
@@ -83,6 +83,37 @@ def test_games_count_as_abandoned_once_nobody_owned_them_for_long_enough(session
     games.release(session, left.id, epoch)
     assert [row.id for row in games.abandoned(session, timedelta(0))] == [left.id]
     assert games.abandoned(session, timedelta(minutes=1)) == []
+
+
+def test_only_a_game_that_nobody_has_is_claimed_as_abandoned(session: Session) -> None:
+    game = games.create(session, 1, Start(4), None)
+    epoch = games.claim(session, game.id, "server-1", "tab").epoch
+    a_minute = timedelta(minutes=1)
+    assert games.claim_abandoned(session, game.id, "server-2", a_minute) is None
+    game.lease_expires_at = now() - 2 * a_minute
+    claimed = games.claim_abandoned(session, game.id, "server-2", a_minute)
+    assert claimed is not None
+    assert (claimed.epoch, claimed.owner) == (epoch + 1, "server-2")
+    assert games.claim_abandoned(session, game.id, "server-3", a_minute) is None
+    games.end(session, game.id, claimed.epoch, RecordingState.UNFINISHED, None)
+    assert games.claim_abandoned(session, game.id, "server-3", -a_minute) is None, "it is over"
+
+
+def test_games_count_as_open_until_a_minute_after_their_lease(session: Session) -> None:
+    owner = players.owner(session).id
+    mine, another = (
+        games.create(session, 1, Start(4), owner),
+        games.create(session, 1, Start(4), None),
+    )
+    assert (games.count_open(session), games.count_open(session, owner)) == (2, 1)
+    assert games.is_open(session, mine.id)
+    mine.lease_expires_at = now() - games.OPEN_FOR
+    session.flush()
+    assert (games.count_open(session), games.count_open(session, owner)) == (1, 0)
+    assert not games.is_open(session, mine.id)
+    epoch = games.claim(session, another.id, "server", "tab").epoch
+    games.end(session, another.id, epoch, RecordingState.FINISHED, None)
+    assert games.count_open(session) == 0
 
 
 def test_play_is_on_only_while_somebody_holds_a_game(session: Session) -> None:

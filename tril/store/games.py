@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import uuid
 from dataclasses import dataclass, field
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import select, update
+from sqlalchemy import Select, func, select, update
 from sqlalchemy.engine import CursorResult
 from sqlalchemy.orm import Session, joinedload
 
@@ -32,6 +32,11 @@ from tril.store.recordings import as_recording, fill
 
 LEASE = timedelta(seconds=30)
 """How long an owner keeps a game without being heard of."""
+
+
+OPEN_FOR = timedelta(minutes=1)
+"""How long after its lease a game still counts as open: one that stands still before its page lets
+go of its lease every half minute."""
 
 
 class GameOver(Conflict):
@@ -151,6 +156,15 @@ def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
     row.owner, row.tab = owner, tab
     row.lease_expires_at = now() + LEASE
     return row
+
+
+def claim_abandoned(session: Session, game_id: str, owner: str, after: timedelta) -> GameRow | None:
+    """Claim a game if nobody has owned it for some time; None if somebody has by now."""
+    session.execute(select(GameRow.id).where(GameRow.id == game_id).with_for_update())
+    row = get(session, game_id)
+    if row.ended_at is not None or _lease_end(row) >= now() - after:
+        return None
+    return claim(session, game_id, owner, "")
 
 
 def hold(session: Session, game_id: str, epoch: int) -> bool:
@@ -278,6 +292,27 @@ def is_play_on(session: Session) -> bool:
     return session.scalar(select(GameRow.id).where(*live).limit(1)) is not None
 
 
+def is_open(session: Session, game_id: str) -> bool:
+    """Whether a game has a place among those that are played or about to be."""
+    return bool(session.scalar(_open().where(GameRow.id == game_id)))
+
+
+def count_open(session: Session, player_id: int | None = None) -> int:
+    """Count the games that are played or about to be, of one player or of all."""
+    query = _open()
+    if player_id is not None:
+        query = query.join(RecordingRow, GameRow.recording_id == RecordingRow.id).where(
+            RecordingRow.player_id == player_id
+        )
+    return session.scalar(query) or 0
+
+
+def _open() -> Select[int]:
+    return select(func.count(GameRow.id)).where(
+        GameRow.ended_at.is_(None), GameRow.lease_expires_at > now() - OPEN_FOR
+    )
+
+
 def keep_undecided(session: Session, after: timedelta) -> None:
     """Keep finished games that nobody decided about for some time, so that none is lost."""
     query = select(RecordingRow).where(
@@ -288,6 +323,10 @@ def keep_undecided(session: Session, after: timedelta) -> None:
     for row in session.scalars(query):
         row.state = RecordingState.KEPT
         note_change(session, "recording", row.id)
+
+
+def _lease_end(row: GameRow) -> datetime:
+    return row.lease_expires_at or row.created_at
 
 
 def _as_owner(session: Session, game_id: str, epoch: int, lease: timedelta) -> bool:

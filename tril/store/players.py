@@ -23,6 +23,11 @@ def owner(session: Session) -> PlayerRow:
     return row
 
 
+def lock(session: Session, player_id: int) -> None:
+    """Let other transactions that lock this player wait until this one is over."""
+    session.execute(select(PlayerRow.id).where(PlayerRow.id == player_id).with_for_update())
+
+
 def seed_owner(session: Session) -> None:
     """Add the owner where there is none."""
     if session.scalar(select(PlayerRow.id).where(PlayerRow.role == Role.OWNER)) is None:

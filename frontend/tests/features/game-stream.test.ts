@@ -272,6 +272,16 @@ describe("a game's stream", () => {
     expect(stream.snapshot().hits).toHaveLength(1);
   });
 
+  it("says when all places are taken, and tries again", () => {
+    const { stream, socket } = begin();
+    socket.close(CLOSE.tryAgainLater);
+    expect(stream.snapshot().phase).toBe("full");
+    vi.advanceTimersByTime(300);
+    newest().tell({ ...HELLO, frame: 60, resumed: true });
+    newest().tell({ type: "countdown", seconds: 3 });
+    expect(stream.snapshot().phase).toBe("countdown");
+  });
+
   it("waits longer after each failure, up to four seconds", () => {
     begin();
     const waits = [250, 500, 1000, 2000, 4000, 4000];

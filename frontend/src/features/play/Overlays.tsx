@@ -31,7 +31,7 @@ export function StageOverlay(props: StageOverlayProps) {
         <p>
           {error ??
             (gone
-              ? "It was played too long ago to go on with. What was played of it is kept."
+              ? "Nobody played on for a while, so it ended. What was played of it is kept."
               : "Everything you do is recorded. Play well, or badly on purpose: both teach.")}
         </p>
         <Button kind="primary" large disabled={starting} onClick={onStart}>
@@ -89,6 +89,18 @@ export function StageOverlay(props: StageOverlayProps) {
             The connection broke
           </span>
           <p>Your game is saved and waits. It goes on as soon as the server answers again.</p>
+        </Overlay>
+      );
+    case "full":
+      return (
+        <Overlay>
+          <span className={styles.big} role="status">
+            All places are taken
+          </span>
+          <p>
+            Too many games are being played. Stay on this page: yours goes on as soon as one of them
+            ends.
+          </p>
         </Overlay>
       );
     case "elsewhere":

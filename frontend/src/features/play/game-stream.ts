@@ -15,7 +15,8 @@ import type { Palette } from "@/lib/screen";
 /**
  * connecting: nothing was heard yet. countdown, playing, paused, ended: what the game does.
  * stepping: it is paused and played frame by frame. rewinding: it is run back.
- * lost: the connection broke; it is tried again. elsewhere: another tab plays. gone: no such game.
+ * lost: the connection broke; it is tried again. full: too many games are open; it is tried again.
+ * elsewhere: another tab plays. gone: no such game.
  * refused: this browser isn't let in any more.
  */
 export type Phase =
@@ -27,6 +28,7 @@ export type Phase =
   | "rewinding"
   | "ended"
   | "lost"
+  | "full"
   | "elsewhere"
   | "gone"
   | "refused";
@@ -253,7 +255,7 @@ export class GameStream {
         this.update({ phase: "refused" });
         break;
       default:
-        this.update({ phase: "lost" });
+        this.update({ phase: code === CLOSE.tryAgainLater ? "full" : "lost" });
         this.retry();
     }
   }

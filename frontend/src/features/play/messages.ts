@@ -65,6 +65,7 @@ export const SPEEDS = [100, 75, 50, 25] as const;
 
 /** Codes with which the server closes a stream. */
 export const CLOSE = {
+  tryAgainLater: 1013,
   takenOver: 4001,
   badMessage: 4400,
   unauthorised: 4401,
