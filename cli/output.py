@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from sqlalchemy.exc import OperationalError
 
 from tril.errors import TrilError
@@ -38,3 +39,8 @@ def plain_errors() -> Iterator[None]:
             "data folder (TRIL_DATA), then try again."
         )
         raise typer.Exit(1) from error
+
+
+def say(name: str, line: str) -> None:
+    """Print a line that a process said."""
+    console.print(f"[dim]{name:>9} │[/] {escape(line)}", soft_wrap=True)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import urllib.error
 import urllib.request
 from enum import StrEnum
+from typing import Annotated
 
 import typer
 
 from cli.output import console, plain_errors
+from cli.servers import supervise_servers
 from cli.supervisor import end_with_supervisor
 from tril.errors import Unavailable
 from tril.settings import Settings
@@ -22,13 +24,27 @@ class Service(StrEnum):
     INFERENCE = "inference"
 
 
-def serve() -> None:
+def serve(
+    servers: Annotated[
+        int | None,
+        typer.Option(min=1, max=64, help="Processes behind the port; TRIL_SERVER_PROCESSES."),
+    ] = None,
+    share_port: Annotated[
+        bool, typer.Option(help="Run one process, beside others that were started with this.")
+    ] = False,
+) -> None:
     """Run the web server alone (``tril up`` runs everything)."""
     from server.main import run_server
 
+    settings = Settings()
+    if servers is not None:
+        settings = settings.model_copy(update={"server_processes": servers})
     end_with_supervisor()
     with plain_errors():
-        run_server(Settings())
+        if share_port or settings.server_processes == 1:
+            run_server(settings, share_port)
+        else:
+            supervise_servers(settings)
 
 
 def worker() -> None:

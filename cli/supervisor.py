@@ -9,8 +9,9 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 FIRST_BACKOFF_S = 1.0
 LONGEST_BACKOFF_S = 30.0
@@ -168,6 +169,25 @@ class Supervisor:
             os.killpg(process.pid, signal.SIGKILL)
 
 
+@contextlib.contextmanager
+def running(supervisor: Supervisor) -> Iterator[None]:
+    """Start a supervisor's children for a block and stop them after it.
+
+    SIGINT and SIGTERM ask the supervisor to stop, so that its ``watch`` returns.
+    """
+
+    def _on_signal(_number: int, _frame: Any) -> None:
+        supervisor.request_stop()
+
+    signal.signal(signal.SIGINT, _on_signal)
+    signal.signal(signal.SIGTERM, _on_signal)
+    try:
+        supervisor.start()
+        yield
+    finally:
+        supervisor.stop()
+
+
 def end_with_supervisor() -> None:
     """In a child: end this process (SIGTERM) when its supervisor is gone without a word.
 
@@ -185,6 +205,11 @@ def end_with_supervisor() -> None:
         os._exit(1)
 
     threading.Thread(target=_watch, name="supervisor-watch", daemon=True).start()
+
+
+def numbered(name: str, n: int) -> list[str]:
+    """Return names for so many children of a kind; a single one needs no number."""
+    return [name] if n == 1 else [f"{name}-{i}" for i in range(1, n + 1)]
 
 
 def tril_command(*arguments: str) -> list[str]:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import signal
 import socket
 import threading
 import time
 import webbrowser
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.markup import escape
 
-from cli.output import console, plain_errors
+from cli.output import console, plain_errors, say
+from cli.servers import held_port, server_children, server_environment
 from cli.services import (
     ask_inference,
     ask_server,
@@ -21,7 +21,7 @@ from cli.services import (
     bring_up_to_date,
     server_url,
 )
-from cli.supervisor import Child, Supervisor, tril_command
+from cli.supervisor import Child, Supervisor, numbered, running, tril_command
 from tril.errors import TrilError, Unavailable
 from tril.settings import Settings
 
@@ -30,13 +30,21 @@ READY_TIMEOUT_S = 60.0
 
 def up(
     workers: Annotated[int, typer.Option(min=0, help="Training workers to run.")] = 1,
+    servers: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=64, help="Server processes behind the port; TRIL_SERVER_PROCESSES."
+        ),
+    ] = None,
     port: Annotated[
         int | None, typer.Option(min=0, max=65535, help="Port; 0 takes any free one.")
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page when it is ready.")] = True,
 ) -> None:
     """Start server, worker and inference; print the address; Ctrl-C stops everything."""
-    settings = Settings() if port is None else Settings(port=port)
+    settings = Settings()
+    chosen = {"port": port, "server_processes": servers}
+    settings = settings.model_copy(update={k: v for k, v in chosen.items() if v is not None})
     with plain_errors():
         if settings.port == 0:
             settings = settings.model_copy(update={"port": _free_port(settings.host)})
@@ -48,29 +56,18 @@ def up(
 
 
 def _supervise(settings: Settings, workers: int, browser: bool) -> None:
-    names = ["worker"] if workers == 1 else [f"worker-{i}" for i in range(1, workers + 1)]
     children = [
-        Child("server", tril_command("serve")),
+        *server_children(settings.server_processes),
         Child("inference", tril_command("inference")),
-        *(Child(name, tril_command("worker")) for name in names),
+        *(Child(name, tril_command("worker")) for name in numbered("worker", workers)),
     ]
-    environment = {"TRIL_PORT": str(settings.port), "TRIL_DATA": str(settings.data)}
-    supervisor = Supervisor(children, _say, environment)
-
-    def _on_signal(_number: int, _frame: Any) -> None:
-        supervisor.request_stop()
-
-    signal.signal(signal.SIGINT, _on_signal)
-    signal.signal(signal.SIGTERM, _on_signal)
-    try:
-        supervisor.start()
+    supervisor = Supervisor(children, say, server_environment(settings))
+    with held_port(settings), running(supervisor):
         threading.Thread(
             target=_announce_when_ready, args=(settings, supervisor, workers, browser), daemon=True
         ).start()
         supervisor.watch()
         console.print("Stopping…")
-    finally:
-        supervisor.stop()
     console.print("Stopped. Everything is saved.")
 
 
@@ -92,7 +89,7 @@ def _announce_when_ready(
             checks.pop(0)
         except TrilError as error:
             if time.monotonic() > deadline:
-                _say("tril", f"{error} It goes on trying.")
+                say("tril", f"{error} It goes on trying.")
                 deadline = float("inf")
             time.sleep(0.1)
     if supervisor.stop_requested:
@@ -139,7 +136,3 @@ def _check_frontend() -> None:
     from server.pages import check_frontend
 
     check_frontend()
-
-
-def _say(name: str, line: str) -> None:
-    console.print(f"[dim]{name:>9} │[/] {escape(line)}", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""Runs the server: one process, one event loop."""
+"""Runs a server process: one event loop, alone on its port or beside others of its kind."""
 
 from __future__ import annotations
 
@@ -76,8 +76,12 @@ class Server(uvicorn.Server):
         gc.unfreeze()
 
 
-def run_server(settings: Settings) -> None:
+def run_server(settings: Settings, shares_port: bool = False) -> None:
     """Serve until a signal ends it.
+
+    Args:
+        settings: What to serve and where.
+        shares_port: Whether other server processes may listen on the same port.
 
     Raises:
         Unavailable: The port is taken or the database is of another version; says what to do.
@@ -89,7 +93,7 @@ def run_server(settings: Settings) -> None:
         check_schema(database)
     finally:
         database.close()
-    listening = bind(settings)
+    listening = bind(settings, shares_port)
     with listening:
         Server(server_config(create_app(settings), settings)).run(sockets=[listening])
 
@@ -111,25 +115,59 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
     )
 
 
-def bind(settings: Settings) -> socket.socket:
-    """Take the port.
+def bind(settings: Settings, shares_port: bool = False) -> socket.socket:
+    """Take the port and listen.
+
+    Args:
+        settings: Which port.
+        shares_port: Whether other processes of this user that say the same may listen on it too.
+            The kernel spreads the connections over them, and those of a process that has ended go
+            to the others.
+
+    Raises:
+        Unavailable: It is taken, or the address is not this machine's.
+    """
+    listening = take_port(settings, shares_port)
+    try:
+        # Whoever connects before the application has started waits for it.
+        listening.listen(BACKLOG)
+    except OSError as error:
+        listening.close()
+        raise _port_unusable(settings, error) from error
+    listening.set_inheritable(True)
+    return listening
+
+
+def take_port(settings: Settings, shares_port: bool = False) -> socket.socket:
+    """Take the port without listening, which gives it no connections; see bind.
+
+    A supervisor of several server processes learns in this way whether they will get the port.
 
     Raises:
         Unavailable: It is taken, or the address is not this machine's.
     """
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-    listening = socket.socket(family, socket.SOCK_STREAM)
+    taken = socket.socket(family, socket.SOCK_STREAM)
     if os.name == "posix":
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind((settings.host, settings.port))
-        # Whoever connects before the application has started waits for it.
-        listening.listen(BACKLOG)
+        if shares_port:
+            taken.setsockopt(socket.SOL_SOCKET, _reuse_port(), 1)
+        taken.bind((settings.host, settings.port))
     except OSError as error:
-        listening.close()
-        raise Unavailable(
-            f"Port {settings.port} on {settings.host} can't be used: {error.strerror}. Another "
-            "Tril may be running; stop it, or choose another port with TRIL_PORT."
-        ) from error
-    listening.set_inheritable(True)
-    return listening
+        taken.close()
+        raise _port_unusable(settings, error) from error
+    return taken
+
+
+def _reuse_port() -> int:
+    if not hasattr(socket, "SO_REUSEPORT"):
+        raise Unavailable("Several server processes on one port are not possible on this system.")
+    return socket.SO_REUSEPORT
+
+
+def _port_unusable(settings: Settings, error: OSError) -> Unavailable:
+    return Unavailable(
+        f"Port {settings.port} on {settings.host} can't be used: {error.strerror}. Another "
+        "Tril may be running; stop it, or choose another port with TRIL_PORT."
+    )
