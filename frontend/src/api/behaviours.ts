@@ -39,8 +39,9 @@ export function checklistQuery(behaviourId: number) {
 /** Where the cannon of the best demonstration stood in every frame; null without one. */
 export function ghostQuery(behaviourId: number) {
   return queryOptions({
-    // What is ranked or marked anew may be another one.
+    // What is ranked or marked anew may be another one; otherwise it stays.
     queryKey: ["behaviours", behaviourId, "ghost"],
+    staleTime: Infinity,
     queryFn: ({ signal }) =>
       unwrap(
         api.GET("/api/behaviours/{behaviour_id}/ghost", {

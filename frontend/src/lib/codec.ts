@@ -4,6 +4,8 @@
  */
 import { unzlibSync } from "fflate";
 
+import type { Formation } from "./formation";
+
 export const SCREEN_WIDTH = 160;
 export const SCREEN_HEIGHT = 210;
 export const SCREEN_BYTES = SCREEN_WIDTH * SCREEN_HEIGHT;
@@ -11,6 +13,9 @@ export const SCREEN_BYTES = SCREEN_WIDTH * SCREEN_HEIGHT;
 const FRAME_TYPE = 1;
 const FRAME_HEADER_BYTES = 16;
 const KEY_FRAME_FLAG = 1;
+const SHOT_FLAG = 2;
+/** Added to the formation's left edge on its way, which can lie left of the screen. */
+const LEFT_BIAS = 96;
 const INPUT_TYPE = 1;
 const ACK_TYPE = 2;
 
@@ -27,6 +32,10 @@ export interface FrameMessage {
   readonly frame: number;
   /** The newest input that a frame of the game was executed with. */
   readonly inputSequence: number;
+  /** Where the aliens stand on this screen. */
+  readonly formation: Formation;
+  /** Whether a missile has left the cannon since the screen before. */
+  readonly isShot: boolean;
   readonly payload: Uint8Array;
 }
 
@@ -38,8 +47,11 @@ export function readFrame(message: ArrayBuffer): FrameMessage {
   const view = new DataView(message);
   const type = view.getUint8(0);
   if (type !== FRAME_TYPE) throw new CodecError(`Expected a frame, got message type ${type}.`);
+  const flags = view.getUint8(1);
   return {
-    isKey: (view.getUint8(1) & KEY_FRAME_FLAG) !== 0,
+    isKey: (flags & KEY_FRAME_FLAG) !== 0,
+    isShot: (flags & SHOT_FLAG) !== 0,
+    formation: { left: view.getUint8(2) - LEFT_BIAS, top: view.getUint8(3) },
     sequence: view.getUint32(4, true),
     frame: view.getUint32(8, true),
     inputSequence: view.getUint32(12, true),

@@ -1,10 +1,14 @@
 /** Colours of the page's tokens for drawings that know no CSS variables. */
 
-/** The colour that a CSS expression such as `var(--ink)` stands for now. */
-export function resolveColour(expression: string): string {
+/**
+ * The colour that a CSS expression such as `var(--ink)` stands for now.
+ *
+ * @param inside The element whose theme counts: the game's screen is dark in either.
+ */
+export function resolveColour(expression: string, inside: Element = document.body): string {
   const probe = document.createElement("span");
   probe.style.color = expression;
-  document.body.append(probe);
+  inside.append(probe);
   const colour = getComputedStyle(probe).color;
   probe.remove();
   return colour;

@@ -45,6 +45,8 @@ class FakeSocket extends EventTarget {
     const view = new DataView(data.buffer);
     view.setUint8(0, 1);
     view.setUint8(1, 1);
+    view.setUint8(2, 23 + 96);
+    view.setUint8(3, 31);
     view.setUint32(4, sequence, true);
     view.setUint32(8, frame, true);
     view.setUint32(12, inputSequence, true);
@@ -71,6 +73,7 @@ const HELLO = {
   resumed: false,
   hits: [],
   speed_percent: 100,
+  aliens: { width: 8, height: 10, column_px: 16, row_px: 18 },
 };
 const ENDED = {
   type: "ended",
@@ -127,11 +130,20 @@ describe("a game's stream", () => {
     socket.show(1, 0);
     socket.show(2, 1);
     expect(screen.show).toHaveBeenCalledTimes(2);
-    expect(screen.show).toHaveBeenLastCalledWith(expect.any(Uint8Array), 1, 1200);
+    const seen = { frame: 1, formation: { left: 23, top: 31 }, isShot: false };
+    const lastSeen = expect.objectContaining(seen) as unknown;
+    expect(screen.show).toHaveBeenLastCalledWith(expect.any(Uint8Array), lastSeen, 1200);
     expect(socket.binarySent).toEqual([
       [2, 0, 0, 0, 1, 0, 0, 0],
       [2, 0, 0, 0, 2, 0, 0, 0],
     ]);
+  });
+
+  it("knows how the aliens are laid out as soon as the server has said it", () => {
+    const { stream, socket } = begin();
+    expect(stream.aliens).toBeNull();
+    socket.tell(HELLO);
+    expect(stream.aliens).toEqual({ width: 8, height: 10, column_px: 16, row_px: 18 });
   });
 
   it("sends the held keys when they change, numbered", () => {
@@ -233,7 +245,11 @@ describe("a game's stream", () => {
     expect(stream.snapshot().phase).toBe("rewinding");
     socket.show(1, 130);
     socket.show(2, 128);
-    expect(screen.show).toHaveBeenLastCalledWith(expect.any(Uint8Array), 128, 1200);
+    expect(screen.show).toHaveBeenLastCalledWith(
+      expect.any(Uint8Array),
+      expect.objectContaining({ frame: 128 }),
+      1200,
+    );
     stream.release();
     expect(socket.commandsSent).toEqual(["ready", "rewind", "release"]);
     socket.tell({ type: "rewound", frame: 110, hits: [hit], recording_id: 6 });

@@ -1,5 +1,6 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
+import { zlibSync } from "fflate";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 
 import { behaviour, recording } from "../support/data";
@@ -7,6 +8,8 @@ import { show } from "../support/page";
 import { Refusal, serve } from "../support/server";
 
 import { PlayPage } from "@/features/play/PlayPage";
+import { Sounds } from "@/features/play/sounds";
+import { SCREEN_BYTES } from "@/lib/codec";
 import type { Pad } from "@/lib/gamepad";
 
 /** The server's end of the stream, in a test's hands. */
@@ -56,6 +59,7 @@ const HELLO = {
   resumed: false,
   hits: [],
   speed_percent: 100,
+  aliens: { width: 8, height: 10, column_px: 16, row_px: 18 },
 };
 const ENDED = {
   type: "ended",
@@ -70,10 +74,21 @@ const ENDED = {
   verification_note: "",
 };
 
+const GHOST = {
+  recording_id: 5,
+  source: "person",
+  lefts: [34, 34, 35],
+  top: 185,
+  width: 7,
+  height: 10,
+};
+
+let ghost: typeof GHOST | null = GHOST;
 let pads: readonly (Pad | null)[] = [];
 
-function open() {
+function open(one = behaviour()) {
   const asked = serve({
+    "GET /api/behaviours/1/ghost": () => ghost,
     "POST /api/games": () => ({
       id: "g1",
       recording_id: 7,
@@ -104,17 +119,28 @@ function open() {
     "POST /api/recordings/7/restore": () => recording({ id: 7 }),
     "PATCH /api/recordings/7": () => recording({ id: 7, perfect: true }),
   });
-  show(<PlayPage behaviour={behaviour()} />);
+  show(<PlayPage behaviour={one} />);
   return asked;
 }
 
-async function start() {
-  const asked = open();
+async function start(one = behaviour()) {
+  const asked = open(one);
   await userEvent.click(screen.getByRole("button", { name: "Start game" }));
   await waitFor(() => expect(FakeSocket.last).not.toBeNull());
   tell(HELLO);
   tell({ type: "countdown", seconds: 0 });
   return asked;
+}
+
+/** Shows a frame with the aliens where they begin. */
+function frame(number: number, { isShot = false } = {}): void {
+  const payload = zlibSync(new Uint8Array(SCREEN_BYTES));
+  const data = new Uint8Array(16 + payload.length);
+  data.set([1, isShot ? 3 : 1, 23 + 96, 31, number, 0, 0, 0, number]);
+  data.set(payload, 16);
+  act(() => {
+    FakeSocket.last?.dispatchEvent(new MessageEvent("message", { data: data.buffer }));
+  });
 }
 
 async function end() {
@@ -132,6 +158,7 @@ beforeEach(() => {
   FakeSocket.opened = 0;
   vi.stubGlobal("WebSocket", FakeSocket);
   pads = [];
+  ghost = GHOST;
   // jsdom has none of it.
   Object.defineProperty(navigator, "getGamepads", { configurable: true, value: () => pads });
 });
@@ -266,6 +293,99 @@ describe("playing", () => {
     await waitFor(() => expect(inputs().at(-1)).toBe(0));
     buttons[9] = { pressed: true };
     await waitFor(() => expect(FakeSocket.last?.sent.at(-1)).toBe('{"type":"pause"}'));
+  });
+
+  it("starts the first game with a gamepad, by a button that was not held before", async () => {
+    const buttons = Array.from({ length: 17 }, (_, n) => ({ pressed: n === 9 }));
+    pads = [{ axes: [0, 0], buttons }];
+    vi.spyOn(document, "hasFocus").mockReturnValue(true);
+    const asked = open();
+    const begun = () => asked.filter(({ path }) => path === "/api/games");
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    expect(begun()).toEqual([]);
+    buttons[9] = { pressed: false };
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    buttons[9] = { pressed: true };
+    await waitFor(() => expect(FakeSocket.last).not.toBeNull());
+    tell(HELLO);
+    tell({ type: "countdown", seconds: 0 });
+    // The same press does not pause the game that it has started.
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    expect(FakeSocket.last?.sent).toEqual(['{"type":"ready"}']);
+    expect(begun()).toHaveLength(1);
+  });
+
+  it("outlines the targets by key and by button, and says what the outlines mean", async () => {
+    const strokeRect = vi.fn();
+    const context = { clearRect: vi.fn(), strokeRect, fillRect: vi.fn() };
+    await start();
+    frame(1);
+    vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(
+      context as unknown as RenderingContext,
+    );
+    await userEvent.keyboard("t");
+    expect(strokeRect).toHaveBeenCalledTimes(2);
+    const legend = screen.getByRole("list", { name: "Drawn over the game, and not recorded" });
+    expect(legend).toHaveTextContent("target aliens that are left");
+    frame(2);
+    tell({ type: "hit", row: 0, column: 0, frame: 3, on_target: true, targets: 1, strays: 0 });
+    frame(3);
+    expect(strokeRect).toHaveBeenCalledTimes(3);
+    const button = screen.getByRole("button", { name: /^Outline targets/ });
+    expect(button).toHaveAttribute("aria-pressed", "true");
+    await userEvent.click(button);
+    expect(legend).not.toBeInTheDocument();
+    frame(4);
+    expect(strokeRect).toHaveBeenCalledTimes(3);
+    expect(localStorage.getItem("tril.play.targets")).toBe("false");
+  });
+
+  it("shows the ghost of the best demonstration and names its recording", async () => {
+    const asked = await start(behaviour({ n_ranked: 2 }));
+    const fetched = () => asked.filter(({ path }) => path.endsWith("/ghost"));
+    expect(fetched()).toEqual([]);
+    await userEvent.keyboard("g");
+    const legend = within(await screen.findByRole("list", { name: /^Drawn over the game/ }));
+    expect(legend.getByRole("link", { name: "Recording 5" })).toBeVisible();
+    await userEvent.keyboard("gg");
+    expect(fetched()).toHaveLength(1);
+    expect(localStorage.getItem("tril.play.ghost")).toBe("true");
+  });
+
+  it("offers neither outlines nor a ghost where there is nothing to show", async () => {
+    await start(behaviour({ target: null }));
+    await userEvent.keyboard("tg");
+    expect(screen.queryByRole("button", { name: /^Outline targets/ })).toBeNull();
+    expect(screen.queryByRole("button", { name: /^Ghost/ })).toBeNull();
+    expect(screen.queryByRole("list", { name: /^Drawn over/ })).toBeNull();
+  });
+
+  it("offers no ghost once the server knows of none", async () => {
+    ghost = null;
+    await start(behaviour({ n_perfect: 1 }));
+    await userEvent.click(screen.getByRole("button", { name: /^Ghost/ }));
+    await waitFor(() => expect(screen.queryByRole("button", { name: /^Ghost/ })).toBeNull());
+  });
+
+  it("lets shots, hits and the end be heard if that is wanted", async () => {
+    const heard: string[] = [];
+    vi.spyOn(Sounds.prototype, "play").mockImplementation((name) => void heard.push(name));
+    const close = vi.spyOn(Sounds.prototype, "close").mockReturnValue(undefined);
+    vi.stubGlobal("AudioContext", vi.fn());
+    await start();
+    frame(1, { isShot: true });
+    await userEvent.keyboard("m");
+    frame(2, { isShot: true });
+    frame(3);
+    await Promise.resolve();
+    tell({ type: "hit", row: 0, column: 0, frame: 3, on_target: true, targets: 1, strays: 0 });
+    tell({ type: "hit", row: 0, column: 3, frame: 9, on_target: false, targets: 1, strays: 1 });
+    expect(heard).toEqual(["shot", "target", "stray"]);
+    tell({ type: "rewound", frame: 0, hits: [], recording_id: 6 });
+    tell(ENDED);
+    expect(heard).toEqual(["shot", "target", "stray", "end"]);
+    await userEvent.click(screen.getByRole("button", { name: /^Sound/ }));
+    expect(close).toHaveBeenCalledOnce();
   });
 
   it("shows the latency by key and by button, also in the next game", async () => {

@@ -83,6 +83,14 @@ describe("keys in the game", () => {
     expect(speedBeside(50, "faster")).toBe(75);
   });
 
+  it("show and hide what lies over the game, unless they were chosen for something else", () => {
+    expect(wishOf(press("KeyT"), "playing", Infinity)).toBe("targets");
+    expect(wishOf(press("KeyG"), "paused", Infinity)).toBe("ghost");
+    expect(wishOf(press("KeyM"), "countdown", Infinity)).toBe("sound");
+    const keys = { ...DEFAULT_KEYS, fire: ["KeyT"] };
+    expect(wishOf(press("KeyT"), "playing", Infinity, keys)).toBeNull();
+  });
+
   it("otherwise steer", () => {
     expect(wishOf(press("KeyD"), "playing", Infinity)).toBeNull();
     expect(wishOf(press("Space"), "playing", Infinity)).toBeNull();
@@ -105,8 +113,18 @@ describe("buttons of a gamepad", () => {
       "discard",
       "keep",
       "perfect",
-      null,
+      "again",
     ]);
+  });
+
+  it("start the first game, and another one when a game is gone", () => {
+    for (const phase of [null, "gone"] as const) {
+      expect(padWishOf(PAD.start, phase, Infinity)).toBe("start");
+      expect(padWishOf(PAD.bottom, phase, Infinity)).toBe("start");
+      expect(padWishOf(PAD.top, phase, Infinity)).toBeNull();
+    }
+    expect(padWishOf(PAD.start, "connecting", Infinity)).toBeNull();
+    expect(padWishOf(PAD.start, "elsewhere", Infinity)).toBeNull();
   });
 });
 

@@ -23,6 +23,8 @@ interface Vectors {
     sequence: number;
     frame: number;
     input_sequence: number;
+    formation: { left: number; top: number };
+    shot: boolean;
     screen_sha256: string;
   }[];
   client: {
@@ -55,10 +57,21 @@ describe("frames of the server", () => {
         sequence: vector.sequence,
         frame: vector.frame,
         inputSequence: vector.input_sequence,
+        formation: vector.formation,
+        isShot: vector.shot,
       });
       decoder.apply(message.payload, message.isKey);
       expect(sha256(decoder.pixels)).toBe(vector.screen_sha256);
     }
+    expect(new Set(vectors.frames.map(({ shot }) => shot))).toEqual(new Set([true, false]));
+  });
+
+  it("place the aliens left of the screen where their first columns are gone", () => {
+    const data = new Uint8Array(bytesOf(vectors.frames[0]?.base64 ?? ""));
+    data[2] = 0;
+    expect(readFrame(data.buffer).formation.left).toBe(-96);
+    data[2] = 255;
+    expect(readFrame(data.buffer).formation.left).toBe(159);
   });
 
   it("are refused when they are cut short", () => {

@@ -69,7 +69,7 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
       <p className={styles.tip}>
         Either hand can play alone: the arrows with ↑ to fire, or A and D with W. Left and right
         together cancel out. A gamepad works as well: stick or cross, any of the four buttons to
-        fire, those at its back to rewind, start to pause.
+        fire, those at its back to rewind, start to begin, to pause and to play again.
       </p>
       <div>
         <Button onClick={() => setKeys(DEFAULT_KEYS)}>Back to the usual keys</Button>

@@ -1,27 +1,31 @@
-import { Fragment, useCallback, useEffect, useMemo, useRef, useState } from "react";
-import { Link } from "react-router";
+import { useCallback, useEffect, useRef, useState } from "react";
 
 import { Checklist } from "./Checklist";
-import { KEYS, SHOW_LATENCY } from "./choices";
-import { speedBeside, steers, type Wish, wishOf } from "./controls";
+import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "./choices";
+import { speedBeside, steers, type Wish } from "./controls";
 import { EndCard, type EndCardHandle } from "./EndCard";
-import type { GameScreen, GameStream } from "./game-stream";
+import type { GameStream } from "./game-stream";
 import { Clock, type ClockHandle, Score } from "./Hud";
+import { KeyHelp, Tip } from "./KeyHelp";
 import { KeysDialog } from "./KeysDialog";
 import { LatencyDisplay } from "./LatencyDisplay";
+import { MarksCanvas } from "./MarksCanvas";
 import { StageOverlay } from "./Overlays";
 import { PaceControls } from "./PaceControls";
 import styles from "./PlayPage.module.css";
+import { Toggles } from "./Toggles";
 import { TouchPad } from "./TouchPad";
 import { type PlayedGame, useGame } from "./use-game";
 import { useGamepad } from "./use-gamepad";
+import { useKeys } from "./use-keys";
+import { useMarks } from "./use-marks";
+import { useScreen } from "./use-screen";
+import { useSounds } from "./use-sounds";
 
 import { messageOf } from "@/api/client";
 import type { Behaviour } from "@/api/types";
-import { Button } from "@/components/Button";
 import { GameCanvas } from "@/components/GameCanvas";
-import { bitOf, type Control, controlOf, HeldKeys, isGameKey, keyName } from "@/lib/keys";
-import type { Palette, ScreenPainter } from "@/lib/screen";
+import { HeldKeys } from "@/lib/keys";
 import { readChoice, useChoice, writeChoice } from "@/lib/stored";
 import { useFittingScreenSize } from "@/lib/use-screen-size";
 
@@ -38,24 +42,27 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const clock = useRef<ClockHandle>(null);
   const endCard = useRef<EndCardHandle>(null);
   const stage = useRef<HTMLDivElement>(null);
-  const { screen, setPainter } = useScreen(clock);
+  const { screen, frames, setPainter } = useScreen(clock);
   const game = useGame(behaviour.id, screen);
   const size = useFittingScreenSize(stage, stageHeight);
   const [held] = useState(() => new HeldKeys());
   const [choosesKeys, setChoosesKeys] = useState(false);
-  const [showsLatency, setShowsLatency] = useChoice(SHOW_LATENCY);
-  const { state, stream } = game;
+  const [showsLatency] = useChoice(SHOW_LATENCY);
+  const { target, ghost, hasGhost } = useMarks(behaviour);
+  const { state, stream, start } = game;
   const phase = state?.phase;
 
   const onWish = useRef<(wish: Wish) => void>(() => undefined);
   useEffect(() => {
     onWish.current = (wish) => {
       if (wish === "fullscreen") toggleFullscreen(stage.current);
+      else if (wish === "start") start();
       else if (!stream || phase === "ended" || !fulfil(wish, stream)) endCard.current?.wish(wish);
     };
-  }, [stream, phase]);
-  useKeys(game, held, onWish);
+  }, [stream, phase, start]);
+  useKeys(stream, held, onWish);
   useGamepad(stream, held, onWish);
+  useSounds(stream, frames);
   usePauseWhenHidden(game);
   // Keys must reach the game, not the button that was pressed last.
   const focusStage = useCallback(() => stage.current?.focus({ preventScroll: true }), []);
@@ -77,6 +84,15 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           tabIndex={0}
         >
           <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+          {stream && (target ?? ghost) && (
+            <MarksCanvas
+              size={size}
+              stream={stream}
+              frames={frames}
+              target={target}
+              ghost={ghost}
+            />
+          )}
           {stream && showsLatency && <LatencyDisplay stream={stream} />}
           <StageOverlay
             state={state}
@@ -138,27 +154,16 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
         )}
         <Checklist behaviour={behaviour} />
         <KeyHelp />
-        <div className={styles.toggles}>
-          <Button
-            kind="quiet"
-            onClick={() => {
-              stream?.command("pause");
-              setChoosesKeys(true);
-            }}
-          >
-            Change the keys
-          </Button>
-          <Button
-            kind="quiet"
-            aria-pressed={showsLatency}
-            onClick={() => setShowsLatency(!showsLatency)}
-          >
-            Latency <kbd>L</kbd>
-          </Button>
-          <Button kind="quiet" onClick={() => toggleFullscreen(stage.current)}>
-            Fullscreen <kbd>F</kbd>
-          </Button>
-        </div>
+        <Toggles
+          hasTarget={behaviour.target !== null}
+          hasGhost={hasGhost}
+          marks={{ target, ghost }}
+          onChooseKeys={() => {
+            stream?.command("pause");
+            setChoosesKeys(true);
+          }}
+          onFullscreen={() => toggleFullscreen(stage.current)}
+        />
         <Tip behaviour={behaviour} />
       </aside>
       {choosesKeys && <KeysDialog onClose={() => setChoosesKeys(false)} />}
@@ -166,75 +171,12 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   );
 }
 
-/** The screen that frames are shown on: the canvas and the clock, past React. */
-function useScreen(clock: React.RefObject<ClockHandle | null>) {
-  const painter = useRef<ScreenPainter | null>(null);
-  const palette = useRef<Palette | null>(null);
-  const screen = useMemo<GameScreen>(
-    () => ({
-      setPalette: (colours) => {
-        palette.current = colours;
-        painter.current?.setPalette(colours);
-      },
-      show: (pixels, frame, maxFrames) => {
-        painter.current?.draw(pixels);
-        clock.current?.show(frame, maxFrames);
-      },
-    }),
-    [clock],
-  );
-  const setPainter = useCallback((ready: ScreenPainter) => {
-    painter.current = ready;
-    if (palette.current) ready.setPalette(palette.current);
-  }, []);
-  return { screen, setPainter };
-}
-
-/** Passes keys on to the game, and what else they ask for to where it is done. */
-function useKeys(
-  { stream }: PlayedGame,
-  held: HeldKeys,
-  onWish: React.RefObject<(wish: Wish) => void>,
-): void {
-  useEffect(() => {
-    if (!stream) return undefined;
-    const down = (event: KeyboardEvent) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
-      const { phase, endedAt } = stream.snapshot();
-      const keys = readChoice(KEYS);
-      const wish = wishOf(event, phase, performance.now() - endedAt, keys);
-      if (wish && !(isButton(event.target) && pressesButton(event.code))) {
-        event.preventDefault();
-        onWish.current(wish);
-      } else if (steers(phase) && isGameKey(keys, event.code)) {
-        event.preventDefault();
-        if (held.hold(event.code, bitOf(keys, event.code))) {
-          stream.hold(held.bits, event.timeStamp);
-        }
-      } else if (phase === "ended" && event.repeat && isGameKey(keys, event.code)) {
-        // Still held from the game: it must neither scroll the page nor press a button.
-        event.preventDefault();
-      }
-    };
-    const up = (event: KeyboardEvent) => {
-      if (controlOf(readChoice(KEYS), event.code) === "rewind") stream.release();
-      if (held.release(event.code)) stream.hold(held.bits);
-    };
-    const letGo = () => {
-      stream.release();
-      if (held.releaseAll()) stream.hold(0);
-    };
-    window.addEventListener("keydown", down);
-    window.addEventListener("keyup", up);
-    window.addEventListener("blur", letGo);
-    return () => {
-      letGo();
-      window.removeEventListener("keydown", down);
-      window.removeEventListener("keyup", up);
-      window.removeEventListener("blur", letGo);
-    };
-  }, [stream, held, onWish]);
-}
+const SWITCHES = {
+  latency: SHOW_LATENCY,
+  targets: SHOW_TARGETS,
+  ghost: SHOW_GHOST,
+  sound: SOUND,
+} as const;
 
 /** Does what a press asks of the game; returns whether it was meant for it. */
 function fulfil(wish: Wish, stream: GameStream): boolean {
@@ -254,7 +196,10 @@ function fulfil(wish: Wish, stream: GameStream): boolean {
       stream.setSpeed(speedBeside(stream.snapshot().speed, wish));
       return true;
     case "latency":
-      writeChoice(SHOW_LATENCY, !readChoice(SHOW_LATENCY));
+    case "targets":
+    case "ghost":
+    case "sound":
+      writeChoice(SWITCHES[wish], !readChoice(SWITCHES[wish]));
       return true;
     default:
       return false;
@@ -279,65 +224,4 @@ function usePauseWhenHidden({ stream }: PlayedGame): void {
     document.addEventListener("visibilitychange", pause);
     return () => document.removeEventListener("visibilitychange", pause);
   }, [stream]);
-}
-
-/** Whether keys are meant for something else: a field, or an open dialog. */
-function isElsewhere(target: EventTarget | null): boolean {
-  if (document.querySelector("dialog[open]")) return true;
-  return target instanceof HTMLElement && target.matches("input, textarea, select");
-}
-
-function isButton(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && target.matches("button, a");
-}
-
-function pressesButton(code: string): boolean {
-  return code === "Space" || code === "Enter" || code === "NumpadEnter";
-}
-
-function KeyHelp() {
-  const [keys] = useChoice(KEYS);
-  const names = (control: Control) =>
-    keys[control].map((code) => (
-      <Fragment key={code}>
-        <kbd>{keyName(code)}</kbd>{" "}
-      </Fragment>
-    ));
-  return (
-    <dl className={styles.keys} aria-label="Keys">
-      <dt>
-        {names("left")}
-        {names("right")}
-      </dt>
-      <dd>move</dd>
-      <dt>{names("fire")}</dt>
-      <dd>fire, may be held</dd>
-      <dt>{names("rewind")}</dt>
-      <dd>rewind while held</dd>
-      <dt>{names("pause")}</dt>
-      <dd>pause</dd>
-      <dt>
-        <kbd>.</kbd>
-      </dt>
-      <dd>frame by frame</dd>
-    </dl>
-  );
-}
-
-function Tip({ behaviour }: { behaviour: Behaviour }) {
-  const { n_recordings: n, id } = behaviour;
-  if (n < 2) {
-    return (
-      <p className={styles.tip}>
-        Two recordings are the least that can be ranked; about a dozen, from perfect to hopeless,
-        is what an agent learns well from.
-      </p>
-    );
-  }
-  return (
-    <p className={styles.tip}>
-      {n} recordings so far. <Link to={`/behaviours/${id}/rank`}>Put them in order</Link> whenever
-      you like.
-    </p>
-  );
 }

@@ -7,6 +7,7 @@ import { PAD } from "@/lib/gamepad";
 import { type Control, controlOf, DEFAULT_KEYS, type KeyMap } from "@/lib/keys";
 
 export type Wish =
+  | "start"
   | "keep"
   | "discard"
   | "perfect"
@@ -18,6 +19,9 @@ export type Wish =
   | "slower"
   | "faster"
   | "latency"
+  | "targets"
+  | "ghost"
+  | "sound"
   | "fullscreen";
 
 /** Time after the end in which presses are still meant for the game. */
@@ -42,6 +46,7 @@ const AFTER_END_BY_CONTROL: Readonly<Partial<Record<Control, Wish>>> = {
 
 const PAD_AFTER_END: Readonly<Record<number, Wish>> = {
   [PAD.bottom]: "again",
+  [PAD.start]: "again",
   [PAD.right]: "discard",
   [PAD.left]: "keep",
   [PAD.top]: "perfect",
@@ -51,6 +56,9 @@ const PAD_AFTER_END: Readonly<Record<number, Wish>> = {
 const BESIDE: Readonly<Record<string, Wish>> = {
   KeyF: "fullscreen",
   KeyL: "latency",
+  KeyT: "targets",
+  KeyG: "ghost",
+  KeyM: "sound",
   Minus: "slower",
   NumpadSubtract: "slower",
   Equal: "faster",
@@ -112,9 +120,16 @@ function chosen(control: Control, pausing: Wish): Wish | null {
   return control === "rewind" ? "rewind" : null;
 }
 
-/** What a button of a gamepad asks for when it goes down, besides steering and rewinding. */
-export function padWishOf(button: number, phase: Phase, sinceEndMs: number): Wish | null {
+/**
+ * What a button of a gamepad asks for when it goes down, besides steering and rewinding.
+ *
+ * @param phase Null before the first game.
+ */
+export function padWishOf(button: number, phase: Phase | null, sinceEndMs: number): Wish | null {
   switch (phase) {
+    case null:
+    case "gone":
+      return button === PAD.start || button === PAD.bottom ? "start" : null;
     case "playing":
     case "countdown":
       return button === PAD.start ? "pause" : null;

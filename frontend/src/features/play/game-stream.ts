@@ -9,7 +9,14 @@ import {
   SPEEDS,
 } from "./messages";
 
-import { readFrame, ScreenDecoder, writeAck, writeInput } from "@/lib/codec";
+import {
+  type FrameMessage,
+  readFrame,
+  ScreenDecoder,
+  writeAck,
+  writeInput,
+} from "@/lib/codec";
+import type { AlienGeometry } from "@/lib/formation";
 import type { Palette } from "@/lib/screen";
 
 /**
@@ -47,11 +54,14 @@ export interface GameState {
   readonly speed: number;
 }
 
+/** What is known of a frame besides its picture. */
+export type SeenFrame = Pick<FrameMessage, "frame" | "formation" | "isShot">;
+
 /** What shows the frames; called for each one, outside React. */
 export interface GameScreen {
   setPalette(palette: Palette): void;
-  /** Palette values, valid during the call; the frame's number and how many there are at most. */
-  show(pixels: Uint8Array, frame: number, maxFrames: number): void;
+  /** Palette values, valid during the call; the frame, and how many there are at most. */
+  show(pixels: Uint8Array, seen: SeenFrame, maxFrames: number): void;
 }
 
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
@@ -70,6 +80,7 @@ export class GameStream {
   private keys = 0;
   private inputSequence = 0;
   private maxFrames = MAX_FRAMES;
+  private geometry: AlienGeometry | null = null;
   private failures = 0;
   private timer: ReturnType<typeof setTimeout> | null = null;
 
@@ -127,6 +138,11 @@ export class GameStream {
     if (pressed && timed) this.latency.press(this.inputSequence, atMs);
   }
 
+  /** How the aliens are laid out on the screen; null before the server has said it. */
+  get aliens(): AlienGeometry | null {
+    return this.geometry;
+  }
+
   /** How late this game was seen so far. */
   latencySummary(): LatencySummary {
     return this.latency.summary();
@@ -181,14 +197,14 @@ export class GameStream {
   }
 
   private see(socket: WebSocket, data: ArrayBuffer): void {
-    const { payload, isKey, frame, sequence, inputSequence } = readFrame(data);
-    this.decoder.apply(payload, isKey);
-    this.screen.show(this.decoder.pixels, frame, this.maxFrames);
+    const message = readFrame(data);
+    this.decoder.apply(message.payload, message.isKey);
+    this.screen.show(this.decoder.pixels, message, this.maxFrames);
     const latency =
       this.state.phase === "rewinding"
         ? null
-        : this.latency.show(frame, inputSequence, performance.now());
-    socket.send(writeAck(sequence, latency));
+        : this.latency.show(message.frame, message.inputSequence, performance.now());
+    socket.send(writeAck(message.sequence, latency));
   }
 
   private hear(message: ServerMessage): void {
@@ -197,6 +213,7 @@ export class GameStream {
         this.failures = 0;
         this.latency.forget();
         this.maxFrames = message.max_frames;
+        this.geometry = message.aliens;
         this.screen.setPalette(message.palette);
         if (message.frame === 0) this.keepSpeed(message.speed_percent);
         else this.update({ speed: message.speed_percent });

@@ -1,4 +1,5 @@
 /** The text messages of the play protocol (docs/protocol.md). */
+import type { AlienGeometry } from "@/lib/formation";
 import type { Palette } from "@/lib/screen";
 
 export interface HitAt {
@@ -16,6 +17,7 @@ interface Hello {
   readonly resumed: boolean;
   readonly hits: readonly HitAt[];
   readonly speed_percent: number;
+  readonly aliens: AlienGeometry;
 }
 
 interface Countdown {

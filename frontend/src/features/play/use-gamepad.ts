@@ -1,41 +1,50 @@
-import { type RefObject, useEffect } from "react";
+import { type RefObject, useEffect, useRef } from "react";
 
 import { padWishOf, steers, type Wish } from "./controls";
 import type { GameStream } from "./game-stream";
 
-import { newlyPressed, NO_PAD, padState } from "@/lib/gamepad";
+import { dialogIsOpen } from "@/lib/dialogs";
+import { newlyPressed, type PadState, padState } from "@/lib/gamepad";
 import type { HeldKeys } from "@/lib/keys";
 
 const NAME = "gamepad";
 
-/** Plays with gamepads. They can only be looked at: once for every frame of the display. */
+/**
+ * Plays with gamepads, and starts the first game with one. They can only be looked at: once for
+ * every frame of the display.
+ *
+ * @param stream Null before the first game.
+ */
 export function useGamepad(
   stream: GameStream | null,
   held: HeldKeys,
   onWish: RefObject<(wish: Wish) => void>,
 ): void {
+  // What is held when a game begins was not pressed in it.
+  const before = useRef<PadState | null>(null);
   useEffect(() => {
-    if (!stream || !("getGamepads" in navigator)) return undefined;
-    let before = NO_PAD;
+    if (!("getGamepads" in navigator)) return undefined;
     let request = 0;
     const look = () => {
       request = requestAnimationFrame(look);
-      const pads = document.hasFocus() ? navigator.getGamepads() : [];
-      const now = padState(pads);
-      const { phase, endedAt } = stream.snapshot();
-      if (held.hold(NAME, steers(phase) ? now.bits : 0)) stream.hold(held.bits);
-      if (now.rewind && !before.rewind) stream.rewind();
-      if (!now.rewind && before.rewind) stream.release();
-      for (const button of newlyPressed(before, now)) {
-        const wish = padWishOf(button, phase, performance.now() - endedAt);
-        if (wish) onWish.current(wish);
+      const now = padState(document.hasFocus() ? navigator.getGamepads() : []);
+      const last = before.current ?? now;
+      before.current = now;
+      const { phase, endedAt } = stream?.snapshot() ?? { phase: null, endedAt: 0 };
+      if (stream && phase) {
+        if (held.hold(NAME, steers(phase) ? now.bits : 0)) stream.hold(held.bits);
+        if (now.rewind && !last.rewind) stream.rewind();
+        if (!now.rewind && last.rewind) stream.release();
       }
-      before = now;
+      for (const button of newlyPressed(last, now)) {
+        const wish = padWishOf(button, phase, performance.now() - endedAt);
+        if (wish && !dialogIsOpen()) onWish.current(wish);
+      }
     };
     look();
     return () => {
       cancelAnimationFrame(request);
-      if (held.release(NAME)) stream.hold(held.bits);
+      if (held.release(NAME)) stream?.hold(held.bits);
     };
   }, [stream, held, onWish]);
 }
