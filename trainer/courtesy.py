@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+from contextlib import suppress
+from pathlib import Path
 
 import torch
 
 NICENESS = 10
+AUTOGROUP = Path("/proc/self/autogroup")
 LONGEST_REST_S = 0.25
 
 
@@ -63,5 +66,12 @@ def learning_threads(wanted: int) -> int:
 
 
 def lower_priority() -> None:
-    """Make this process, and what it starts, give way to others."""
+    """Make this process, and what it starts, give way to others.
+
+    Linux may share the cores out between sessions first, and looks at the processes' priorities
+    within a session only (autogroups, sched(7)). A session that this process leads is lowered too.
+    """
     os.nice(max(0, NICENESS - os.nice(0)))
+    if hasattr(os, "getsid") and os.getsid(0) == os.getpid():
+        with suppress(OSError):
+            AUTOGROUP.write_text(str(NICENESS))
