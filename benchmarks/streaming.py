@@ -28,6 +28,7 @@ from server.play.codec import FrameEncoder, Screen
 from server.play.conditions import PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
+from server.play.lateness import Lateness
 from server.play.protocol import AckMessage, Command, InputMessage, parse_frame
 from server.play.rules import PlayRules
 from server.play.session import PlaySession
@@ -154,6 +155,7 @@ async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
             PlayConditions(),
             consoles,
             PlayRules(countdown=0),
+            Lateness(),
             branch,
             finish,
         )

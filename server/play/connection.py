@@ -127,18 +127,9 @@ class Connection:
             if not self.n_unacknowledged:
                 self._progress_at = time.monotonic()
             self._sent += 1
-            shots, self._shown_shots = self._shown_shots, scene.shots
             self.shown_frame = scene.frame
             self._on_their_way[self._sent] = scene.frame
-            message = FrameMessage(
-                self._sent,
-                scene.frame,
-                self._executed_sequence,
-                self._encoder.encode(scene.screen),
-                scene.formation,
-                is_shot=shots is not None and scene.shots > shots,
-            )
-            await self._send(frame_bytes(message))
+            await self._send(self._written(scene, self._sent))
         return True
 
     async def tell(self, message: ServerMessage) -> None:
@@ -156,6 +147,20 @@ class Connection:
                 await self._socket.close(code, reason[:MAX_REASON_CHARACTERS])
             except _GONE:
                 return
+
+    def _written(self, scene: Scene, sequence: int) -> bytes | str:
+        """Return the message that shows a scene."""
+        shots, self._shown_shots = self._shown_shots, scene.shots
+        return frame_bytes(
+            FrameMessage(
+                sequence,
+                scene.frame,
+                self._executed_sequence,
+                self._encoder.encode(scene.screen),
+                scene.formation,
+                is_shot=shots is not None and scene.shots > shots,
+            )
+        )
 
     async def _send(self, data: bytes | str) -> None:
         if not self.is_open:

@@ -16,6 +16,7 @@ from server.play.committer import Committer
 from server.play.conditions import PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
+from server.play.lateness import BIN_MS, Lateness
 from server.play.limits import GameLimits, TooManyGames
 from server.play.protocol import Paused
 from server.play.rules import PlayRules
@@ -33,12 +34,18 @@ _LOG = logging.getLogger(__name__)
 N_SPARE_CONSOLES = 2
 """Consoles beside those of the games, to replay and to run back on."""
 WHY_IDLE = "Nobody played on for long; what was played is kept."
+REPORT_EVERY_S = 60.0
+LATE_MS = 8.0
+"""Half a frame: later than this, frames begin to pile up."""
 RETRY_S = 1.0
 JOINING_S = 0.02
 
 
 class PlayHub:
     """The games that are played in this process.
+
+    Attributes:
+        lateness: How late their frames began since the last report.
 
     Args:
         database: Where games are kept.
@@ -57,6 +64,7 @@ class PlayHub:
         limits: GameLimits,
     ) -> None:
         self._limits = limits
+        self.lateness = Lateness()
         self._consoles = consoles
         self._owner = owner
         self._rules = rules
@@ -72,6 +80,7 @@ class PlayHub:
         self._tasks = [
             asyncio.create_task(self._every(self._rules.save_every_s, self._save_all)),
             asyncio.create_task(self._every(self._rules.sweep_every_s, self._sweep, at_once=True)),
+            asyncio.create_task(self._every(REPORT_EVERY_S, self._report)),
         ]
 
     async def stop(self) -> None:
@@ -163,6 +172,7 @@ class PlayHub:
             conditions=PlayConditions.from_conditions(row.recording.conditions) or PlayConditions(),
             consoles=self._consoles,
             rules=self._rules,
+            lateness=self.lateness,
             branch=self._branch,
             finish=self._finish,
         )
@@ -280,6 +290,19 @@ class PlayHub:
                 _LOG.error("A game does not replay: %s", error)
                 return str(error)
         return None
+
+    async def _report(self) -> None:
+        """Say in the log when games are not played at their times."""
+        taken = self.lateness.take()
+        p99_ms = taken.percentile_ms(0.99)
+        if p99_ms is not None and p99_ms > LATE_MS:
+            _LOG.warning(
+                "In the last minute one frame in a hundred began more than %.0f ms late, with %d "
+                "games in this process. More server processes (TRIL_SERVER_PROCESSES, up to one "
+                "per core), fewer games (TRIL_MAX_GAMES) or less other work help.",
+                p99_ms - BIN_MS,
+                len(self._sessions),
+            )
 
     async def _sweep(self) -> None:
         """Look after games that were left alone."""

@@ -6,6 +6,7 @@ import asyncio
 import logging
 
 from server.play.conditions import FULL_SPEED_PERCENT
+from server.play.lateness import Lateness
 from tril.game import space_invaders as game
 
 _LOG = logging.getLogger(__name__)
@@ -20,10 +21,12 @@ class FrameClock:
 
     Args:
         game_id: The game whose clock it is.
+        lateness: Where to note how late it comes.
     """
 
-    def __init__(self, game_id: str) -> None:
+    def __init__(self, game_id: str, lateness: Lateness) -> None:
         self._game_id = game_id
+        self._lateness = lateness
         self._loop = asyncio.get_running_loop()
         self._deadline = self._loop.time()
 
@@ -35,6 +38,7 @@ class FrameClock:
             _LOG.warning("Game %s stood still for %.2f s.", self._game_id, now - self._deadline)
             self._deadline = now
         await asyncio.sleep(max(0.0, self._deadline - now))
+        self._lateness.note(self._loop.time() - self._deadline)
 
 
 async def happens_within(event: asyncio.Event, seconds: float) -> bool:

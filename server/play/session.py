@@ -10,6 +10,7 @@ from enum import Enum, auto
 from server.play.conditions import KEY, PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
+from server.play.lateness import Lateness
 from server.play.news import all_hits, greeting, hits_after, outcome
 from server.play.pace import FrameClock, happens_within
 from server.play.protocol import Close, Command, Countdown, Paused, Rewound, TakenOver
@@ -74,6 +75,7 @@ class PlaySession:
         conditions: How it was played so far; goes on here.
         consoles: Where a console to run the game back on comes from.
         rules: The times to keep.
+        lateness: Where to note how late its frames begin.
         branch: Called to keep the game as it was and to rebuild it up to a frame, from which it
             goes on; None if that was not possible.
         finish: Called once when the game is over, played to its end or stopped.
@@ -89,6 +91,7 @@ class PlaySession:
         conditions: PlayConditions,
         consoles: ConsolePool,
         rules: PlayRules,
+        lateness: Lateness,
         branch: Callable[[PlaySession, int], Awaitable[Branched | None]],
         finish: Callable[[PlaySession], Awaitable[None]],
     ) -> None:
@@ -102,6 +105,7 @@ class PlaySession:
         self._conditions = conditions
         self._consoles = consoles
         self._rules = rules
+        self._lateness = lateness
         self._branch = branch
         self._finish = finish
         self._tape = Tape()
@@ -348,7 +352,7 @@ class PlaySession:
     async def _play(self) -> None:
         if self.connection is not None:
             self.connection.forget_presses()
-        clock = FrameClock(self.game_id)
+        clock = FrameClock(self.game_id, self._lateness)
         while not self._stopped.is_set() and self._recorder.episode.end is None:
             connection = self.connection
             if connection is None or not connection.is_open:

@@ -27,8 +27,14 @@ async def play(
     websocket: WebSocket, game_id: str, tab: Annotated[str | None, Query()] = None
 ) -> None:
     """Play a game; the newest tab that joins has it."""
+    await play_over(websocket, Connection(websocket), game_id, tab)
+
+
+async def play_over(
+    websocket: WebSocket, connection: Connection, game_id: str, tab: str | None
+) -> None:
+    """Play a game over a WebSocket, shown by a connection of it, until it closes."""
     await websocket.accept()
-    connection = Connection(websocket)
     tab = tab or str(uuid4())
     if not _TAB.fullmatch(tab):
         await connection.close(Close.BAD_MESSAGE, "Expected the tab's UUID.")
