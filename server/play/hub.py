@@ -45,7 +45,7 @@ class PlayHub:
     """The games that are played in this process.
 
     Attributes:
-        lateness: How late their frames began since the last report.
+        lateness: How late their frames began, ever since the process started.
 
     Args:
         database: Where games are kept.
@@ -65,6 +65,7 @@ class PlayHub:
     ) -> None:
         self._limits = limits
         self.lateness = Lateness()
+        self._reported = Lateness()
         self._consoles = consoles
         self._owner = owner
         self._rules = rules
@@ -293,8 +294,8 @@ class PlayHub:
 
     async def _report(self) -> None:
         """Say in the log when games are not played at their times."""
-        taken = self.lateness.take()
-        p99_ms = taken.percentile_ms(0.99)
+        recent, self._reported = self.lateness - self._reported, self.lateness + Lateness()
+        p99_ms = recent.percentile_ms(0.99)
         if p99_ms is not None and p99_ms > LATE_MS:
             _LOG.warning(
                 "In the last minute one frame in a hundred began more than %.0f ms late, with %d "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 BIN_MS = 0.25
 N_BINS = 256
@@ -13,10 +14,15 @@ class Lateness:
     """A histogram of milliseconds between a frame's deadline and the moment it began.
 
     Adding to it costs a microsecond, whatever was added before.
+
+    Args:
+        counts: How many frames there are in each bin already; none if left out.
     """
 
-    def __init__(self) -> None:
-        self._counts = [0] * N_BINS
+    def __init__(self, counts: Sequence[int] = (0,) * N_BINS) -> None:
+        if len(counts) != N_BINS:
+            raise ValueError(f"Expected {N_BINS} bins, got {len(counts)}.")
+        self._counts = list(counts)
 
     @property
     def n_frames(self) -> int:
@@ -32,9 +38,11 @@ class Lateness:
         """Count a frame that began so many seconds after its deadline."""
         self._counts[min(N_BINS - 1, max(0, int(1000 * late_s / BIN_MS)))] += 1
 
-    def add(self, counts: list[int]) -> None:
-        """Add another histogram's counts."""
-        self._counts = [a + b for a, b in zip(self._counts, counts, strict=True)]
+    def __add__(self, other: Lateness) -> Lateness:
+        return Lateness([a + b for a, b in zip(self._counts, other._counts, strict=True)])
+
+    def __sub__(self, earlier: Lateness) -> Lateness:
+        return Lateness([a - b for a, b in zip(self._counts, earlier._counts, strict=True)])
 
     def percentile_ms(self, share: float) -> float | None:
         """Return what so large a share of the frames was not later than, in whole bins.
@@ -52,9 +60,3 @@ class Lateness:
             if seen >= wanted:
                 return n * BIN_MS
         return None
-
-    def take(self) -> Lateness:
-        """Return what was counted and begin anew."""
-        taken = Lateness()
-        taken._counts, self._counts = self._counts, taken._counts
-        return taken

@@ -34,16 +34,19 @@ def test_a_percentile_is_the_nearest_rank_rounded_up_to_a_bin(
     assert exact - 1e-6 <= found <= exact + BIN_MS + 1e-6
 
 
-def test_what_was_counted_is_taken_once_and_can_be_added_up() -> None:
+def test_times_are_added_up_and_taken_apart() -> None:
     lateness = Lateness()
     assert lateness.percentile_ms(0.5) is None
     lateness.note(-0.001)
+    earlier = lateness + Lateness()
     lateness.note(3.0)
-    taken = lateness.take()
-    assert (taken.n_frames, lateness.n_frames) == (2, 0)
-    assert (taken.percentile_ms(0.5), taken.percentile_ms(1.0)) == (BIN_MS, BIN_MS * N_BINS)
-    taken.add(taken.counts)
-    assert taken.n_frames == 4
+    assert (earlier.n_frames, lateness.n_frames) == (1, 2)
+    assert (lateness.percentile_ms(0.5), lateness.percentile_ms(1.0)) == (BIN_MS, BIN_MS * N_BINS)
+    recent = lateness - earlier
+    assert (recent.n_frames, recent.percentile_ms(0.5)) == (1, BIN_MS * N_BINS)
+    assert Lateness(recent.counts).counts == recent.counts
+    with pytest.raises(ValueError, match="256 bins"):
+        Lateness([1, 2])
 
 
 def test_a_clock_that_was_held_up_says_by_how_much_and_catches_up() -> None:
