@@ -16,6 +16,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from server.pages import FRONTEND
+from tests.server.live import LiveServer, live_server
+from tests.workplace import make_workplace
+
 BROWSER_ARGUMENTS = [
     "--disable-gpu",
     "--disable-quic",
@@ -87,6 +91,15 @@ def browser(chromium: Path) -> Iterator[Browser]:
         )
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveServer]:
+    """Return a running server with the built pages, and nothing else of a Tril."""
+    made = make_workplace(tmp_path_factory.mktemp("playing") / "data")
+    made.database.close()
+    with live_server(made.settings.data, frontend=FRONTEND) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

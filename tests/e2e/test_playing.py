@@ -8,41 +8,20 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from server.pages import FRONTEND
-from tests.server.live import LiveServer, cookie, live_server
-from tests.workplace import make_workplace
+from tests.e2e.playing import DESKTOP, end_and_keep, expect_running, play_page
+from tests.server.live import LiveServer
 from tril.game.space_invaders import Action
 
 LEFT_OF_TWENTY = re.compile(r"(\d+\.\d) s")
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveServer]:
-    """Return a running server with the built pages, and nothing else of a Tril."""
-    made = make_workplace(tmp_path_factory.mktemp("playing") / "data")
-    made.database.close()
-    with live_server(made.settings.data, frontend=FRONTEND) as running:
-        yield running
-
-
 @pytest.fixture
 def page(browser: Browser, built: LiveServer) -> Iterator[Page]:
-    """Return the play page of column 1; errors in its console fail the test."""
-    address = f"http://{built.authority}"
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    name, value = cookie(built.settings).split("=", 1)
-    context.add_cookies([{"name": name, "value": value, "url": address}])
-    page = context.new_page()
-    problems: list[str] = []
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("console", lambda m: problems.append(m.text) if m.type == "error" else None)
-    page.set_default_timeout(15_000)
-    page.goto(f"{address}/behaviours/1/play")
-    page.get_by_role("button", name="Start game").click()
-    expect(page.get_by_role("timer", name="Time left")).not_to_contain_text("20.0 s")
-    yield page
-    context.close()
-    assert not problems, problems
+    """Return the play page of column 1 with a game begun."""
+    with play_page(browser, built, viewport=DESKTOP) as page:
+        page.get_by_role("button", name="Start game").click()
+        expect_running(page)
+        yield page
 
 
 def seconds_left(page: Page) -> float:
@@ -55,14 +34,6 @@ def seconds_left(page: Page) -> float:
 def steps_played(page: Page) -> int:
     """Return how many steps of four frames the page says were played."""
     return int(page.get_by_text(re.compile(r"step \d+ of 300")).inner_text().split()[1])
-
-
-def end_and_keep(page: Page) -> int:
-    """End the game and keep it; returns its recording."""
-    page.get_by_role("button", name="End the game here").click()
-    page.get_by_role("button", name="Keep").click()
-    said = page.get_by_text(re.compile(r"Kept as recording \d+"))
-    return int(re.sub(r"\D", "", said.inner_text()))
 
 
 def test_how_late_keys_are_seen_is_shown_and_kept(page: Page, built: LiveServer) -> None:
@@ -133,3 +104,85 @@ def test_the_stage_fills_the_screen_and_comes_back(page: Page) -> None:
     page.keyboard.press("f")
     page.wait_for_function("document.fullscreenElement === null")
     assert stage.evaluate(width) == before
+
+
+INK = """(label) => {
+    const canvases = [...document.querySelectorAll('[role=application] > canvas')];
+    const canvas = canvases[label === 'game' ? 0 : 1];
+    const { width, height } = canvas;
+    const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+    // Of the game the aliens, by their colour, and below the score; of the marks what is drawn.
+    const isInk = label === 'game'
+        ? (at) => data[at] === 134 && data[at + 1] === 134 && data[at + 2] === 29
+        : (at) => data[at + 3] > 0;
+    let [left, top, right, bottom] = [width, height, -1, -1];
+    for (let y = 25; y < height; y += 1) for (let x = 0; x < width; x += 1) {
+        if (!isInk(4 * (y * width + x))) continue;
+        left = Math.min(left, x); right = Math.max(right, x);
+        top = Math.min(top, y); bottom = Math.max(bottom, y);
+    }
+    return [left, top, right, bottom];
+}"""
+"""The box of what is drawn, in the game's pixels: left, top, right, bottom."""
+
+
+def test_the_targets_are_outlined_where_they_stand_and_nothing_of_it_is_recorded(
+    page: Page, built: LiveServer
+) -> None:
+    page.keyboard.press("t")
+    expect(page.get_by_role("list", name="Drawn over the game")).to_contain_text("target aliens")
+    boxes = []
+    for _ in range(2):
+        page.wait_for_timeout(1500)
+        page.keyboard.press("Escape")
+        expect(page.get_by_text("Paused", exact=True)).to_be_visible()
+        left, top, _, bottom = page.evaluate(INK, "game")
+        boxes.append(page.evaluate(INK, "marks"))
+        # Column 1: its six aliens of 8 by 10, each framed a pixel away.
+        assert boxes[-1] == [left - 2, top - 2, left + 9, bottom + 2]
+        page.keyboard.press("Enter")
+        expect(page.get_by_text("Paused", exact=True)).to_be_hidden()
+        expect_running(page)
+    assert boxes[0] != boxes[1], "they have moved"
+    kept = built.http.get(f"/api/recordings/{end_and_keep(page)}").json()
+    assert kept["verification"] == "verified"
+
+
+def test_the_best_demonstrations_cannon_goes_along(page: Page) -> None:
+    page.keyboard.press("ArrowRight", delay=1000)
+    page.keyboard.press("g")
+    legend = page.get_by_role("list", name="Drawn over the game")
+    expect(legend).to_contain_text("best demonstration, Recording 1")
+    # The recording never leaves the left wall.
+    page.wait_for_timeout(200)
+    assert page.evaluate(INK, "marks") == [34, 185, 40, 194]
+    page.keyboard.press("g")
+    expect(legend).to_be_hidden()
+    expect(page.locator("[role=application] > canvas")).to_have_count(1)
+
+
+def test_a_gamepad_starts_the_first_game_and_plays_again(
+    browser: Browser, built: LiveServer
+) -> None:
+    with play_page(browser, built, viewport=DESKTOP) as page:
+        page.evaluate(
+            """() => {
+                window.hold = (pressed) => {
+                    const state = (n) => ({ pressed: pressed === n });
+                    const buttons = Array.from({ length: 17 }, (_, n) => state(n));
+                    navigator.getGamepads = () => [{ axes: [0, 0], buttons }];
+                };
+                window.hold(null);
+            }"""
+        )
+        page.wait_for_timeout(100)
+        page.evaluate("window.hold(9)")
+        expect_running(page)
+        page.evaluate("window.hold(null)")
+        page.get_by_role("button", name="End the game here").click()
+        expect(page.get_by_role("button", name="Keep")).to_be_visible()
+        # Just after the end a press may still be meant for the game.
+        page.wait_for_timeout(800)
+        page.evaluate("window.hold(0)")
+        expect(page.get_by_role("button", name="Keep")).to_be_hidden()
+        expect_running(page)
