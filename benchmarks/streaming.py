@@ -19,11 +19,10 @@ import time
 import zlib
 from collections.abc import Callable
 
-import cv2
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
+from benchmarks.playing import jpeg
 from server.play.codec import FrameEncoder, Screen
 from server.play.conditions import PlayConditions
 from server.play.connection import Connection
@@ -39,7 +38,6 @@ from tril.game.episode import Episode, Start
 from tril.game.palette import palette_rgb
 from tril.recording import Recorder
 
-JPEG_QUALITY = 75
 BLOCK_FRAMES = 30
 Encode = Callable[[Screen], bytes]
 
@@ -66,8 +64,6 @@ def encodings() -> dict[str, Encode]:
     """Return the encodings to compare, ours first."""
     encoder = FrameEncoder()
     palette = palette_rgb().tobytes()
-    blue_green_red = np.ascontiguousarray(palette_rgb()[:, ::-1])
-    cv2.setNumThreads(1)
 
     def png(screen: Screen) -> bytes:
         file = io.BytesIO()
@@ -76,17 +72,12 @@ def encodings() -> dict[str, Encode]:
         image.save(file, "PNG", compress_level=1)
         return file.getvalue()
 
-    def jpeg(screen: Screen) -> bytes:
-        pixels: npt.NDArray[np.uint8] = np.take(blue_green_red, screen, axis=0)
-        _, data = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-        return bytes(data)
-
     return {
         "XOR with the last frame + zlib 1 (ours)": lambda screen: encoder.encode(screen).payload,
         "zlib 1 of palette values": lambda screen: zlib.compress(screen.tobytes(), 1),
         "zlib 6 of palette values": lambda screen: zlib.compress(screen.tobytes(), 6),
         "PNG with palette": png,
-        f"JPEG, quality {JPEG_QUALITY}": jpeg,
+        f"JPEG, quality {jpeg.QUALITY}": jpeg.jpeg,
     }
 
 

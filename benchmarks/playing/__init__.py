@@ -1,0 +1,1 @@
+"""Servers and players for the benchmarks of playing: real processes, real WebSockets."""
