@@ -18,8 +18,8 @@ from tril.game.episode import Start
 PATIENCE_S = 2.0
 """How long somebody who needs a console waits for a moment in which nobody plays."""
 
-BREATH_S = 0.05
-"""Between two consoles loaded ahead, so that requests are answered meanwhile."""
+BREATH_S = 0.3
+"""Between two consoles loaded ahead, so that requests are answered in good time meanwhile."""
 
 
 class ConsolePool:
@@ -81,7 +81,11 @@ class ConsolePool:
                     break
             if self._idle:
                 return self._idle.pop()
-        return self._load()
+        with self._loading:
+            with self._changed:
+                if self._idle:  # the one that was just loaded ahead
+                    return self._idle.pop()
+            return self._load()
 
     def give_back(self, console: Console) -> None:
         """Return a console, whatever state it is in."""
@@ -99,12 +103,11 @@ class ConsolePool:
             self.give_back(console)
 
     def _load(self) -> Console:
-        with self._loading:
-            console = Console(self._known_starts)
-            # The reset holds the lock too, 4 ms; no other start needs one after this.
-            console.start(Start(0))
-        with self._changed:
-            self._n_loaded += 1
+        """Load a console; only by whoever holds the lock for it."""
+        console = Console(self._known_starts)
+        # The reset holds Python's lock too, 4 ms; no other start needs one after this.
+        console.start(Start(0))
+        self._n_loaded += 1
         return console
 
     def _load_ahead(self) -> None:
@@ -114,5 +117,8 @@ class ConsolePool:
                     self._changed.wait()
                 if self._stopped:
                     return
-            self.give_back(self._load())
-            time.sleep(BREATH_S)
+            with self._loading:
+                if self._n_loaded < self._n_ahead:
+                    self.give_back(self._load())
+            with self._changed:
+                self._changed.wait_for(lambda: self._stopped, BREATH_S)
