@@ -29,11 +29,14 @@ class Recipe(Schema):
 
 
 class RunNew(Schema):
-    """``example`` makes and ranks the scripted demonstrations first where they are missing."""
+    """``example`` makes and ranks the scripted demonstrations first where they are missing.
+
+    Without ``steps`` it has as many as the recipe proposes.
+    """
 
     behaviour_id: Id
     recipe: str = "fast"
-    steps: int = Field(default=300_000, strict=True, ge=1, le=100_000_000)
+    steps: int | None = Field(default=None, strict=True, ge=1, le=100_000_000)
     learning_rate: float | None = Field(default=None, strict=True, gt=0, le=1)
     training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
     go_on_anyway: StrictBool = False

@@ -61,7 +61,7 @@ def create_run(request: Request, new: RunNew) -> Run:
             session,
             new.behaviour_id,
             recipe,
-            new.steps,
+            new.steps or recipe.default_steps,
             new.training_seed,
             new.go_on_anyway,
             new.example,

@@ -53,6 +53,13 @@ def test_a_run_is_made_with_what_the_page_chose_and_waits(
     assert client.get("/api/behaviours/1").json()["n_runs"] == 1
 
 
+@pytest.mark.parametrize("recipe", ["fast", "dagger"])
+@pytest.mark.usefixtures("workplace")
+def test_a_run_has_as_many_steps_as_its_recipe_proposes(client: TestClient, recipe: str) -> None:
+    run = client.post("/api/runs", json={"behaviour_id": 1, "recipe": recipe}).json()
+    assert run["steps"] == RECIPES[recipe].default_steps
+
+
 def test_a_ranking_that_does_not_suffice_says_what_to_do(
     client: TestClient, workplace: Workplace
 ) -> None:

@@ -1683,6 +1683,8 @@ export interface components {
         /**
          * RunNew
          * @description ``example`` makes and ranks the scripted demonstrations first where they are missing.
+         *
+         *     Without ``steps`` it has as many as the recipe proposes.
          */
         RunNew: {
             /** Behaviour Id */
@@ -1704,11 +1706,8 @@ export interface components {
              * @default fast
              */
             recipe: string;
-            /**
-             * Steps
-             * @default 300000
-             */
-            steps: number;
+            /** Steps */
+            steps?: number | null;
             /**
              * Training Seed
              * @default 0

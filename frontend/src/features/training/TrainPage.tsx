@@ -220,7 +220,7 @@ function RecipeChoice({
   );
 }
 
-const PRESETS = [20_000, 100_000, 300_000, 1_000_000, 10_000_000] as const;
+const PRESETS = [20_000, 200_000, 500_000, 1_000_000, 10_000_000] as const;
 
 function Steps({
   value,
