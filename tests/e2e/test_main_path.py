@@ -9,7 +9,7 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 
-from tests.e2e.conftest import RunningTril
+from tests.e2e.running import RunningTril
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 GAME_TIMEOUT_MS = 45_000
