@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from server.pages import FRONTEND
+from tests.e2e.pages import DESKTOP, watched_page
 from tests.e2e.running import BROWSER_ARGUMENTS, RunningTril, start_tril
 from tests.server.live import LiveServer, live_server
 from tests.workplace import make_workplace
@@ -50,13 +51,6 @@ def running_tril(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTr
 @pytest.fixture
 def page(browser: Browser, running_tril: RunningTril) -> Iterator[Page]:
     """Return a signed-in page; errors in its console fail the test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    page = context.new_page()
-    problems: list[str] = []
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("console", lambda m: problems.append(m.text) if m.type == "error" else None)
-    page.set_default_timeout(15_000)
-    page.goto(running_tril.address)
-    yield page
-    context.close()
-    assert not problems, problems
+    context = browser.new_context(viewport=DESKTOP)
+    with watched_page(context, running_tril.address) as page:
+        yield page

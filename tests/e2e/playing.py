@@ -3,40 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from typing import Any
 
 from playwright.sync_api import Browser, Page, expect
 
-from tests.server.live import LiveServer, cookie
+from tests.e2e.pages import signed_in
+from tests.server.live import LiveServer
 
-DESKTOP = {"width": 1280, "height": 900}
 FULL_TIME = "20.0 s"
 
 
-@contextmanager
-def play_page(browser: Browser, server: LiveServer, **options: Any) -> Iterator[Page]:
-    """Open the play page of column 1; errors in its console fail the test.
-
-    Args:
-        browser: The browser.
-        server: A server with the built pages.
-        options: Of the browser's context, as its viewport.
-    """
-    address = f"http://{server.authority}"
-    context = browser.new_context(**options)
-    name, value = cookie(server.settings).split("=", 1)
-    context.add_cookies([{"name": name, "value": value, "url": address}])
-    page = context.new_page()
-    problems: list[str] = []
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("console", lambda m: problems.append(m.text) if m.type == "error" else None)
-    page.set_default_timeout(15_000)
-    page.goto(f"{address}/behaviours/1/play")
-    yield page
-    context.close()
-    assert not problems, problems
+def play_page(browser: Browser, server: LiveServer, **options: Any) -> AbstractContextManager[Page]:
+    """Open the play page of column 1 for a block; see signed_in."""
+    return signed_in(browser, server, "/behaviours/1/play", **options)
 
 
 def expect_running(page: Page) -> None:

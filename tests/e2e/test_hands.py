@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, CDPSession, Locator, Page, expect
 
-from tests.e2e.playing import DESKTOP, expect_running, kept_as, play_page
+from tests.e2e.pages import DESKTOP
+from tests.e2e.playing import expect_running, kept_as, play_page
 from tests.server.live import LiveServer
 from tril.game.space_invaders import Action
 

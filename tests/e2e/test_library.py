@@ -16,7 +16,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
 from server.pages import FRONTEND
-from tests.server.live import LiveServer, cookie, live_server
+from tests.e2e.pages import DESKTOP, signed_in
+from tests.server.live import LiveServer, live_server
 from tests.workplace import FRAMES, Workplace, make_workplace
 from tril.game.episode import Episode
 from tril.game.palette import palette_rgb
@@ -41,19 +42,8 @@ def built(workplace: Workplace) -> Iterator[LiveServer]:
 @pytest.fixture
 def page(browser: Browser, built: LiveServer) -> Iterator[Page]:
     """Return the library of column 1; errors in its console fail the test."""
-    address = f"http://{built.authority}"
-    context = browser.new_context(viewport={"width": 1280, "height": 900}, base_url=address)
-    name, value = cookie(built.settings).split("=", 1)
-    context.add_cookies([{"name": name, "value": value, "url": address}])
-    page = context.new_page()
-    problems: list[str] = []
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("console", lambda m: problems.append(m.text) if m.type == "error" else None)
-    page.set_default_timeout(15_000)
-    page.goto("/behaviours/1/recordings")
-    yield page
-    context.close()
-    assert not problems, problems
+    with signed_in(browser, built, "/behaviours/1/recordings", viewport=DESKTOP) as page:
+        yield page
 
 
 def screens_of(workplace: Workplace, recording_id: int) -> npt.NDArray[np.uint8]:

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.e2e.playing import DESKTOP, end_and_keep, expect_running, play_page
+from tests.e2e.pages import DESKTOP
+from tests.e2e.playing import end_and_keep, expect_running, play_page
 from tests.server.live import LiveServer
 from tril.game.space_invaders import Action
 
@@ -175,7 +176,9 @@ def test_a_gamepad_starts_the_first_game_and_plays_again(
                 window.hold(null);
             }"""
         )
-        page.wait_for_timeout(100)
+        # The page has to have seen the button up before it can see it go down.
+        expect(page.get_by_role("button", name="Start game")).to_be_visible()
+        page.wait_for_timeout(300)
         page.evaluate("window.hold(9)")
         expect_running(page)
         page.evaluate("window.hold(null)")

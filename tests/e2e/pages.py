@@ -1,0 +1,46 @@
+"""Pages in a real browser, signed in and watched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize
+
+from tests.server.live import LiveServer, cookie
+
+DESKTOP = ViewportSize(width=1280, height=900)
+PATIENCE_MS = 15_000
+
+
+@contextmanager
+def watched_page(context: BrowserContext, address: str) -> Iterator[Page]:
+    """Open a page for a block; errors in its console fail the test."""
+    page = context.new_page()
+    problems: list[str] = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("console", lambda m: problems.append(m.text) if m.type == "error" else None)
+    page.set_default_timeout(PATIENCE_MS)
+    page.goto(address)
+    yield page
+    context.close()
+    assert not problems, problems
+
+
+@contextmanager
+def signed_in(browser: Browser, server: LiveServer, path: str, **options: Any) -> Iterator[Page]:
+    """Open one of a server's pages for a block; see watched_page.
+
+    Args:
+        browser: The browser.
+        server: A server with the built pages.
+        path: Of the page.
+        options: Of the browser's context, as its viewport.
+    """
+    address = f"http://{server.authority}"
+    context = browser.new_context(base_url=address, **options)
+    name, value = cookie(server.settings).split("=", 1)
+    context.add_cookies([{"name": name, "value": value, "url": address}])
+    with watched_page(context, path) as page:
+        yield page
