@@ -21,6 +21,7 @@ from server.play.limits import GameLimits, TooManyGames
 from server.play.protocol import Paused
 from server.play.rules import PlayRules
 from server.play.session import Branched, Phase, PlaySession
+from server.play.turns import TURNS, whose_turn
 from tril.errors import Unavailable
 from tril.game.episode import EpisodeState, Hit
 from tril.recording import Recorder, Recording, RecordingRefused, verify
@@ -79,7 +80,7 @@ class PlayHub:
     def start(self) -> None:
         """Begin to save games and to look after those that were left alone."""
         self._tasks = [
-            asyncio.create_task(self._every(self._rules.save_every_s, self._save_all)),
+            asyncio.create_task(self._every(self._rules.save_every_s / TURNS, self._save_some)),
             asyncio.create_task(self._every(self._rules.sweep_every_s, self._sweep, at_once=True)),
             asyncio.create_task(self._every(REPORT_EVERY_S, self._report)),
         ]
@@ -183,12 +184,22 @@ class PlayHub:
     def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
         return Recorder.resume(recording, self._consoles.take(), near=near)
 
-    async def _save_all(self) -> None:
-        batch = {
-            session.game_id: (session, session.progress())
+    async def _save_some(self) -> None:
+        """Save the games whose turn it is.
+
+        A commit's work in its thread takes Python's lock from the event loop for about a
+        millisecond a game, which is little for some games and a frame and more for all.
+        """
+        now = asyncio.get_running_loop().time()
+        last = {
+            session: session.save_tried_at
             for session in self._sessions.values()
             if session.is_dirty and session.phase is not Phase.ENDED
         }
+        batch = {}
+        for session in whose_turn(last, now, self._rules.save_every_s):
+            session.save_tried_at = now
+            batch[session.game_id] = (session, session.progress())
         if not batch:
             return
         try:

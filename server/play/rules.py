@@ -13,8 +13,8 @@ class PlayRules:
     Attributes:
         countdown: Whole seconds counted down before a game goes on.
         countdown_second_s: How long such a second lasts.
-        save_every_s: Seconds between commits. With the time that a commit itself takes, less than
-            a second of a game, 60 frames, is ever not on disk.
+        save_every_s: Most seconds between commits of a game. With the time that a commit itself
+            takes, less than a second of a game, 60 frames, is ever not on disk.
         stalled_after_s: A game is paused when its page draws nothing for so long.
         forgotten_after_s: A game without a page leaves this process's memory after so long; it
             goes on from what is saved.

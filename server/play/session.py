@@ -65,6 +65,7 @@ class PlaySession:
         phase: Where it stands.
         left_at: When its page went, by the event loop's clock.
         still_since: When it came to stand still, by the same.
+        save_tried_at: When it was saved last, or tried to be, by the same.
 
     Args:
         game_id: The game.
@@ -114,7 +115,8 @@ class PlaySession:
         self._released = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
         self._is_stalled = False
-        self.left_at = self.still_since = asyncio.get_running_loop().time()
+        now = asyncio.get_running_loop().time()
+        self.left_at = self.still_since = self.save_tried_at = now
 
     @property
     def recorder(self) -> Recorder:
