@@ -16,7 +16,7 @@ from server.play.committer import Committer
 from server.play.conditions import PlayConditions
 from server.play.connection import Connection
 from server.play.consoles import ConsolePool
-from server.play.lateness import BIN_MS, Lateness
+from server.play.lateness import Complaints, Lateness
 from server.play.limits import GameLimits, TooManyGames
 from server.play.protocol import Paused
 from server.play.rules import PlayRules
@@ -36,8 +36,6 @@ N_SPARE_CONSOLES = 2
 """Consoles beside those of the games, to replay and to run back on."""
 WHY_IDLE = "Nobody played on for long; what was played is kept."
 REPORT_EVERY_S = 60.0
-LATE_MS = 8.0
-"""Half a frame: later than this, frames begin to pile up."""
 RETRY_S = 1.0
 JOINING_S = 0.02
 
@@ -66,7 +64,7 @@ class PlayHub:
     ) -> None:
         self._limits = limits
         self.lateness = Lateness()
-        self._reported = Lateness()
+        self._complaints = Complaints(self.lateness)
         self._consoles = consoles
         self._owner = owner
         self._rules = rules
@@ -305,16 +303,9 @@ class PlayHub:
 
     async def _report(self) -> None:
         """Say in the log when games are not played at their times."""
-        recent, self._reported = self.lateness - self._reported, self.lateness + Lateness()
-        p99_ms = recent.percentile_ms(0.99)
-        if p99_ms is not None and p99_ms > LATE_MS:
-            _LOG.warning(
-                "In the last minute one frame in a hundred began more than %.0f ms late, with %d "
-                "games in this process. More server processes (TRIL_SERVER_PROCESSES, up to one "
-                "per core), fewer games (TRIL_MAX_GAMES) or less other work help.",
-                p99_ms - BIN_MS,
-                len(self._sessions),
-            )
+        complaint = self._complaints.since_last(len(self._sessions))
+        if complaint is not None:
+            _LOG.warning("%s", complaint)
 
     async def _sweep(self) -> None:
         """Look after games that were left alone."""

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 
 BIN_MS = 0.25
+LATE_MS = 8.0
+"""Half a frame: when frames begin later than this, they begin to pile up."""
 N_BINS = 256
 """The last bin holds all that was later: 63.75 ms are almost four frames."""
 
@@ -60,3 +62,32 @@ class Lateness:
             if seen >= wanted:
                 return n * BIN_MS
         return None
+
+
+class Complaints:
+    """Says in words when frames begin too late.
+
+    Args:
+        lateness: What is added to all the time.
+    """
+
+    def __init__(self, lateness: Lateness) -> None:
+        self._lateness = lateness
+        self._told = Lateness()
+
+    def since_last(self, n_games: int) -> str | None:
+        """Return a complaint about what came since the last call, None if all was well.
+
+        Args:
+            n_games: How many games this process has.
+        """
+        recent, self._told = self._lateness - self._told, self._lateness + Lateness()
+        p99_ms = recent.percentile_ms(0.99)
+        if p99_ms is None or p99_ms <= LATE_MS:
+            return None
+        return (
+            f"In the last minute one frame in a hundred began more than {p99_ms - BIN_MS:.0f} ms "
+            f"late, with {n_games} games in this process. More server processes "
+            "(TRIL_SERVER_PROCESSES, up to one per core), fewer games (TRIL_MAX_GAMES) or less "
+            "other work help."
+        )
