@@ -1,9 +1,10 @@
 """Take the README's pictures from the real app.
 
-    python -m scripts.pictures DATA_FOLDER
+    python -m scripts.pictures DATA_FOLDER [RUN]
 
-The data folder holds at least one finished run (``tril demo`` makes one). The app is started on it,
-a game is played by key events, and the pages are photographed into docs/pictures.
+The data folder holds at least one finished run (``tril demo`` makes one); the newest is shown unless
+one is named. The app is started on it, a game is played by key events, and the pages are photographed
+into docs/pictures.
 """
 
 from __future__ import annotations
@@ -111,7 +112,8 @@ def main() -> None:
             )
             page = open_page(browser, address, "light")
             runs = page.request.get(f"{address.split('/?')[0]}/api/runs").json()
-            run = next(run for run in runs if run["status"] == "done")
+            wanted = [run for run in runs if run["id"] in sys.argv[2:]] or runs
+            run = next(run for run in wanted if run["status"] == "done")
             behaviour = run["behaviour_id"]
             play(page, behaviour)
             photograph(page, f"/behaviours/{behaviour}/rank", "rank")
