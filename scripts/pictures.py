@@ -2,9 +2,9 @@
 
     python -m scripts.pictures DATA_FOLDER [RUN]
 
-The data folder holds at least one finished run (``tril demo`` makes one); the newest is shown unless
-one is named. The app is started on it, a game is played by key events, and the pages are photographed
-into docs/pictures.
+The data folder holds at least one finished run (``tril demo`` makes one); the newest is shown
+unless one is named. The app is started on it, a game is played by key events, and the pages are
+photographed into docs/pictures.
 """
 
 from __future__ import annotations
