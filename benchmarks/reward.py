@@ -1,30 +1,33 @@
-"""Time and accuracy of learning a reward from twelve games of 300 steps.
+"""Time and accuracy of learning a reward from twelve ranked games of 300 steps.
 
-    python -m benchmarks.reward [--recipe paper]
+    python -m benchmarks.reward [--behaviour column-6] [--recipe paper]
 
-The games are the ranked ones of tests/data. The time of the final model and of the check with its
-folds are given, in seconds and in seconds of processor time, the latter because other work on the
-machine changes it less. Prints a table and a JSON line.
+The games are the scripted player's twelve of a behaviour, with twelve perfect ones where the recipe
+learns from them. The times of the perfect games' copies, of the final model and of the check with
+its folds are given, in seconds and in seconds of processor time, the latter because other work on
+the machine changes it less. Prints a table and a JSON line.
 """
 
 import argparse
 import json
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
 import torch
 
 from trainer.progress import Unobserved
 from trainer.reward.check import check_ranking
+from trainer.reward.comparisons import PerfectGames
+from trainer.reward.disturbed import disturbed_copies
 from trainer.reward.training import train_reward
-from tril.exchange import from_exchange
+from tril.behaviours import READY_MADE
+from tril.demonstrator.example import make_example
 from tril.game.console import Console
 from tril.recipes import RECIPES
 from tril.recording import trajectory
 
-DATA = Path(__file__).parents[1] / "tests" / "data"
 Made = TypeVar("Made")
 
 
@@ -37,24 +40,39 @@ def timed(work: Callable[[], Made]) -> tuple[Made, float, float]:
 
 def main() -> None:
     """Measure and print."""
+    behaviours = {behaviour.slug: behaviour for behaviour in READY_MADE}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--behaviour", choices=["column-1", "column-2"], default="column-1")
+    parser.add_argument("--behaviour", choices=list(behaviours), default="column-1")
     parser.add_argument("--recipe", choices=list(RECIPES), default="fast")
     arguments = parser.parse_args()
     recipe = RECIPES[arguments.recipe].reward
-    lines = [json.loads(line) for line in (DATA / f"{arguments.behaviour}.jsonl").open()]
-    shown = [one for one in map(from_exchange, lines) if one.tier is not None]
+    shown = list(make_example(behaviours[arguments.behaviour], np.random.default_rng(0)))
     console = Console()
-    trajectories = [trajectory(one.recording, console) for one in shown]
-    tiers = [[index] for index in range(len(shown))]
+    ranked = sorted((d for d in shown if not d.perfect), key=lambda d: d.plan.number)
+    trajectories = [trajectory(d.recording, console) for d in ranked]
+    tiers = [[index] for index in range(len(ranked))]
+    best = [d.recording for d in shown if d.perfect]
+    copies, copies_s, copies_cpu_s = timed(
+        lambda: (
+            disturbed_copies(best, recipe.disturbed_copies, np.random.default_rng(0), lambda: None)
+            if recipe.disturbed_share
+            else []
+        )
+    )
+    perfect = PerfectGames([trajectory(one, console) for one in best], [None] * len(best), copies)
     model, train_s, train_cpu_s = timed(
-        lambda: train_reward(trajectories, tiers, recipe, 1, Unobserved())
+        lambda: train_reward(trajectories, tiers, recipe, 0, Unobserved(), perfect=perfect)
     )
     check, check_s, check_cpu_s = timed(
-        lambda: check_ranking(model, trajectories, tiers, recipe, 1, Unobserved())
+        lambda: check_ranking(model, trajectories, tiers, recipe, 0, Unobserved(), perfect=perfect)
     )
     assert check.held_out_accuracy is not None
+    together_s, together_cpu_s = (
+        copies_s + train_s + check_s,
+        copies_cpu_s + train_cpu_s + check_cpu_s,
+    )
     result = {
+        "copies_s": copies_s,
         "train_s": train_s,
         "train_cpu_s": train_cpu_s,
         "check_s": check_s,
@@ -64,9 +82,10 @@ def main() -> None:
         "held_out_accuracy": check.held_out_accuracy,
     }
     print(f"{'':<22}{'seconds':>9}{'processor':>11}")
+    print(f"{'copies':<22}{copies_s:>9.1f}{copies_cpu_s:>11.1f}")
     print(f"{'final model':<22}{train_s:>9.1f}{train_cpu_s:>11.1f}")
     print(f"{'check and its folds':<22}{check_s:>9.1f}{check_cpu_s:>11.1f}")
-    print(f"{'together':<22}{train_s + check_s:>9.1f}{train_cpu_s + check_cpu_s:>11.1f}")
+    print(f"{'together':<22}{together_s:>9.1f}{together_cpu_s:>11.1f}")
     print(
         f"tau {check.tau:.3f}, snippet pairs {check.pair_accuracy:.1%},"
         f" left-out pairs {check.held_out_accuracy:.1%}"
