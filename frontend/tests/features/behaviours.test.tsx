@@ -26,6 +26,7 @@ describe("the first page", () => {
     expect(asked.find(({ method }) => method === "POST")?.body).toMatchObject({
       behaviour_id: 1,
       example: true,
+      go_on_anyway: true,
       steps: 300_000,
     });
   });

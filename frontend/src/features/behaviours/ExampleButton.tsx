@@ -41,7 +41,8 @@ export function ExampleButton({
           recipe: recipe.name,
           steps: recipe.default_steps,
           training_seed: 0,
-          go_on_anyway: false,
+          // Whoever wants to see a result has no order of their own to mend first.
+          go_on_anyway: true,
           example: true,
         });
       }}
