@@ -8,6 +8,23 @@ import { Refusal, serve } from "../support/server";
 
 import { HomePage } from "@/features/behaviours/HomePage";
 
+const INTERVAL = { mean: 1.74, low: 1.3, high: 2, n: 23 };
+const SUMMARY = {
+  targets: INTERVAL,
+  strays: INTERVAL,
+  order_errors: null,
+  steps: INTERVAL,
+  hit_share: INTERVAL,
+  predicted_return: null,
+};
+const HEADLINE = {
+  imitator: SUMMARY,
+  clone: SUMMARY,
+  tau: 1,
+  pair_accuracy: 1,
+  held_out_accuracy: null,
+};
+
 describe("the first page", () => {
   it("says what Tril is and where to begin, before anything was played", async () => {
     const asked = serve({
@@ -32,27 +49,12 @@ describe("the first page", () => {
   });
 
   it("shows the latest run's headline with its interval afterwards", async () => {
-    const interval = { mean: 1.74, low: 1.3, high: 2, n: 23 };
-    const summary = {
-      targets: interval,
-      strays: interval,
-      order_errors: null,
-      steps: interval,
-      hit_share: interval,
-      predicted_return: null,
-    };
     serve({
       "GET /api/behaviours": () => [behaviour({ n_recordings: 12, n_ranked: 12, n_perfect: 3, n_runs: 1 })],
       "GET /api/runs": () => [
         run({
           status: "done",
-          headline: {
-            imitator: summary,
-            clone: summary,
-            tau: 1,
-            pair_accuracy: 1,
-            held_out_accuracy: null,
-          },
+          headline: HEADLINE,
         }),
       ],
     });
@@ -61,6 +63,20 @@ describe("the first page", () => {
     expect(within(card).getByText("12 recordings, 12 ranked, 3 perfect, 1 run")).toBeVisible();
     expect(await within(card).findByText("Imitator hits 1.7 of 2 (1.3 to 2.0)")).toBeVisible();
     expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
+  });
+
+  it("shows the last result where the latest run was cancelled", async () => {
+    serve({
+      "GET /api/behaviours": () => [behaviour({ n_recordings: 12, n_runs: 2 })],
+      "GET /api/recipes": () => [recipe()],
+      "GET /api/runs": () => [
+        run({ id: "r2", status: "cancelled", headline: null }),
+        run({ id: "r1", status: "done", headline: HEADLINE }),
+      ],
+    });
+    show(<HomePage />);
+    const card = await screen.findByRole("article");
+    expect(await within(card).findByText(/^Imitator hits 1\.7 of 2/)).toBeVisible();
   });
 
   it("says why it can't show anything, and tries again", async () => {

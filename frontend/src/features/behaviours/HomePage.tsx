@@ -51,7 +51,7 @@ export function HomePage() {
             <Card
               behaviour={behaviour}
               level={untouched ? "h3" : "h2"}
-              latest={runs.data?.find((run) => run.behaviour_id === behaviour.id)}
+              latest={worthShowing(runs.data?.filter((run) => run.behaviour_id === behaviour.id))}
             />
           </li>
         ))}
@@ -98,6 +98,11 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
       </ol>
     </>
   );
+}
+
+/** The newest run that goes on or came to a result; without any the newest. */
+function worthShowing(runs: readonly Run[] = []): Run | undefined {
+  return runs.find((run) => isActive(run) || run.status === "done") ?? runs[0];
 }
 
 function Card({
