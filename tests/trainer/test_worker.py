@@ -175,7 +175,8 @@ def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
         until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
         os.kill(sleeper.pid, signal.SIGSTOP)
         with zygote.running(data, lost_after_s=SOON_S) as other:
-            until(lambda: workplace.run(run_id).epoch > 1, other)
+            # Until it is claimed the run waits in the queue, from which anybody may take it.
+            until(lambda: workplace.run(run_id).worker.startswith("worker-1"), other)
             os.kill(sleeper.pid, signal.SIGCONT)
             until(lambda: TAKEN_OVER in sleeper.log.read_text(), sleeper)
             until(lambda: is_in(workplace, run_id, "imitator"), other)
