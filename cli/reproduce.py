@@ -53,7 +53,8 @@ def reproduce(
     extrapolation: Annotated[
         bool,
         typer.Option(
-            help="Also the rewards learned from rankings by points and by shots, here and now.",
+            help="Also the rewards learned from rankings by points and by shots, here and now, for"
+            " recipes whose imitator is trained on the learned reward.",
         ),
     ] = True,
     output: Annotated[
@@ -97,7 +98,7 @@ def reproduce(
                 failed = _compute(workspace, {cell: cells[cell] for cell in missing}, output)
         else:
             failed = 0
-        if extrapolation and not page_only:
+        if extrapolation and chosen.method == "ppo" and not page_only:
             _extrapolate(chosen, training_seed or [0, 1, 2], output)
         page = write_page(output, COMMAND)
         console.print(f"Results: {page}", soft_wrap=True)
@@ -111,6 +112,7 @@ def reproduce(
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
     """Make the sanity experiments that are missing, one after the other."""
     from trainer import extrapolation_results as results
+    from trainer.courtesy import lower_priority
     from trainer.extrapolation import QUANTITIES, extrapolate
 
     experiments = {
@@ -118,6 +120,7 @@ def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) ->
         for seed in training_seeds
         for quantity in QUANTITIES
     }
+    lower_priority()
     for experiment in results.missing(output, list(experiments)):
         label = f"Ranked by {experiment.quantity}, training seed {experiment.training_seed}"
         with progress_bar(label) as progress:

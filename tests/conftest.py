@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 # Tests that run side by side share the cores; this counts when torch is imported, which is later.
 if "PYTEST_XDIST_WORKER" in os.environ:
@@ -12,6 +14,9 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 import pytest
 
 from scripts.browser import find_browser
+
+if TYPE_CHECKING:
+    from tests.workplace import Workplace
 
 BROWSER_TESTS = Path(__file__).parent / "e2e"
 BROWSER_TEST_TIMEOUT_S = 600
@@ -37,6 +42,17 @@ def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.delenv(name)
     monkeypatch.setenv("TRIL_DATA", str(folder))
     return folder
+
+
+@pytest.fixture
+def workplace(tmp_path: Path) -> Iterator[Workplace]:
+    """Return a migrated data folder with four ranked recordings of column 1."""
+    # Here, so that tests which need none of it don't wait for it.
+    from tests.workplace import make_workplace
+
+    made = make_workplace(tmp_path / "data")
+    yield made
+    made.database.close()
 
 
 @pytest.fixture(scope="session")

@@ -6,12 +6,11 @@ import json
 import shutil
 import sqlite3
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.workplace import Workplace, make_workplace
+from tests.workplace import Workplace
 from tril import backup
 from tril.artifacts import ArtifactStore
 from tril.backup import BackupDamaged, check_backup, make_backup
@@ -25,13 +24,6 @@ from tril.store.models import RunRow, RunStatus
 from tril.store.schema import check_schema
 
 MODEL = b"weights" * 1000
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path / "data")
-    yield made
-    made.database.close()
 
 
 def finished_run(workplace: Workplace) -> str:

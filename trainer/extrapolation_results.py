@@ -15,7 +15,7 @@ from trainer.extrapolation import (
     extrapolation_picture,
     tau_of,
 )
-from trainer.ledger import recipe_digest
+from trainer.ledger import values_digest
 from tril.artifacts import write_whole
 from tril.errors import Invalid
 from tril.recipes import Recipe
@@ -30,7 +30,7 @@ class Experiment:
     Attributes:
         quantity: What the games were ranked by.
         recipe: Name of the recipe whose reward was learned.
-        digest: Of the recipe's values, see recipe_digest.
+        digest: Of the values of the recipe's reward, see values_digest: no other takes part.
         training_seed: Fed every random choice.
     """
 
@@ -42,7 +42,7 @@ class Experiment:
     @classmethod
     def of(cls, quantity: Quantity, recipe: Recipe, training_seed: int) -> Experiment:
         """Name the experiment."""
-        return cls(quantity, recipe.name, recipe_digest(recipe), training_seed)
+        return cls(quantity, recipe.name, values_digest(recipe.reward), training_seed)
 
     @property
     def name(self) -> str:

@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 
 from tril.artifacts import write_whole
 from tril.errors import Invalid
-from tril.recipes import Recipe, recipe_from_dict
+from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
 from tril.store import behaviours, evaluations, recordings, runs
 from tril.store.database import Database
 from tril.store.models import RunRow
@@ -184,8 +184,12 @@ def recipe_digest(recipe: Recipe) -> str:
     values = _uncommon(recipe)
     for name in ("name", "summary", "default_steps"):
         values.pop(name, None)
-    text = json.dumps(values, sort_keys=True)
-    return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
+    return _digest(values)
+
+
+def values_digest(part: RewardRecipe) -> str:
+    """Return the same for a part of a recipe."""
+    return _digest(_uncommon(part))
 
 
 def read_cell(session: Session, run: RunRow) -> Cell:
@@ -266,6 +270,11 @@ def _entry(data: dict[str, Any]) -> Entry:
             "games": tuple(games),
         }
     )
+
+
+def _digest(values: dict[str, Any]) -> str:
+    text = json.dumps(values, sort_keys=True)
+    return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
 
 
 def _uncommon(part: Any) -> dict[str, Any]:

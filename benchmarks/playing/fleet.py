@@ -6,10 +6,10 @@ import json
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ import psutil
 from server.main import take_port
 from server.play.hub import N_SPARE_CONSOLES
 from server.play.lateness import Lateness
+from tests.waiting import wait_until
 from tril.settings import Settings
 
 START_TIMEOUT_S = 120.0
@@ -71,7 +72,7 @@ class Fleet:
             path.unlink(missing_ok=True)
             process.send_signal(signal.SIGUSR1)
         for path in self.measures:
-            _wait_until(path.exists)
+            wait_until(path.exists, START_TIMEOUT_S)
         return [json.loads(path.read_text()) for path in self.measures]
 
 
@@ -104,10 +105,15 @@ def running_fleet(data: Path, n_processes: int, games_each: int) -> Iterator[Fle
             stack.callback(_stop, started)
             processes.append(psutil.Process(started.pid))
         for log_file in logs:
-            _wait_until(lambda path=log_file: "startup complete" in path.read_text())  # type: ignore[misc]
+            wait_until(partial(_has_started, log_file), START_TIMEOUT_S)
         fleet = Fleet(settings, processes, measures)
-        _wait_until(lambda: fleet.has_consoles(games_each + N_SPARE_CONSOLES))
+        n_consoles = games_each + N_SPARE_CONSOLES
+        wait_until(lambda: fleet.has_consoles(n_consoles), START_TIMEOUT_S)
         yield fleet
+
+
+def _has_started(log: Path) -> bool:
+    return "startup complete" in log.read_text()
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
@@ -117,11 +123,3 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
-
-
-def _wait_until(holds: Callable[[], bool]) -> None:
-    give_up_at = time.monotonic() + START_TIMEOUT_S
-    while not holds():
-        if time.monotonic() > give_up_at:
-            raise TimeoutError("The servers did not start or answer; see the logs in the folder.")
-        time.sleep(0.05)

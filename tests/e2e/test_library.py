@@ -6,7 +6,6 @@ import base64
 import io
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import av
 import numpy as np
@@ -18,18 +17,11 @@ from playwright.sync_api import Browser, Page, expect
 from server.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
 from tests.server.live import LiveServer, live_server
-from tests.workplace import FRAMES, Workplace, make_workplace
+from tests.workplace import FRAMES, Workplace
 from tril.game.episode import Episode
 from tril.game.palette import palette_rgb
 from tril.recording import replay
 from tril.store import recordings
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path / "data")
-    yield made
-    made.database.close()
 
 
 @pytest.fixture

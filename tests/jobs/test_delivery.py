@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 from dbos import DBOSClient
 
-from tests.workplace import Workplace, make_workplace
+from tests.waiting import wait_until
+from tests.workplace import Workplace
 from tril.errors import Conflict
 from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
@@ -25,13 +26,6 @@ from tril.store.models import RunRow, RunStatus
 WORKER = Path(__file__).with_name("claiming_worker.py")
 LOST_AFTER_S = 1.0
 PATIENCE_S = 20.0
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 @pytest.fixture
@@ -65,11 +59,11 @@ def said(process: subprocess.Popen[str]) -> str:
 
 
 def until(jobs: Jobs, holds: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not holds():
-        assert time.monotonic() < deadline, "It did not happen in time."
+    def reconciled() -> bool:
         jobs.reconcile()
-        time.sleep(0.1)
+        return holds()
+
+    wait_until(reconciled, PATIENCE_S)
 
 
 def job_status(queue: DBOSClient, run_id: str) -> str | None:

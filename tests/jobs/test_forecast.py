@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
-from tests.workplace import TINY, Workplace, make_workplace
+from tests.workplace import TINY, Workplace
 from tril.jobs import STAGES, Forecast, estimate, overall_progress, stages_of
 from tril.jobs.stages import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe
 from tril.store import claims
 from tril.store.models import RunRow, RunStatus
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:

@@ -14,14 +14,6 @@ from tests.workplace import Workplace, make_workplace
 
 
 @pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    """Return a migrated data folder with four ranked recordings of column 1."""
-    made = make_workplace(tmp_path / "data")
-    yield made
-    made.database.close()
-
-
-@pytest.fixture
 def client(workplace: Workplace, tmp_path: Path) -> Iterator[TestClient]:
     """Return a client that is signed in."""
     with signed_in(workplace, build_frontend(tmp_path)) as client:

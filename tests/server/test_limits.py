@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from server.play.limits import GameLimits
 from server.play.protocol import Close, Hello, Paused
 from server.play.rules import PlayRules
 from tests.server.live import LiveServer, live_server
+from tests.waiting import wait_until
 from tests.workplace import Workplace
 from tril.settings import Settings
 from tril.store import games
@@ -34,13 +34,6 @@ RESTLESS = PlayRules(
 
 def ask_for_a_game(live: LiveServer) -> httpx2.Response:
     return live.http.post("/api/games", json={"behaviour_id": 1})
-
-
-def wait_until(holds: Callable[[], bool]) -> None:
-    give_up_at = time.monotonic() + 20
-    while not holds():
-        assert time.monotonic() < give_up_at
-        time.sleep(0.02)
 
 
 def recording_of(live: LiveServer, game: dict[str, Any]) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable
 
 import httpx2
 import numpy as np
@@ -26,6 +25,7 @@ from server.play.protocol import (
 )
 from server.play.rules import PlayRules
 from tests.server.live import LiveServer, Player, cookie, live_server
+from tests.waiting import wait_until
 from tests.workplace import Workplace
 from tril.game.controls import Keys
 from tril.game.episode import Episode
@@ -417,16 +417,9 @@ def test_a_game_that_is_left_alone_becomes_an_unfinished_recording(workplace: Wo
 
 def _wait_for_end(http: httpx2.Client, recording_id: int) -> dict[str, object]:
     path = f"/api/recordings/{recording_id}"
-    _wait_until(lambda: http.get(path).json()["state"] != "playing")
+    wait_until(lambda: http.get(path).json()["state"] != "playing")
     recording: dict[str, object] = http.get(path).json()
     return recording
-
-
-def _wait_until(holds: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 20
-    while not holds():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 def test_a_finished_game_that_nobody_decided_about_is_kept(workplace: Workplace) -> None:
@@ -440,7 +433,7 @@ def test_a_finished_game_that_nobody_decided_about_is_kept(workplace: Workplace)
         assert row.finished_at is not None
         row.finished_at -= 2 * PlayRules().decided_after
     with live_server(data) as second:
-        _wait_until(
+        wait_until(
             lambda: (
                 second.http.get(f"/api/recordings/{ended.recording_id}").json()["state"] == "kept"
             )

@@ -2,22 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
-import pytest
-
 from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import Workplace, make_workplace
+from tests.workplace import Workplace
 from tril.store import behaviours, metrics, runs
 from tril.store.alarms import alarm_of
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 def trained(workplace: Workplace, training: Training) -> str:

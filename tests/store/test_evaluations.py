@@ -2,22 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
-import pytest
-
-from tests.workplace import Workplace, make_workplace
+from tests.workplace import Workplace
 from tril.behaviours import Score
 from tril.store import evaluations
 from tril.store.evaluations import EvaluationKey
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 def play(

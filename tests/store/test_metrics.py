@@ -2,20 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
-import pytest
-
-from tests.workplace import Workplace, make_workplace
+from tests.workplace import Workplace
 from tril.store import metrics
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 def test_series_are_split_by_stage_and_name_in_order_of_steps(workplace: Workplace) -> None:

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from datetime import timedelta
-from pathlib import Path
 
 import pytest
 from sqlalchemy import update
 
-from tests.workplace import TINY, Workplace, make_workplace
+from tests.workplace import TINY, Workplace
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store import behaviours, claims, processes, rankings, recordings, runs
 from tril.store.claims import RunLost
 from tril.store.models import RunRow, RunStatus, now
 
 VERSIONS = {"python": "3.11"}
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 def let_heartbeat_age(workplace: Workplace, run_id: str) -> None:

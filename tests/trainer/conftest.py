@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from tests.trainer.worker_zygote import Zygote
-from tests.workplace import Workplace, make_workplace
+from tests.workplace import Workplace
 from tril.jobs import Jobs
 
 
@@ -17,13 +16,6 @@ def zygote() -> Iterator[Zygote]:
     made = Zygote()
     yield made
     made.close()
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 @pytest.fixture

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
 from tests.trainer.worker_zygote import Zygote
+from tests.waiting import wait_until
 from tests.workplace import TINY, Workplace
 from tril.jobs import Jobs
 from tril.recipes import Recipe
@@ -66,7 +66,7 @@ def kill_and_finish(
             jobs.enqueue(run_id)
         before = workplace.run(outcome.runs[-1])
         with zygote.running(workplace.settings.data):
-            wait_until(partial(is_claimed_since, workplace, before))
+            wait_until(partial(is_claimed_since, workplace, before), PATIENCE_S)
             time.sleep(rng.uniform(0.0, longest_life_s))
         row = workplace.run(outcome.runs[-1])
         if not RunStatus(row.status).is_over:
@@ -80,17 +80,8 @@ def finish(workplace: Workplace, zygote: Zygote, run_ids: list[str]) -> float:
     """Let one worker finish these runs; returns the seconds it took."""
     began = time.monotonic()
     with zygote.running(workplace.settings.data):
-        wait_until(lambda: all(is_over(workplace, run_id) for run_id in run_ids))
+        wait_until(lambda: all(is_over(workplace, run_id) for run_id in run_ids), PATIENCE_S)
     return time.monotonic() - began
-
-
-def wait_until(what: Callable[[], bool]) -> None:
-    """Wait for something; raises TimeoutError after ten minutes."""
-    deadline = time.monotonic() + PATIENCE_S
-    while not what():
-        if time.monotonic() > deadline:
-            raise TimeoutError("It did not happen in time.")
-        time.sleep(0.02)
 
 
 def is_claimed_since(workplace: Workplace, before: RunRow) -> bool:

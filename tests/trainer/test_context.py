@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-from tests.workplace import Workplace, make_workplace
+from tests.workplace import Workplace
 from trainer.context import RunContext, StageProgress, WorkerStopping
 from trainer.courtesy import Courtesy
 from trainer.progress import RunCancelled
@@ -30,13 +28,6 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 @pytest.fixture

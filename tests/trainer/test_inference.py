@@ -39,13 +39,6 @@ from tril.store.artifacts import path_of
 
 
 @pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
-
-
-@pytest.fixture
 def store(workplace: Workplace) -> ArtifactStore:
     return ArtifactStore(workplace.settings.artifact_root)
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from stable_baselines3 import PPO
 
-from tests.trainer.kills import curves_of, finish, flaws, wait_until
+from tests.trainer.kills import curves_of, finish, flaws
 from tests.trainer.worker_zygote import Zygote
+from tests.waiting import wait_until
 from tests.workplace import TINY, Workplace
 from tril.jobs import STAGES, Jobs
 from tril.recipes import Recipe, with_values

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
-import pytest
-
 from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import TINY, Workplace, make_workplace
+from tests.workplace import TINY, Workplace
 from trainer.report import write_report
 from tril.artifacts import ArtifactStore
 from tril.behaviours import Score
@@ -17,13 +13,6 @@ from tril.store import behaviours, evaluations, metrics, runs
 from tril.store.evaluations import EvaluationKey
 
 WARNED = "The reward model can\u2019t tell these tiers apart: 3 and 4."
-
-
-@pytest.fixture
-def workplace(tmp_path: Path) -> Iterator[Workplace]:
-    made = make_workplace(tmp_path)
-    yield made
-    made.database.close()
 
 
 def page_of(workplace: Workplace, training: Training, warning: str | None = WARNED) -> str:

@@ -13,6 +13,7 @@ import pytest
 from stable_baselines3 import PPO
 
 from tests.trainer.worker_zygote import WorkerProcess, Zygote
+from tests.waiting import wait_until
 from tests.workplace import TINY, Workplace
 from trainer.pipeline import TAKEN_OVER
 from trainer.reward.model import RewardModel
@@ -22,7 +23,6 @@ from tril.recording import verify
 from tril.store import artifacts, evaluations, metrics, processes, recordings
 from tril.store.models import RunRow, RunStatus
 
-PATIENCE_S = 90.0
 SOON_S = 3.0
 """Seconds after which a test's worker gives another one up."""
 
@@ -31,12 +31,7 @@ CONFUSED = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9}
 
 
 def until(what: Callable[[], bool], worker: WorkerProcess | None = None) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not what():
-        if time.monotonic() > deadline:
-            said = worker.log.read_text()[-3000:] if worker else ""
-            pytest.fail(f"It did not happen in time.\n{said}")
-        time.sleep(0.02)
+    wait_until(what, what_was_said=lambda: worker.log.read_text()[-3000:] if worker else "")
 
 
 def until_over(workplace: Workplace, run_id: str, worker: WorkerProcess) -> RunRow:
