@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import threading
-from collections.abc import Callable
 
 from server.clips import ClipKind, ClipMaker
-from server.memory import memory_file
-from server.play.consoles import ConsolePool
-from server.play.frames import frames_file, thumbnail_png
+from server.play.replays import ReplayProcess, Wanted
 from tril.cache import Cache
-from tril.game.console import Console
 from tril.recording import Recording
 
 _FORMAT = 1
@@ -32,45 +27,36 @@ class Derived:
 
     Args:
         cache: Where they are kept.
-        consoles: Where consoles to replay on come from.
-        at_once: Most replays at the same time, so that watching does not disturb those who play.
+        replays: What replays recordings.
         clips: What makes clips.
     """
 
     def __init__(
-        self,
-        cache: Cache,
-        consoles: ConsolePool,
-        at_once: int = 1,
-        clips: ClipMaker | None = None,
+        self, cache: Cache, replays: ReplayProcess, clips: ClipMaker | None = None
     ) -> None:
-        self._clips = clips or ClipMaker()
         self._cache = cache
-        self._consoles = consoles
-        self._turn = threading.BoundedSemaphore(at_once)
+        self._replays = replays
+        self._clips = clips or ClipMaker()
 
     def frames(self, recording: Recording) -> bytes:
         """Return every frame of a recording, as docs/protocol.md describes."""
-        return self._made(recording, "frames", frames_file)
+        return self._made(recording, Wanted.FRAMES)
 
     def thumbnail(self, recording: Recording) -> bytes:
         """Return a PNG of a recording."""
-        return self._made(recording, "png", thumbnail_png)
+        return self._made(recording, Wanted.THUMBNAIL)
 
     def memory(self, recording: Recording) -> bytes:
         """Return the RAM at the start and after every frame, 128 bytes each."""
-        return self._made(recording, "ram", memory_file)
+        return self._made(recording, Wanted.MEMORY)
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""
         name = f"{version_of(recording)}.{kind}"
         return self._cache.get(name, lambda: self._clips.make(recording, kind))
 
-    def _made(
-        self, recording: Recording, kind: str, make: Callable[[Recording, Console], bytes]
-    ) -> bytes:
-        def in_turn() -> bytes:
-            with self._turn, self._consoles.lent() as console:
-                return make(recording, console)
-
-        return self._cache.get(f"{version_of(recording)}.{kind}", in_turn)
+    def _made(self, recording: Recording, wanted: Wanted) -> bytes:
+        return self._cache.get(
+            f"{version_of(recording)}.{wanted}",
+            lambda: self._replays.submit(wanted, recording).result(),
+        )

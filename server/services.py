@@ -14,6 +14,7 @@ from server.feed import ChangeFeed
 from server.play.consoles import ConsolePool
 from server.play.hub import N_SPARE_CONSOLES, PlayHub
 from server.play.limits import GameLimits
+from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
 from server.security import Access
 from server.storage import StorageMeter
@@ -86,6 +87,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     check_schema(database)
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
+    replays = ReplayProcess()
     limits = GameLimits.of(settings, rules.max_games)
     jobs = Jobs(database, settings)
     services = Services(
@@ -96,9 +98,9 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         jobs=jobs,
         inference=InferenceClient(settings.inference_socket),
         consoles=consoles,
-        derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), consoles),
+        derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
         limits=limits,
-        games=PlayHub(database, consoles, name, rules, limits),
+        games=PlayHub(database, consoles, replays, name, rules, limits),
         changes=ChangeFeed(database),
         storage=StorageMeter(settings),
     )
@@ -112,6 +114,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         yield services
     finally:
         await services.games.stop()
+        await asyncio.to_thread(replays.stop)
         await asyncio.to_thread(consoles.stop)
         services.changes.stop()
         await asyncio.to_thread(heartbeat.stop)

@@ -19,12 +19,13 @@ from server.play.consoles import ConsolePool
 from server.play.lateness import Complaints, Lateness
 from server.play.limits import GameLimits, TooManyGames
 from server.play.protocol import Paused
+from server.play.replays import ReplayProcess, Wanted
 from server.play.rules import PlayRules
 from server.play.session import Branched, Phase, PlaySession
 from server.play.turns import TURNS, whose_turn
 from tril.errors import Unavailable
 from tril.game.episode import EpisodeState, Hit
-from tril.recording import Recorder, Recording, RecordingRefused, verify
+from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import behaviours, games, recordings
 from tril.store.database import Database
 from tril.store.games import Progress
@@ -49,6 +50,7 @@ class PlayHub:
     Args:
         database: Where games are kept.
         consoles: Where consoles to play on come from.
+        replays: What checks the recordings.
         owner: Name of this process.
         rules: The times to keep.
         limits: How many games may be open over all processes.
@@ -58,6 +60,7 @@ class PlayHub:
         self,
         database: Database,
         consoles: ConsolePool,
+        replays: ReplayProcess,
         owner: str,
         rules: PlayRules,
         limits: GameLimits,
@@ -66,6 +69,7 @@ class PlayHub:
         self.lateness = Lateness()
         self._complaints = Complaints(self.lateness)
         self._consoles = consoles
+        self._replays = replays
         self._owner = owner
         self._rules = rules
         self._committer = Committer(database)
@@ -116,6 +120,7 @@ class PlayHub:
                     await self._lose(session)
                 session = await self._resume(row, behaviour)
             is_resumed = session.recorder.episode.frame > 0
+            self._replays.prepare()
             await session.attach(connection, is_resumed)
             return session
 
@@ -220,7 +225,10 @@ class PlayHub:
             session, lambda transaction: games.save(transaction, session.progress())
         ):
             return
-        refusal = await asyncio.to_thread(self._refusal, progress.recording, progress.played.hits)
+        try:
+            refusal = await self._refusal(progress.recording, progress.played.hits)
+        except Unavailable:
+            return  # the process ends, and the game is over for whoever joins it next
         if await self._insist(
             session,
             lambda transaction: games.end(
@@ -235,7 +243,7 @@ class PlayHub:
         before = session.progress()
         near = session.tape.state_before(frame)
         recorder = await asyncio.to_thread(self._rebuild, before.recording.until(frame), near)
-        refusal = await asyncio.to_thread(self._refusal, before.recording, before.played.hits)
+        refusal = await self._refusal(before.recording, before.played.hits)
         kept = await self._keep_branch(session, recorder, refusal)
         if kept is None:
             self._consoles.give_back(recorder.episode.console)
@@ -291,15 +299,25 @@ class PlayHub:
                     await self._lose(session)
                     return False
 
-    def _refusal(self, recording: Recording, hits: tuple[Hit, ...]) -> str | None:
-        """Replay a recording; returns why it is not what was played, None if it is."""
-        with self._consoles.lent() as console:
+    async def _refusal(self, recording: Recording, hits: tuple[Hit, ...]) -> str | None:
+        """Replay a recording; returns why it is not what was played, None if it is.
+
+        Raises:
+            Unavailable: The process ends, and replaying failed until then.
+        """
+        cells = [(hit.row, hit.column) for hit in hits]
+        while True:
             try:
-                verify(recording, [(hit.row, hit.column) for hit in hits], console)
+                await asyncio.wrap_future(self._replays.submit(Wanted.CHECK, recording, cells))
             except RecordingRefused as error:
                 _LOG.error("A game does not replay: %s", error)
                 return str(error)
-        return None
+            except Unavailable:
+                if self._is_stopping:
+                    raise
+                await asyncio.sleep(RETRY_S)
+            else:
+                return None
 
     async def _report(self) -> None:
         """Say in the log when games are not played at their times."""
@@ -345,9 +363,7 @@ class PlayHub:
         if row is None:
             return
         recording = recordings.as_recording(row.recording)
-        refusal = await asyncio.to_thread(
-            self._refusal, recording, recordings.hits_of(row.recording)
-        )
+        refusal = await self._refusal(recording, recordings.hits_of(row.recording))
         was_played = row.recording.end is not None
         state = RecordingState.KEPT if was_played else RecordingState.UNFINISHED
         await self._committer.run(
