@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import Select, func, select, update
-from sqlalchemy.engine import CursorResult
+from sqlalchemy import Select, bindparam, func, select, update
 from sqlalchemy.orm import Session, joinedload
 
 from tril.errors import Conflict, Invalid, NotFound
@@ -28,15 +27,27 @@ from tril.store.models import (
     Verification,
     now,
 )
-from tril.store.recordings import as_recording, fill
+from tril.store.recordings import as_recording, columns_of, fill
 
 LEASE = timedelta(seconds=30)
 """How long an owner keeps a game without being heard of."""
 
-
 OPEN_FOR = timedelta(minutes=1)
 """How long after its lease a game still counts as open: one that stands still before its page lets
 go of its lease every half minute."""
+
+
+# Games are saved all the time while others play: built once and without objects for their rows,
+# these take a seventh of the processor time.
+_GAME_OF_OWNER = update(GameRow).where(
+    GameRow.id == bindparam("of_game"),
+    GameRow.epoch == bindparam("of_epoch"),
+    GameRow.ended_at.is_(None),
+)
+_RECORDING_OF_GAME = update(RecordingRow).where(
+    RecordingRow.id
+    == select(GameRow.recording_id).where(GameRow.id == bindparam("of_game")).scalar_subquery()
+)
 
 
 class GameOver(Conflict):
@@ -52,7 +63,7 @@ class Progress:
         epoch: The owner's epoch.
         recording: What was played so far.
         played: What happened in it.
-        conditions: How it was played so far.
+        conditions: All that is known of how it was played so far.
     """
 
     game_id: str
@@ -185,9 +196,10 @@ def save(session: Session, progress: Progress) -> bool:
     """
     if not hold(session, progress.game_id, progress.epoch):
         return False
-    row = get(session, progress.game_id).recording
-    fill(row, progress.recording, progress.played)
-    row.conditions = {**row.conditions, **progress.conditions}
+    columns = columns_of(progress.recording, progress.played)
+    columns["conditions"] = progress.conditions
+    session.connection().execute(_RECORDING_OF_GAME, {"of_game": progress.game_id, **columns})
+    session.expire_all()
     return True
 
 
@@ -219,7 +231,7 @@ def branch(
             state=RecordingState.KEPT,
             parent_id=row.parent_id,
             parent_frame=row.parent_frame,
-            conditions={**row.conditions, **before.conditions},
+            conditions=before.conditions,
             finished_at=now(),
         )
         fill(kept, before.recording, before.played)
@@ -230,7 +242,7 @@ def branch(
         row.parent_id = kept.id
     row.parent_frame = after.recording.n_frames
     fill(row, after.recording, after.played)
-    row.conditions = {**row.conditions, **after.conditions}
+    row.conditions = after.conditions
     return session.get_one(RecordingRow, row.parent_id)
 
 
@@ -330,11 +342,9 @@ def _lease_end(row: GameRow) -> datetime:
 
 
 def _as_owner(session: Session, game_id: str, epoch: int, lease: timedelta) -> bool:
-    result = session.execute(
-        update(GameRow)
-        .where(GameRow.id == game_id, GameRow.epoch == epoch, GameRow.ended_at.is_(None))
-        .values(lease_expires_at=now() + lease)
-        .execution_options(synchronize_session=False)
+    session.flush()
+    result = session.connection().execute(
+        _GAME_OF_OWNER,
+        {"of_game": game_id, "of_epoch": epoch, "lease_expires_at": now() + lease},
     )
-    assert isinstance(result, CursorResult)
     return result.rowcount > 0

@@ -35,14 +35,24 @@ def hits_of(row: RecordingRow) -> tuple[Hit, ...]:
 
 def fill(row: RecordingRow, recording: Recording, played: Replay) -> None:
     """Write a recording and what happened in it into its row."""
-    row.rom_md5 = recording.rom_md5
-    row.idle_frames = recording.start.idle_frames
-    row.mode, row.difficulty = recording.start.mode, recording.start.difficulty
-    row.actions, row.n_frames = recording.actions, recording.n_frames
-    row.ram_hashes = list(recording.ram_hashes)
-    row.hits = [[hit.row, hit.column, hit.frame] for hit in played.hits]
-    row.shots = played.shots
-    row.end = None if played.end is None else str(played.end)
+    for name, value in columns_of(recording, played).items():
+        setattr(row, name, value)
+
+
+def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
+    """Return a recording and what happened in it as the columns of its row."""
+    return {
+        "rom_md5": recording.rom_md5,
+        "idle_frames": recording.start.idle_frames,
+        "mode": recording.start.mode,
+        "difficulty": recording.start.difficulty,
+        "actions": recording.actions,
+        "n_frames": recording.n_frames,
+        "ram_hashes": list(recording.ram_hashes),
+        "hits": [[hit.row, hit.column, hit.frame] for hit in played.hits],
+        "shots": played.shots,
+        "end": None if played.end is None else str(played.end),
+    }
 
 
 def add(
