@@ -1,8 +1,7 @@
 """Replays of whole recordings, in a process beside the server.
 
-A replay in a thread takes Python's lock from the event loop again and again: with 40 players, whose
-games are checked as they end, frames began up to 33 ms late, and in a process of its own up to 5 ms
-(99th percentile, docs/benchmarks.md).
+A replay in a thread takes Python's lock from the event loop again and again, so that frames begin late
+(docs/decisions/0011-replays-beside-the-server.md).
 """
 
 from server.play.replays.process import ReplayProcess
