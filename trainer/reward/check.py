@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -193,6 +193,7 @@ def _cross_validate(
     n_folds = min(recipe.folds, len(ranked))
     if n_folds < 2:
         return []
+    comparisons = replace(comparisons, recipe=recipe.of_a_fold)
     # Spread over the ranks, so that each fold leaves out good and bad ones.
     fold_of = {i: place % n_folds for place, i in enumerate(ranked)}
     compared: list[Comparison] = []

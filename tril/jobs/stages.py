@@ -49,7 +49,6 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
     It is where an estimate begins before anything was measured on the machine at hand.
     """
     reward = recipe.reward
-    update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
     n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
     games = n_starts * len(POLICIES) * len(CHOICES)
@@ -57,8 +56,8 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
     return {
         "demonstrations": DEMONSTRATIONS_S,
         "trajectories": TRAJECTORIES_S,
-        "reward": 1.0 + reward.updates * update_s * reward.ensemble,
-        "check": CHECK_S + reward.fold_updates * update_s * reward.folds,
+        "reward": 1.0 + reward.ensemble * _learning_seconds(reward),
+        "check": CHECK_S + reward.folds * _learning_seconds(reward.of_a_fold),
         "clone": 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
         "imitator": 2.0 + _imitator_seconds(recipe, steps),
         "evaluation": 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
@@ -79,6 +78,12 @@ def _imitator_seconds(recipe: Recipe, steps: int) -> float:
         + DAGGER_EPOCHS_SHARE * learned / CLONING_OBSERVATIONS_PER_S[recipe.policy.network]
         + judged / EVALUATION_STEPS_PER_S
     )
+
+
+def _learning_seconds(reward: RewardRecipe) -> float:
+    """Return what the training of one reward network takes."""
+    update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
+    return reward.updates * update_s
 
 
 def _observations_per_update(reward: RewardRecipe) -> float:

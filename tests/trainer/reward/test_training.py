@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from tests.trainer.planted import planted_trajectories, planted_trajectory
-from trainer.progress import RunCancelled, Unobserved
+from trainer.progress import Progress, RunCancelled, Unobserved
 from trainer.reward import training
 from trainer.reward.check import are_told_apart, check_ranking
-from trainer.reward.model import RewardModel, predicted_return
+from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
 from trainer.reward.training import LEVEL_STEPS, train_reward
 from tril.recipes import FAST, PAPER, RewardRecipe
 
@@ -18,7 +18,13 @@ TRAJECTORIES = planted_trajectories()
 TIERS = [[0], [1], [2, 3], [4], [5]]
 RECIPES = {
     "fast": replace(
-        FAST.reward, updates=25, fold_updates=25, observation_stride=5, snippet_min_steps=5
+        FAST.reward,
+        updates=25,
+        folds=3,
+        fold_updates=25,
+        fold_stride=0,
+        observation_stride=5,
+        snippet_min_steps=5,
     ),
     "paper": replace(
         PAPER.reward,
@@ -190,6 +196,24 @@ def test_an_interrupted_check_gives_the_same_accuracy(
     assert check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, resumed, tmp_path) == expected
     assert resumed.done[0] == (3, 6)
     assert {name for values in resumed.values for name in values} == {"held_out_accuracy"}
+
+
+def test_a_fold_learns_in_its_own_way(
+    model: RewardModel, recipe: RewardRecipe, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    learned: list[RewardRecipe] = []
+    train = training.NetworkTraining.train
+
+    def note(job: training.NetworkTraining, progress: Progress) -> RewardNetwork:
+        learned.append(job._logits._recipe)
+        return train(job, progress)
+
+    monkeypatch.setattr(training.NetworkTraining, "train", note)
+    recipe = replace(recipe, folds=2, fold_updates=1, fold_stride=7)
+    check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, Unobserved())
+    assert [one.observation_stride for one in learned] == [7, 7]
+    check_ranking(model, TRAJECTORIES, TIERS, replace(recipe, fold_stride=0), 7, Unobserved())
+    assert [one.observation_stride for one in learned[2:]] == [recipe.observation_stride] * 2
 
 
 def test_cancelling_stops_at_once(recipe: RewardRecipe) -> None:

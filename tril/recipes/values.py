@@ -1,8 +1,8 @@
-"""The learning recipes, as data. A run stores the whole recipe it was made with."""
+"""What a recipe is made of."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, get_args
 
 from tril.errors import Invalid
@@ -44,6 +44,7 @@ class RewardRecipe:
         folds: Cross-validation folds of demonstrations left out to measure the held-out accuracy;
             0 leaves the measurement out.
         fold_updates: Gradient updates of each fold's model.
+        fold_stride: As observation_stride, for the folds' models; 0 is as the final one's.
         weight_decay: L2 penalty.
     """
 
@@ -63,7 +64,14 @@ class RewardRecipe:
     ensemble: int = 1
     folds: int = 3
     fold_updates: int = 6_000
+    fold_stride: int = 0
     weight_decay: float = 0.0
+
+    @property
+    def of_a_fold(self) -> RewardRecipe:
+        """How the model of a cross-validation fold is learned."""
+        stride = self.fold_stride or self.observation_stride
+        return replace(self, updates=self.fold_updates, observation_stride=stride)
 
 
 @dataclass(frozen=True)
@@ -243,171 +251,3 @@ class Recipe:
     def to_dict(self) -> dict[str, Any]:
         """The recipe as JSON-ready data; ``from_dict`` gives it back."""
         return asdict(self)
-
-
-PAPER = Recipe(
-    name="paper",
-    summary="As published: 30,000 single snippet pairs, sigmoid reward, PPO from scratch.",
-    default_steps=10_000_000,
-)
-
-FAST = Recipe(
-    name="fast",
-    summary="Minutes on a laptop: aligned snippets, reward for progress, a head start by cloning.",
-    default_steps=500_000,
-    reward=RewardRecipe(
-        method="fast",
-        learning_rate=1e-3,
-        updates=300,
-        snippet_pairs=0,
-        pairs_per_update=256,
-        snippet_min_steps=24,
-        snippet_max_steps=100,
-        observation_stride=12,
-        aligned=True,
-        free_share=0.33,
-        perfect_share=0.05,
-        disturbed_share=0.6,
-        disturbed_copies=12,
-        weight_decay=1e-3,
-        fold_updates=120,
-    ),
-    policy=PolicyRecipe(
-        network="small",
-        reward="difference",
-        death_penalty=0.3,
-        reward_scale=2.0,
-        n_games=16,
-        minibatches=8,
-        epochs=4,
-        learning_rate_decays=True,
-        entropy=0.0,
-        best_share=0.25,
-        demonstration_share=0.25,
-        warm_start=True,
-        start_policy_pull=0.03,
-        critic_warm_up_steps=12_000,
-        snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),
-        snapshot_episodes=24,
-    ),
-    cloning=CloningRecipe(network="small"),
-)
-
-DAGGER = Recipe(
-    name="dagger",
-    summary=(
-        "Yardstick with a privileged teacher: the scripted player, which reads the game's memory,"
-        " corrects the policy's own games."
-    ),
-    default_steps=15_000,
-    method="dagger",
-    reward=FAST.reward,
-    policy=PolicyRecipe(
-        network="small",
-        reward="level",
-        death_penalty=5.0,
-        reward_scale=0.05,
-        learning_rate=5e-4,
-        snapshot_episodes=24,
-    ),
-    cloning=FAST.cloning,
-)
-
-GAIL = Recipe(
-    name="gail",
-    summary=(
-        "Yardstick without a ranking: PPO from the clone on, against a network that tells its games"
-        " from the perfect ones."
-    ),
-    default_steps=300_000,
-    method="gail",
-    reward=FAST.reward,
-    policy=PolicyRecipe(
-        network="small",
-        reward="softplus",
-        reward_scale=0.05,
-        n_games=16,
-        minibatches=8,
-        entropy=0.0,
-        warm_start=True,
-        critic_warm_up_steps=12_000,
-        snapshot_steps=(),
-        snapshot_episodes=24,
-    ),
-    cloning=FAST.cloning,
-)
-
-RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DAGGER, GAIL)}
-
-
-def recipe_named(name: str) -> Recipe:
-    """Look a recipe up; raises Invalid naming the ones there are."""
-    try:
-        return RECIPES[name]
-    except KeyError:
-        raise Invalid(f"There is no recipe {name!r}; choose one of {', '.join(RECIPES)}.") from None
-
-
-def recipe_from_dict(data: dict[str, Any]) -> Recipe:
-    """Rebuild a stored recipe.
-
-    A run of an earlier version stays readable: values that this version does not know are left
-    out, values that it adds are the ones of a recipe that says nothing of them.
-
-    Raises:
-        Invalid: It is no recipe.
-    """
-    try:
-        return Recipe(
-            **{
-                **{key: value for key, value in data.items() if not isinstance(value, dict)},
-                "reward": RewardRecipe(**_known(RewardRecipe, data["reward"])),
-                "policy": PolicyRecipe(**_known(PolicyRecipe, data["policy"])),
-                "cloning": CloningRecipe(**_known(CloningRecipe, data["cloning"])),
-                "evaluation": EvaluationRecipe(**_known(EvaluationRecipe, data["evaluation"])),
-                "dagger": DaggerRecipe(**_known(DaggerRecipe, data.get("dagger", {}))),
-                "gail": GailRecipe(**_known(GailRecipe, data.get("gail", {}))),
-            }
-        )
-    except (KeyError, TypeError) as error:
-        raise Invalid(f"This is not a recipe of this version of Tril: {error}.") from error
-
-
-def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
-    """Return the recipe under the published protocol, which holds nothing out.
-
-    The published work trains a policy of its own for each start and judges it on the very start
-    (thesis, section 6.1): what is shown is how well that one game was learned.
-
-    Raises:
-        Invalid: The policy is not one that PPO trains.
-    """
-    if recipe.method == "dagger":
-        raise Invalid("DAgger has no games of PPO that could begin at the start it is judged on.")
-    return replace(
-        recipe,
-        policy=replace(recipe.policy, own_starts=(start_number,)),
-        evaluation=EvaluationRecipe((start_number,), ()),
-    )
-
-
-def with_values(recipe: Recipe, values: dict[str, Any]) -> Recipe:
-    """A copy with some values replaced, named by dotted path such as ``policy.learning_rate``."""
-    for path, value in values.items():
-        section, _, name = path.rpartition(".")
-        part = getattr(recipe, section, None) if section else recipe
-        if not is_dataclass(part) or name not in {f.name for f in fields(part)}:
-            raise Invalid(f"A recipe has no value {path!r}.")
-        changed = replace(part, **{name: value})  # type: ignore[type-var]
-        recipe = replace(recipe, **{section: changed}) if section else changed  # type: ignore[arg-type, assignment]
-    return recipe
-
-
-def _known(part: type, values: dict[str, Any]) -> dict[str, Any]:
-    """Return the values that a part of a recipe has, JSON's lists as tuples again."""
-    names = {field.name for field in fields(part)}
-    return {
-        name: tuple(value) if isinstance(value, list) else value
-        for name, value in values.items()
-        if name in names
-    }

@@ -1,0 +1,37 @@
+"""The learning recipes, as data. A run stores the whole recipe it was made with."""
+
+from tril.recipes.changed import judged_where_trained, with_values
+from tril.recipes.ready_made import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
+from tril.recipes.stored import recipe_from_dict
+from tril.recipes.values import (
+    MOST_DAGGER_STEPS,
+    CloningRecipe,
+    DaggerRecipe,
+    EvaluationRecipe,
+    GailRecipe,
+    Method,
+    PolicyRecipe,
+    Recipe,
+    RewardRecipe,
+)
+
+__all__ = [
+    "DAGGER",
+    "FAST",
+    "GAIL",
+    "MOST_DAGGER_STEPS",
+    "PAPER",
+    "RECIPES",
+    "CloningRecipe",
+    "DaggerRecipe",
+    "EvaluationRecipe",
+    "GailRecipe",
+    "Method",
+    "PolicyRecipe",
+    "Recipe",
+    "RewardRecipe",
+    "judged_where_trained",
+    "recipe_from_dict",
+    "recipe_named",
+    "with_values",
+]
