@@ -18,7 +18,7 @@ from rich.progress import Task as ProgressTask
 from rich.text import Text
 
 from cli.output import console, errors
-from cli.supervisor import tril_command
+from cli.supervisor import child_environment, tril_command
 from cli.workspace import Workspace
 from tril.jobs import overall_progress
 from tril.store import processes
@@ -61,7 +61,9 @@ def worker_at_hand(workspace: Workspace) -> Iterator[None]:
     log = workspace.settings.data / "logs" / "worker.log"
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("ab") as output:
-        worker = subprocess.Popen(tril_command("worker"), stdout=output, stderr=output)
+        worker = subprocess.Popen(
+            tril_command("worker"), env=child_environment(), stdout=output, stderr=output
+        )
     try:
         yield
     finally:

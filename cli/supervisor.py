@@ -62,9 +62,8 @@ class Supervisor:
         self._running = [_Running(child) for child in children]
         self._say = say
         self._environment = {
-            **os.environ,
+            **child_environment(),
             **(environment or {}),
-            PARENT_VARIABLE: str(os.getpid()),
             "PYTHONUNBUFFERED": "1",
         }
         self._stop_timeout_s = stop_timeout_s
@@ -186,6 +185,11 @@ def running(supervisor: Supervisor) -> Iterator[None]:
         yield
     finally:
         supervisor.stop()
+
+
+def child_environment() -> dict[str, str]:
+    """Return the environment of a process that is to end with this one; end_with_supervisor."""
+    return {**os.environ, PARENT_VARIABLE: str(os.getpid())}
 
 
 def end_with_supervisor() -> None:

@@ -18,6 +18,7 @@ from tril.store.models import RunStatus
 
 SMALLEST = (
     "reward.updates=12",
+    "reward.folds=2",
     "reward.fold_updates=3",
     "cloning.epochs=1",
     "policy.n_games=4",

@@ -6,14 +6,17 @@ import contextlib
 import os
 import queue
 import signal
+import subprocess
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import psutil
 
 from cli.supervisor import Child, Supervisor
+from tests.waiting import wait_until
 
 Lines = queue.Queue[tuple[str, str]]
 
@@ -87,3 +90,26 @@ def test_stop_ends_children_that_ignore_the_request_and_what_they_left() -> None
     with contextlib.suppress(psutil.NoSuchProcess):
         psutil.Process(left).wait(10)
     assert not psutil.pid_exists(left)
+
+
+FOLLOWING = """
+import time
+from cli.follow import worker_at_hand
+from cli.workspace import open_workspace
+with open_workspace() as workspace, worker_at_hand(workspace):
+    time.sleep(600)
+"""
+
+
+def test_a_worker_started_for_one_command_ends_with_it_even_if_that_is_killed(
+    data_folder: Path,
+) -> None:
+    command = subprocess.Popen(_python(FOLLOWING), stderr=subprocess.DEVNULL)
+    log = data_folder / "logs" / "worker.log"
+    try:
+        wait_until(lambda: log.exists() and "waits for runs" in log.read_text(), 60.0)
+        [worker] = psutil.Process(command.pid).children()
+    finally:
+        command.kill()
+        command.wait()
+    wait_until(lambda: not worker.is_running(), 30.0)
