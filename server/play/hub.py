@@ -12,6 +12,7 @@ from weakref import WeakValueDictionary
 
 from sqlalchemy.orm import Session
 
+from server.play.checks import Checks
 from server.play.committer import Committer
 from server.play.conditions import PlayConditions
 from server.play.connection import Connection
@@ -19,12 +20,12 @@ from server.play.consoles import ConsolePool
 from server.play.lateness import Complaints, Lateness
 from server.play.limits import GameLimits, TooManyGames
 from server.play.protocol import Paused
-from server.play.replays import ReplayProcess, Wanted
+from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
 from server.play.session import Branched, Phase, PlaySession
 from server.play.turns import TURNS, whose_turn
 from tril.errors import Unavailable
-from tril.game.episode import EpisodeState, Hit
+from tril.game.episode import EpisodeState
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import behaviours, games, recordings
 from tril.store.database import Database
@@ -69,7 +70,7 @@ class PlayHub:
         self.lateness = Lateness()
         self._complaints = Complaints(self.lateness)
         self._consoles = consoles
-        self._replays = replays
+        self._checks = Checks(replays)
         self._owner = owner
         self._rules = rules
         self._committer = Committer(database)
@@ -90,6 +91,7 @@ class PlayHub:
     async def stop(self) -> None:
         """Save every game and let go of it; it goes on in whichever process it is joined next."""
         self._is_stopping = True
+        self._checks.stop()
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -120,7 +122,7 @@ class PlayHub:
                     await self._lose(session)
                 session = await self._resume(row, behaviour)
             is_resumed = session.recorder.episode.frame > 0
-            self._replays.prepare()
+            self._checks.prepare()
             await session.attach(connection, is_resumed)
             return session
 
@@ -226,7 +228,7 @@ class PlayHub:
         ):
             return
         try:
-            refusal = await self._refusal(progress.recording, progress.played.hits)
+            refusal = await self._checks.refusal(progress.recording, progress.played.hits)
         except Unavailable:
             return  # the process ends, and the game is over for whoever joins it next
         if await self._insist(
@@ -243,7 +245,7 @@ class PlayHub:
         before = session.progress()
         near = session.tape.state_before(frame)
         recorder = await asyncio.to_thread(self._rebuild, before.recording.until(frame), near)
-        refusal = await self._refusal(before.recording, before.played.hits)
+        refusal = await self._checks.refusal(before.recording, before.played.hits)
         kept = await self._keep_branch(session, recorder, refusal)
         if kept is None:
             self._consoles.give_back(recorder.episode.console)
@@ -299,26 +301,6 @@ class PlayHub:
                     await self._lose(session)
                     return False
 
-    async def _refusal(self, recording: Recording, hits: tuple[Hit, ...]) -> str | None:
-        """Replay a recording; returns why it is not what was played, None if it is.
-
-        Raises:
-            Unavailable: The process ends, and replaying failed until then.
-        """
-        cells = [(hit.row, hit.column) for hit in hits]
-        while True:
-            try:
-                await asyncio.wrap_future(self._replays.submit(Wanted.CHECK, recording, cells))
-            except RecordingRefused as error:
-                _LOG.error("A game does not replay: %s", error)
-                return str(error)
-            except Unavailable:
-                if self._is_stopping:
-                    raise
-                await asyncio.sleep(RETRY_S)
-            else:
-                return None
-
     async def _report(self) -> None:
         """Say in the log when games are not played at their times."""
         complaint = self._complaints.since_last(len(self._sessions))
@@ -363,7 +345,7 @@ class PlayHub:
         if row is None:
             return
         recording = recordings.as_recording(row.recording)
-        refusal = await self._refusal(recording, recordings.hits_of(row.recording))
+        refusal = await self._checks.refusal(recording, recordings.hits_of(row.recording))
         was_played = row.recording.end is not None
         state = RecordingState.KEPT if was_played else RecordingState.UNFINISHED
         await self._committer.run(
