@@ -85,25 +85,33 @@ def write_page(folder: Path, command: str) -> Path:
 
 
 def _groups(entries: Sequence[Entry]) -> list[_Group]:
-    """Return the entries by recipe, steps and behaviour, in the order that they are shown in."""
+    """Return the entries by recipe, behaviour and steps, in the order that they are shown in."""
     known = {behaviour.slug: behaviour for behaviour in READY_MADE}
-    found: dict[tuple[int, str, int, str, int], list[Entry]] = {}
+    found: dict[tuple[int, int, int, str], list[Entry]] = {}
     names = list(RECIPES)
     for entry in entries:
         cell = entry.cell
         if cell.behaviour not in known or cell.recipe not in names:
             continue
         place = list(known).index(cell.behaviour)
-        key = (names.index(cell.recipe), cell.digest, -cell.steps, cell.behaviour, place)
+        key = (names.index(cell.recipe), place, cell.steps, cell.digest)
         found.setdefault(key, []).append(entry)
-    ordered = sorted(found, key=lambda key: (key[0], key[1], key[2], key[4]))
-    return [_Group(known[key[3]], names[key[0]], -key[2], tuple(found[key])) for key in ordered]
+    return [
+        _Group(READY_MADE[key[1]], names[key[0]], key[2], tuple(found[key]))
+        for key in sorted(found)
+    ]
+
+
+def _longest_trained(groups: Sequence[_Group]) -> list[_Group]:
+    """Return one group a behaviour, that of most steps: what pictures show."""
+    return list({group.behaviour.slug: group for group in groups}.values())
 
 
 def _section(folder: Path, recipe: str, groups: Sequence[_Group]) -> list[str]:
     aliens, returns = f"aliens-{recipe}.png", f"returns-{recipe}.png"
-    write_whole(folder / aliens, _aliens(groups))
-    write_whole(folder / returns, _returns(groups))
+    shown = _longest_trained(groups)
+    write_whole(folder / aliens, _aliens(shown))
+    write_whole(folder / returns, _returns(shown))
     return [
         f"## Recipe `{recipe}`",
         "",
@@ -123,19 +131,20 @@ def _section(folder: Path, recipe: str, groups: Sequence[_Group]) -> list[str]:
         "",
         f"![Aliens left, first training seed]({aliens})",
         "",
-        "Squares are aliens left, rings targets hit, crosses strays; first training seed.",
+        "Squares are aliens left, rings targets hit, crosses strays; most steps, first training"
+        " seed.",
         "",
         "### Predicted return against rank",
         "",
         f"![Predicted return against rank]({returns})",
         "",
-        *_rewards(groups),
+        *_rewards(shown),
         "",
         "### Each run",
         "",
         *(
-            f"- [{group.behaviour.name}, training seed {entry.cell.training_seed}]"
-            f"({cell_folder(entry)}/README.md)"
+            f"- [{group.behaviour.name}, {group.steps:,} steps, training seed"
+            f" {entry.cell.training_seed}]({cell_folder(entry)}/README.md)"
             for group in groups
             for entry in group.entries
         ),
@@ -214,10 +223,10 @@ def _means(groups: Sequence[_Group]) -> list[str]:
 
 
 def _hits(groups: Sequence[_Group]) -> list[str]:
-    lines = _hits_head("behaviour | seed", "---|---:")
+    lines = _hits_head("behaviour | steps | seed", "---|---:|---:")
     for group in groups:
         for entry in group.entries:
-            head = f"| {group.behaviour.name} | {entry.cell.training_seed} | "
+            head = f"| {group.behaviour.name} | {group.steps:,} | {entry.cell.training_seed} | "
             lines.append(head + _hits_row(dict.fromkeys(STARTS, entry)))
     return lines
 

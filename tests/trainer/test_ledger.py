@@ -27,9 +27,9 @@ def game(policy: str, start: int, targets: int, strays: int, *, hit: bool = Fals
     return LedgerGame(policy, "greedy", start, held_out=start > 0, hits=cells, figures=figures)
 
 
-def entry(behaviour: str = "column-2", seed: int = 0) -> Entry:
+def entry(behaviour: str = "column-2", seed: int = 0, steps: int = 1000) -> Entry:
     return Entry(
-        cell=Cell.of(behaviour, FAST, 1000, seed),
+        cell=Cell.of(behaviour, FAST, steps, seed),
         finished_at="2026-01-02T03:04:05+00:00",
         seconds={"demonstrations": 600.0, "reward": 60.0, "imitator": 120.0},
         check={"tau": 1.0, "pair_accuracy": 0.99, "held_out_accuracy": 0.97},
@@ -70,7 +70,7 @@ def test_policies_judged_where_they_were_trained_have_a_table_of_their_own(tmp_p
         ledger.add(replace(entry(), cell=cell))
     assert Ledger(tmp_path).entries == ledger.entries
     held_out, own = write_page(tmp_path, "tril reproduce").read_text().split("## One imitator per")
-    assert held_out.count("| Column 2 | 0 | 6 + 0 | 6 + 0 | 5 + 0 |") == 1
+    assert held_out.count("| Column 2 | 1,000 | 0 | 6 + 0 | 6 + 0 | 5 + 0 |") == 1
     row = "| Column 2 | fast | 1,000 | 0 | 6 + 0 | 6 + 0 |  |  | 2 + 0 ✗ | 3 + 0 | tie /  / clone |"
     assert row in own
     assert own.count("/README.md)") == 2
@@ -112,9 +112,21 @@ def test_the_page_says_who_won_and_links_each_run(tmp_path: Path) -> None:
     ledger.add(entry(seed=1))
     ledger.add(entry("column-6"))
     page = write_page(tmp_path, "tril reproduce").read_text()
-    assert "| Column 2 | 0 | 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 |" in page
+    assert "| Column 2 | 1,000 | 0 | 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 |" in page
     assert "tie / imitator / clone" in page
     assert "| Column 2 | 1,000 | 0, 1 | imitator | 3.50 [" in page
     assert f"({cell_folder(entry(seed=1))}/README.md)" in page
     assert (tmp_path / "aliens-fast.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "returns-fast.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_page_shows_all_steps_of_a_behaviour_and_pictures_of_the_most(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    for steps in (9_000, 10_000):
+        ledger.add(entry("column-6", steps=steps))
+    ledger.add(entry("column-2"))
+    page = write_page(tmp_path, "tril reproduce").read_text()
+    heads = ("Column 2 | 1,000", "Column 6 | 9,000", "Column 6 | 10,000")
+    places = [page.index(f"| {head} | 0 | imitator") for head in heads]
+    assert places == sorted(places)
+    assert "| rank | Column 2 | Column 6 |" in page
