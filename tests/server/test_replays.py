@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -75,11 +74,11 @@ def test_it_runs_behind_those_who_play_and_comes_back_when_it_was_killed(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
     replays.submit(Wanted.CHECK, *played).result(PATIENCE_S)
-    [child] = _children()
+    child = _process_of(replays)
     assert child.nice() > psutil.Process().nice()
     child.kill()
     assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
-    assert [one.pid for one in _children()] != [child.pid]
+    assert _process_of(replays) != child
 
 
 def test_an_error_is_one_request_s_own(
@@ -109,13 +108,9 @@ def test_it_ends_with_its_server_even_if_that_is_killed() -> None:
     wait_until(lambda: not _runs(pid), PATIENCE_S)
 
 
-def _children() -> list[psutil.Process]:
-    """The running processes that replay, started by this one."""
-    return [
-        one
-        for one in psutil.Process(os.getpid()).children()
-        if "server.play.replays" in one.cmdline()
-    ]
+def _process_of(replays: ReplayProcess) -> psutil.Process:
+    assert replays._process is not None
+    return psutil.Process(replays._process.pid)
 
 
 def _runs(pid: int) -> bool:
