@@ -56,7 +56,16 @@ class SkillPlan:
         rollout_steps: Steps of each between two updates.
     """
 
-    checkpoints: tuple[int, ...] = (0, 4_096, 8_192, 16_384, 24_576, 32_768, 49_152, 65_536)
+    checkpoints: tuple[int, ...] = (
+        0,
+        16_384,
+        32_768,
+        49_152,
+        65_536,
+        131_072,
+        196_608,
+        262_144,
+    )
     demonstrating: int = 5
     games: int = 12
     demonstrations: int = 12
