@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import threading
 
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, Wanted
@@ -37,6 +38,8 @@ class Derived:
         self._cache = cache
         self._replays = replays
         self._clips = clips or ClipMaker()
+        # One at a time, so that the check of a game that ends waits for one at most.
+        self._turn = threading.Lock()
 
     def frames(self, recording: Recording) -> bytes:
         """Return every frame of a recording, as docs/protocol.md describes."""
@@ -56,7 +59,8 @@ class Derived:
         return self._cache.get(name, lambda: self._clips.make(recording, kind))
 
     def _made(self, recording: Recording, wanted: Wanted) -> bytes:
-        return self._cache.get(
-            f"{version_of(recording)}.{wanted}",
-            lambda: self._replays.submit(wanted, recording).result(),
-        )
+        def in_turn() -> bytes:
+            with self._turn:
+                return self._replays.submit(wanted, recording).result()
+
+        return self._cache.get(f"{version_of(recording)}.{wanted}", in_turn)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Callable
 
 from server.play.replays import ReplayProcess, Wanted
 from tril.errors import Unavailable
@@ -16,7 +17,7 @@ RETRY_S = 1.0
 
 
 class Checks:
-    """Has games replayed, again and again until it succeeds.
+    """Has games replayed.
 
     Args:
         replays: What replays them.
@@ -24,21 +25,23 @@ class Checks:
 
     def __init__(self, replays: ReplayProcess) -> None:
         self._replays = replays
-        self._is_stopping = False
 
     def prepare(self) -> None:
         """Make ready for the end of a game that begins now."""
         self._replays.prepare()
 
-    def stop(self) -> None:
-        """Try nothing again from now on."""
-        self._is_stopping = True
-
-    async def refusal(self, recording: Recording, hits: tuple[Hit, ...]) -> str | None:
+    async def refusal(
+        self, recording: Recording, hits: tuple[Hit, ...], gives_up: Callable[[], bool]
+    ) -> str | None:
         """Replay a recording; returns why it is not what was played, None if it is.
 
+        Args:
+            recording: What was played.
+            hits: What it hit.
+            gives_up: Asked whenever replaying failed; otherwise it is tried again.
+
         Raises:
-            Unavailable: The process ends, and replaying failed until then.
+            Unavailable: It was given up.
         """
         cells = [(hit.row, hit.column) for hit in hits]
         while True:
@@ -48,7 +51,7 @@ class Checks:
                 _LOG.error("A game does not replay: %s", error)
                 return str(error)
             except Unavailable:
-                if self._is_stopping:
+                if gives_up():
                     raise
                 await asyncio.sleep(RETRY_S)
             else:

@@ -91,7 +91,6 @@ class PlayHub:
     async def stop(self) -> None:
         """Save every game and let go of it; it goes on in whichever process it is joined next."""
         self._is_stopping = True
-        self._checks.stop()
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -228,7 +227,9 @@ class PlayHub:
         ):
             return
         try:
-            refusal = await self._checks.refusal(progress.recording, progress.played.hits)
+            refusal = await self._checks.refusal(
+                progress.recording, progress.played.hits, lambda: self._is_stopping
+            )
         except Unavailable:
             return  # the process ends, and the game is over for whoever joins it next
         if await self._insist(
@@ -245,8 +246,12 @@ class PlayHub:
         before = session.progress()
         near = session.tape.state_before(frame)
         recorder = await asyncio.to_thread(self._rebuild, before.recording.until(frame), near)
-        refusal = await self._checks.refusal(before.recording, before.played.hits)
-        kept = await self._keep_branch(session, recorder, refusal)
+        kept = None
+        with suppress(Unavailable):
+            refusal = await self._checks.refusal(
+                before.recording, before.played.hits, lambda: session.is_halting
+            )
+            kept = await self._keep_branch(session, recorder, refusal)
         if kept is None:
             self._consoles.give_back(recorder.episode.console)
             return None
@@ -345,7 +350,9 @@ class PlayHub:
         if row is None:
             return
         recording = recordings.as_recording(row.recording)
-        refusal = await self._checks.refusal(recording, recordings.hits_of(row.recording))
+        refusal = await self._checks.refusal(
+            recording, recordings.hits_of(row.recording), lambda: True
+        )
         was_played = row.recording.end is not None
         state = RecordingState.KEPT if was_played else RecordingState.UNFINISHED
         await self._committer.run(

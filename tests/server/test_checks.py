@@ -41,19 +41,19 @@ def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_check_that_fails_is_tried_again() -> None:
     replays = Failing(Unavailable("no room"), Unavailable("no room"), None)
-    assert asyncio.run(Checks(replays).refusal(GAME, ())) is None
+    assert asyncio.run(Checks(replays).refusal(GAME, (), lambda: False)) is None
     assert not replays.answers
 
 
 def test_a_refusal_is_final() -> None:
     replays = Failing(RecordingRefused("It differs."), None)
-    assert asyncio.run(Checks(replays).refusal(GAME, ())) == "It differs."
+    assert asyncio.run(Checks(replays).refusal(GAME, (), lambda: False)) == "It differs."
     assert len(replays.answers) == 1
 
 
-def test_nothing_is_tried_again_when_the_process_ends() -> None:
-    replays = Failing(Unavailable("no room"), None)
-    waiting = Checks(replays)
-    waiting.stop()
+def test_it_is_given_up_when_somebody_waits() -> None:
+    replays = Failing(Unavailable("no room"), Unavailable("no room"), None)
+    wanted = iter((False, True))
     with pytest.raises(Unavailable, match="no room"):
-        asyncio.run(waiting.refusal(GAME, ()))
+        asyncio.run(Checks(replays).refusal(GAME, (), lambda: next(wanted)))
+    assert len(replays.answers) == 1

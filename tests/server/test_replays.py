@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -99,7 +98,6 @@ def test_a_process_that_does_not_start_is_said(
     replays.stop()
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Processes end in another way there.")
 def test_it_ends_with_its_server_even_if_that_is_killed() -> None:
     died = subprocess.run(
         [sys.executable, "-c", DIES], stdout=subprocess.PIPE, check=False, timeout=PATIENCE_S
