@@ -16,9 +16,9 @@ from cli.runs import chosen_recipe, start_run
 from cli.workspace import Workspace, open_workspace
 from tril.artifacts import ArtifactStore
 from tril.behaviours import READY_MADE
-from tril.demonstrator import SCRIPTED
+from tril.demonstrator import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
-from tril.recipes import RECIPES, Recipe, judged_where_trained
+from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained
 from tril.store import runs
 from tril.store.models import RunRow, RunStatus
 
@@ -42,6 +42,17 @@ def reproduce(
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
     ] = None,
+    demonstrations: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Kind of demonstrations, one of"
+            f" {', '.join(kind.name for kind in KINDS)}; repeat it. Else {SCRIPTED.name}.",
+        ),
+    ] = None,
+    ablation: Annotated[
+        bool,
+        typer.Option("--ablation", help="Also the fast recipe without each of its factors."),
+    ] = False,
     own_starts: Annotated[
         bool,
         typer.Option(
@@ -81,14 +92,13 @@ def reproduce(
             f" {', '.join(one.slug for one in READY_MADE)}."
         )
     with open_workspace() as workspace:
-        recipes = [chosen]
-        if own_starts:
-            starts = chosen.evaluation.start_numbers
-            recipes = [judged_where_trained(chosen, number) for number in starts]
+        kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
+        recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
         cells = {
-            Cell.of(slug, one, chosen_steps, seed): one
+            Cell.of(slug, one, chosen_steps, seed, kind): one
             for seed in training_seed or [0, 1, 2]
             for slug in slugs
+            for kind in kinds
             for one in recipes
         }
         missing = [] if page_only else Ledger(output).missing(cells)
@@ -107,6 +117,18 @@ def reproduce(
                 f"{failed} of {len(missing)} runs did not end well: see tril runs list. Run the"
                 " command again to have them computed anew."
             )
+
+
+def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:
+    """Return the recipes that are compared: the chosen one, or what takes its place or joins it."""
+    if own_starts:
+        starts = chosen.evaluation.start_numbers
+        return [judged_where_trained(chosen, number) for number in starts]
+    if not ablation:
+        return [chosen]
+    if chosen != FAST:
+        raise Invalid("What can be left out is known of the recipe fast alone, as it comes.")
+    return [chosen, *(one.recipe for one in ABLATIONS)]
 
 
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
@@ -155,7 +177,7 @@ def _compute(workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path) -
             write_report(workspace.database, store, run_id, output / cell_folder(entry))
             Ledger(output).add(entry)
             write_page(output, COMMAND)
-            console.print(f"{entry.cell.behaviour}, training seed {entry.cell.training_seed}: done")
+            console.print(f"{cell_folder(entry)}: done")
         time.sleep(POLL_S)
     return failed
 
@@ -180,12 +202,13 @@ def _runs_of(workspace: Workspace, cells: Mapping[Cell, Recipe]) -> list[str]:
             cell.training_seed,
             go_on_anyway=True,
             example=True,
+            example_kind=cell.demonstrations,
         )
         for cell, recipe in cells.items()
     ]
 
 
 def _is_usable(row: RunRow) -> bool:
-    if not row.example or row.example_kind != SCRIPTED.name:
+    if not row.example:
         return False
     return row.status == RunStatus.DONE or not RunStatus(row.status).is_over

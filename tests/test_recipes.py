@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import json
+from operator import attrgetter
 
 import pytest
 
 from tril.errors import Invalid
-from tril.recipes import FAST, PAPER, RECIPES, Recipe, recipe_from_dict, recipe_named, with_values
+from tril.recipes import (
+    ABLATIONS,
+    FAST,
+    PAPER,
+    RECIPES,
+    Ablation,
+    Recipe,
+    recipe_from_dict,
+    recipe_named,
+    with_values,
+)
 
 
 @pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
@@ -53,3 +64,12 @@ def test_values_are_replaced_by_their_path() -> None:
 def test_an_unknown_recipe_names_those_there_are() -> None:
     with pytest.raises(Invalid, match="fast, paper, dagger, gail"):
         recipe_named("slow")
+
+
+@pytest.mark.parametrize("one", ABLATIONS, ids=[one.name for one in ABLATIONS])
+def test_an_ablation_changes_what_it_says_and_nothing_else(one: Ablation) -> None:
+    for path, value in one.values.items():
+        before, after = (attrgetter(path)(recipe) for recipe in (FAST, one.recipe))
+        assert before != after == value
+    restored = {path: attrgetter(path)(FAST) for path in one.values}
+    assert with_values(one.recipe, restored) == FAST

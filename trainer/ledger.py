@@ -16,6 +16,7 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from tril.artifacts import write_whole
+from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
 from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
 from tril.store import behaviours, evaluations, recordings, runs
@@ -37,6 +38,7 @@ class Cell:
         steps: PPO steps.
         training_seed: Fed every random choice.
         own_starts: As in PolicyRecipe: what the policy was trained and judged on, if not held out.
+        demonstrations: Name of the kind of demonstrations, see tril.demonstrator.KINDS.
     """
 
     behaviour: str
@@ -45,9 +47,17 @@ class Cell:
     steps: int
     training_seed: int
     own_starts: tuple[int, ...] = ()
+    demonstrations: str = SCRIPTED.name
 
     @classmethod
-    def of(cls, behaviour: str, recipe: Recipe, steps: int, training_seed: int) -> Cell:
+    def of(
+        cls,
+        behaviour: str,
+        recipe: Recipe,
+        steps: int,
+        training_seed: int,
+        demonstrations: str = SCRIPTED.name,
+    ) -> Cell:
         """Name the cell of a run."""
         return cls(
             behaviour,
@@ -56,6 +66,7 @@ class Cell:
             steps,
             training_seed,
             recipe.policy.own_starts,
+            demonstrations,
         )
 
 
@@ -199,7 +210,8 @@ def read_cell(session: Session, run: RunRow) -> Cell:
         Invalid: The run's recipe is one of another version.
     """
     slug = behaviours.get(session, run.behaviour_id).slug
-    return Cell.of(slug, recipe_from_dict(run.recipe), run.steps, run.training_seed)
+    recipe = recipe_from_dict(run.recipe)
+    return Cell.of(slug, recipe, run.steps, run.training_seed, run.example_kind)
 
 
 def read_entry(database: Database, run_id: str) -> Entry:

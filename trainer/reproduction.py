@@ -3,46 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from trainer import extrapolation_results
+from trainer.comparison_tables import ablation_lines, is_ablation, kinds_lines
 from trainer.ledger import Entry, Ledger, LedgerGame
+from trainer.result_groups import ResultGroup, group_results
 from trainer.table_figures import AliensRow, ReturnsPanel, aliens_table, returns_table
 from tril.artifacts import write_whole
 from tril.behaviours import READY_MADE, Behaviour, score
+from tril.demonstrator import SCRIPTED
 from tril.recipes import RECIPES, EvaluationRecipe
-from tril.summary import Interval, interval, winner
+from tril.summary import winner
 
 STARTS = EvaluationRecipe().start_numbers
 POLICIES = ("imitator", "clone")
 
 
-@dataclass(frozen=True)
-class _Group:
-    """The finished cells of one behaviour and one recipe, by training seed."""
-
-    behaviour: Behaviour
-    recipe: str
-    steps: int
-    entries: tuple[Entry, ...]
-
-    def mean(self, policy: str, choice: str, name: str) -> Interval | None:
-        """Return the mean of a figure over the held-out games of all training seeds."""
-        values = [
-            float(value)
-            for entry in self.entries
-            for game in entry.games
-            if (game.policy, game.choice) == (policy, choice) and game.held_out
-            if (value := getattr(game.figures, name)) is not None
-        ]
-        return interval(values) if values else None
-
-
 def cell_folder(entry: Entry) -> str:
     """Return the name, below the results, of the folder with a cell's own page."""
     cell = entry.cell
-    return f"{cell.behaviour}/{cell.recipe}-{cell.steps}-{cell.training_seed}-{cell.digest}"
+    name = f"{cell.behaviour}/{cell.recipe}-{cell.steps}-{cell.training_seed}-{cell.digest}"
+    return name if cell.demonstrations == SCRIPTED.name else f"{name}-{cell.demonstrations}"
 
 
 def write_page(folder: Path, command: str) -> Path:
@@ -59,10 +41,8 @@ def write_page(folder: Path, command: str) -> Path:
         Invalid: The ledger can't be read.
     """
     entries = Ledger(folder).entries
-    groups = _groups([entry for entry in entries if not entry.cell.own_starts])
-    by_recipe: dict[str, list[_Group]] = {}
-    for group in groups:
-        by_recipe.setdefault(group.recipe, []).append(group)
+    held_out = [entry for entry in entries if not entry.cell.own_starts]
+    ordinary = [entry for entry in held_out if entry.cell.demonstrations == SCRIPTED.name]
     parts = [
         "# Results",
         "",
@@ -75,39 +55,25 @@ def write_page(folder: Path, command: str) -> Path:
         f"Made by `{command}`, which computes what is missing in ledger.jsonl.",
         "",
     ]
-    for recipe, of_recipe in by_recipe.items():
-        parts += _section(folder, recipe, of_recipe)
-    parts += _own_starts(entries)
+    for recipe in RECIPES:
+        whole = [e for e in ordinary if e.cell.recipe == recipe and not is_ablation(e)]
+        if groups := group_results(whole):
+            parts += _section(folder, recipe, groups)
+    parts += kinds_lines([entry for entry in held_out if not is_ablation(entry)])
+    parts += ablation_lines(ordinary)
+    parts += _own_starts([e for e in entries if e.cell.demonstrations == SCRIPTED.name])
     parts += extrapolation_results.page_lines(folder)
     page = folder / "README.md"
     write_whole(page, "\n".join(parts).encode())
     return page
 
 
-def _groups(entries: Sequence[Entry]) -> list[_Group]:
-    """Return the entries by recipe, behaviour and steps, in the order that they are shown in."""
-    known = {behaviour.slug: behaviour for behaviour in READY_MADE}
-    found: dict[tuple[int, int, int, str], list[Entry]] = {}
-    names = list(RECIPES)
-    for entry in entries:
-        cell = entry.cell
-        if cell.behaviour not in known or cell.recipe not in names:
-            continue
-        place = list(known).index(cell.behaviour)
-        key = (names.index(cell.recipe), place, cell.steps, cell.digest)
-        found.setdefault(key, []).append(entry)
-    return [
-        _Group(READY_MADE[key[1]], names[key[0]], key[2], tuple(found[key]))
-        for key in sorted(found)
-    ]
-
-
-def _longest_trained(groups: Sequence[_Group]) -> list[_Group]:
+def _longest_trained(groups: Sequence[ResultGroup]) -> list[ResultGroup]:
     """Return one group a behaviour, that of most steps: what pictures show."""
     return list({group.behaviour.slug: group for group in groups}.values())
 
 
-def _section(folder: Path, recipe: str, groups: Sequence[_Group]) -> list[str]:
+def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[str]:
     aliens, returns = f"aliens-{recipe}.png", f"returns-{recipe}.png"
     shown = _longest_trained(groups)
     write_whole(folder / aliens, _aliens(shown))
@@ -186,35 +152,28 @@ def _own_starts(entries: Sequence[Entry]) -> list[str]:
     return [*lines, "", *links, ""]
 
 
-def _means(groups: Sequence[_Group]) -> list[str]:
+def _means(groups: Sequence[ResultGroup]) -> list[str]:
     lines = [
         "| behaviour | steps | seeds | policy | targets | strays | order errors | lost"
         " | targets, sampled | tau | left-out pairs | minutes |",
         "|---|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for group in groups:
-        seeds = ", ".join(str(entry.cell.training_seed) for entry in group.entries)
+        minutes = [entry.minutes for entry in group.entries]
         for policy in POLICIES:
             figures = [
-                _interval(group.mean(policy, "greedy", "targets")),
-                _interval(group.mean(policy, "greedy", "strays")),
-                _interval(group.mean(policy, "greedy", "order_errors"))
-                if group.behaviour.ordered
-                else "",
-                _interval(group.mean(policy, "greedy", "is_hit"), ".0%"),
-                _interval(group.mean(policy, "sampled", "targets")),
+                group.shown(policy, "greedy", "targets"),
+                group.shown(policy, "greedy", "strays"),
+                group.shown(policy, "greedy", "order_errors") if group.behaviour.ordered else "",
+                group.shown(policy, "greedy", "is_hit", ".0%"),
+                group.shown(policy, "sampled", "targets"),
             ]
             if policy == "imitator":
-                head = f"| {group.behaviour.name} | {group.steps:,} | {seeds}"
+                head = f"| {group.behaviour.name} | {group.steps:,} | {group.seeds}"
                 tail = [
-                    _lowest(group, "tau", ".2f"),
-                    _lowest(group, "held_out_accuracy", ".1%"),
-                    "to ".join(
-                        dict.fromkeys(
-                            f"{edge([e.minutes for e in group.entries]):.0f} "
-                            for edge in (min, max)
-                        )
-                    ),
+                    group.lowest("tau", ".2f"),
+                    group.lowest("held_out_accuracy", ".1%"),
+                    " to ".join(dict.fromkeys(f"{edge(minutes):.0f}" for edge in (min, max))),
                 ]
             else:
                 head, tail = "| | |", ["", "", ""]
@@ -222,7 +181,7 @@ def _means(groups: Sequence[_Group]) -> list[str]:
     return lines
 
 
-def _hits(groups: Sequence[_Group]) -> list[str]:
+def _hits(groups: Sequence[ResultGroup]) -> list[str]:
     lines = _hits_head("behaviour | steps | seed", "---|---:|---:")
     for group in groups:
         for entry in group.entries:
@@ -250,7 +209,7 @@ def _hits_row(by_start: Mapping[int, Entry | None]) -> str:
     return f"{' | '.join(cells)} | {' / '.join(winners)} |"
 
 
-def _rewards(groups: Sequence[_Group]) -> list[str]:
+def _rewards(groups: Sequence[ResultGroup]) -> list[str]:
     """The predicted return of each rank, as the published work's appendix tables it."""
     ranks = sorted({one.rank for g in groups for one in g.entries[0].demonstrations})
     lines = [
@@ -271,7 +230,7 @@ def _rewards(groups: Sequence[_Group]) -> list[str]:
     return lines
 
 
-def _aliens(groups: Sequence[_Group]) -> bytes:
+def _aliens(groups: Sequence[ResultGroup]) -> bytes:
     columns = [(policy, start) for policy in POLICIES for start in STARTS]
     rows = []
     for group in groups:
@@ -282,7 +241,7 @@ def _aliens(groups: Sequence[_Group]) -> bytes:
     return aliens_table(rows, [(policy, f"{policy}, start {start}") for policy, start in columns])
 
 
-def _returns(groups: Sequence[_Group]) -> bytes:
+def _returns(groups: Sequence[ResultGroup]) -> bytes:
     panels = []
     for group in groups:
         entry = group.entries[0]
@@ -307,14 +266,3 @@ def _game(game: LedgerGame | None) -> str:
 def _counted(behaviour: Behaviour, hits: tuple[tuple[int, int], ...]) -> str:
     found = score(behaviour, hits)
     return f"{len(hits)}" if found is None else f"{found.targets} + {found.strays}"
-
-
-def _interval(value: Interval | None, form: str = ".2f") -> str:
-    if value is None:
-        return ""
-    return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"
-
-
-def _lowest(group: _Group, name: str, form: str) -> str:
-    values = [v for entry in group.entries if (v := entry.check.get(name)) is not None]
-    return f"{min(values):{form}}" if values else ""

@@ -128,11 +128,25 @@ def test_unknown_demonstrations_name_those_there_are() -> None:
 
 
 @pytest.mark.parametrize(
-    ("example", "kind", "usable"),
-    [(True, "scripted", True), (True, "human", False), (False, "scripted", False)],
+    ("example", "status", "usable"),
+    [
+        (True, RunStatus.DONE, True),
+        (True, RunStatus.QUEUED, True),
+        (True, RunStatus.FAILED, False),
+        (False, RunStatus.DONE, False),
+    ],
 )
-def test_results_are_made_from_ordinary_examples_only(
-    example: bool, kind: str, usable: bool
+def test_results_are_made_from_examples_that_are_not_lost(
+    example: bool, status: RunStatus, usable: bool
 ) -> None:
-    row = RunRow(example=example, example_kind=kind, status=RunStatus.DONE)
+    row = RunRow(example=example, status=status)
     assert _is_usable(row) is usable
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path: Path) -> None:
+    for change in (["--recipe", "paper"], ["--set", "policy.epochs=9"]):
+        output = _run("reproduce", "--ablation", *change, "-o", str(tmp_path), status=1)
+        assert "known of the recipe fast alone" in output
+    output = _run("reproduce", "--demonstrations", "seven", "-o", str(tmp_path), status=1)
+    assert "there are scripted, human, six" in output

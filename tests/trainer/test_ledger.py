@@ -17,7 +17,7 @@ from trainer.ledger import (
 )
 from trainer.reproduction import cell_folder, write_page
 from tril.errors import Invalid
-from tril.recipes import FAST, PAPER, judged_where_trained, with_values
+from tril.recipes import ABLATIONS, FAST, PAPER, judged_where_trained, with_values
 from tril.summary import GameFigures
 
 
@@ -130,3 +130,46 @@ def test_the_page_shows_all_steps_of_a_behaviour_and_pictures_of_the_most(tmp_pa
     places = [page.index(f"| {head} | 0 | imitator") for head in heads]
     assert places == sorted(places)
     assert "| rank | Column 2 | Column 6 |" in page
+
+
+def test_other_demonstrations_stand_beside_the_ordinary_ones(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    ordinary = entry("row-1")
+    for kind in ("no-wrong", "human", "six"):
+        cell = Cell.of("row-1", FAST, 1000, 0, kind)
+        ledger.add(replace(ordinary, cell=cell, games=(game("imitator", 1, 4, 1),)))
+    assert "| `scripted` |" not in write_page(tmp_path, "tril reproduce").read_text()
+    ledger.add(ordinary)
+    ledger.add(entry("row-1", steps=2000))
+    assert Ledger(tmp_path).entries == ledger.entries
+    head, others = (
+        write_page(tmp_path, "tril reproduce").read_text().split("## Other demonstrations")
+    )
+    assert head.count("| Row 1 | 1,000 | 0 | imitator | 3.50 [") == 1
+    assert "4.00 [4.00, 4.00]" not in head
+    rows = [line for line in others.splitlines() if line.startswith("| Row 1 |")]
+    assert [row.split(" | ")[3] for row in rows] == [
+        "`scripted`",
+        "`human`",
+        "`six`",
+        "`no-wrong`",
+    ]
+    assert "| 4.00 [4.00, 4.00] | 1.00 [1.00, 1.00] | 0% [0%, 0%] |" in rows[1]
+    folders = {cell_folder(one) for one in ledger.entries}
+    assert len(folders) == len(ledger.entries)
+
+
+def test_what_a_factor_is_worth_stands_beside_the_whole_recipe(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    for one in ABLATIONS:
+        cell = Cell.of("column-2", one.recipe, 1000, 0)
+        ledger.add(replace(entry(), cell=cell, games=(game("imitator", 1, 1, 0),)))
+    ledger.add(entry())
+    ledger.add(entry("column-5"))
+    head, without = write_page(tmp_path, "tril reproduce").read_text().split("without its parts")
+    assert head.count("| Column 2 | 1,000 | 0 | imitator | 3.50 [") == 1
+    rows = [line for line in without.splitlines() if line.startswith("| Column ")]
+    assert [row.split(" | ")[2] for row in rows] == [
+        "(the whole recipe)",
+        *(one.name for one in ABLATIONS),
+    ]

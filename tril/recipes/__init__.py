@@ -1,5 +1,6 @@
 """The learning recipes, as data. A run stores the whole recipe it was made with."""
 
+from tril.recipes.ablations import ABLATIONS, Ablation
 from tril.recipes.changed import judged_where_trained, with_values
 from tril.recipes.ready_made import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
 from tril.recipes.stored import recipe_from_dict
@@ -16,12 +17,14 @@ from tril.recipes.values import (
 )
 
 __all__ = [
+    "ABLATIONS",
     "DAGGER",
     "FAST",
     "GAIL",
     "MOST_DAGGER_STEPS",
     "PAPER",
     "RECIPES",
+    "Ablation",
     "CloningRecipe",
     "DaggerRecipe",
     "EvaluationRecipe",

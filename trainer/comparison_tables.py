@@ -1,0 +1,145 @@
+"""What other demonstrations and a recipe without its parts come to, beside the ordinary result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from trainer.ledger import Entry, recipe_digest
+from trainer.result_groups import ResultGroup, group_results
+from tril.demonstrator import KINDS, SCRIPTED
+from tril.recipes import ABLATIONS, FAST
+
+WITHOUT = {recipe_digest(one.recipe): one for one in ABLATIONS}
+
+
+def is_ablation(entry: Entry) -> bool:
+    """Tell whether a result is of the fast recipe without one of its factors."""
+    return entry.cell.recipe == FAST.name and entry.cell.digest in WITHOUT
+
+
+def kinds_lines(entries: Sequence[Entry]) -> list[str]:
+    """Return the section on other kinds of demonstrations, as lines of Markdown.
+
+    Args:
+        entries: Results of ready-made recipes. Each other kind stands beside the ordinary
+            demonstrations of the same recipe and steps; without any other kind there is no section.
+    """
+    others = {
+        (entry.cell.behaviour, entry.cell.recipe, entry.cell.digest, entry.cell.steps)
+        for entry in entries
+        if entry.cell.demonstrations != SCRIPTED.name
+    }
+    if not others:
+        return []
+    order = [kind.name for kind in KINDS]
+    compared = [
+        entry
+        for entry in entries
+        if (entry.cell.behaviour, entry.cell.recipe, entry.cell.digest, entry.cell.steps) in others
+    ]
+    groups = sorted(
+        group_results(compared),
+        key=lambda group: (_place(group), order.index(group.entries[0].cell.demonstrations)),
+    )
+    return [
+        "## Other demonstrations",
+        "",
+        "The same learning from other demonstrations; always with twelve perfect games beside the"
+        " ranked ones, played in the same manner. Greedy games from all held-out evaluation starts,"
+        " sampled where it says so; tau and left-out pairs are of the ranking as it was given,"
+        " mistakes included.",
+        "",
+        *(f"- `{kind.name}`: {kind.summary}." for kind in KINDS),
+        "",
+        "| behaviour | recipe | steps | demonstrations | seeds | targets | strays | lost"
+        " | targets, sampled | clone's targets | clone lost | tau | left-out pairs |",
+        "|---|---|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+        *(
+            _row(
+                group.behaviour.name,
+                group.entries[0].cell.recipe,
+                f"{group.steps:,}",
+                f"`{group.entries[0].cell.demonstrations}`",
+                group.seeds,
+                *_imitator(group),
+                group.shown("clone", "greedy", "targets"),
+                group.shown("clone", "greedy", "is_hit", ".0%"),
+                *_check(group),
+            )
+            for group in groups
+        ),
+        "",
+    ]
+
+
+def ablation_lines(entries: Sequence[Entry]) -> list[str]:
+    """Return the section on the recipe without its factors, as lines of Markdown.
+
+    Args:
+        entries: Results of the ordinary demonstrations, the whole recipe's among them. Without any
+            of a recipe that lacks a factor there is no section.
+    """
+    compared = {(entry.cell.behaviour, entry.cell.steps) for entry in entries if is_ablation(entry)}
+    if not compared:
+        return []
+    whole = recipe_digest(FAST)
+    order = [whole, *WITHOUT]
+    groups = sorted(
+        group_results(
+            [
+                entry
+                for entry in entries
+                if (entry.cell.behaviour, entry.cell.steps) in compared
+                and entry.cell.recipe == FAST.name
+                and entry.cell.digest in order
+            ]
+        ),
+        key=lambda group: (_place(group), order.index(group.entries[0].cell.digest)),
+    )
+    lines = [
+        "## The fast recipe without its parts",
+        "",
+        "Each row leaves one factor out of `fast`; all else is the same. Greedy games from all"
+        " held-out evaluation starts, sampled where it says so.",
+        "",
+        *(f"- Without {one.name}: {one.instead}." for one in ABLATIONS),
+        "",
+        "| behaviour | steps | without | seeds | targets | strays | lost | targets, sampled | tau"
+        " | left-out pairs |",
+        "|---|---:|---|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for group in groups:
+        digest = group.entries[0].cell.digest
+        name = "(the whole recipe)" if digest == whole else WITHOUT[digest].name
+        lines.append(
+            _row(
+                group.behaviour.name,
+                f"{group.steps:,}",
+                name,
+                group.seeds,
+                *_imitator(group),
+                *_check(group),
+            )
+        )
+    return [*lines, ""]
+
+
+def _place(group: ResultGroup) -> tuple[str, int]:
+    return group.behaviour.slug, group.steps
+
+
+def _imitator(group: ResultGroup) -> tuple[str, ...]:
+    return (
+        group.shown("imitator", "greedy", "targets"),
+        group.shown("imitator", "greedy", "strays"),
+        group.shown("imitator", "greedy", "is_hit", ".0%"),
+        group.shown("imitator", "sampled", "targets"),
+    )
+
+
+def _check(group: ResultGroup) -> tuple[str, ...]:
+    return group.lowest("tau", ".2f"), group.lowest("held_out_accuracy", ".1%")
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"

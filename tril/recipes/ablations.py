@@ -1,0 +1,70 @@
+"""What the fast recipe has of its own, factor by factor, to be tried without."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tril.recipes.changed import with_values
+from tril.recipes.ready_made import FAST
+from tril.recipes.values import Recipe
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """A factor of the fast recipe, and the recipe without it.
+
+    Attributes:
+        name: What is left out, in words that follow "without".
+        instead: What takes its place.
+        values: What changes, by dotted path as in with_values.
+    """
+
+    name: str
+    instead: str
+    values: Mapping[str, Any]
+
+    @property
+    def recipe(self) -> Recipe:
+        """The fast recipe without the factor."""
+        return with_values(FAST, dict(self.values))
+
+
+ABLATIONS: Sequence[Ablation] = (
+    Ablation(
+        "snippets aligned in time",
+        "the better snippet of a ranked pair starts no earlier (T-REX, section 4)",
+        {"reward.aligned": False, "reward.free_share": 0.0},
+    ),
+    Ablation(
+        "disturbed copies of perfect games",
+        "all snippet pairs are of the ranking",
+        {"reward.disturbed_share": 0.0, "reward.perfect_share": 0.0},
+    ),
+    Ablation(
+        "reward for progress",
+        "sigmoid(R) at each step (thesis, section 5.1), scaled for the critic, no death penalty",
+        {"policy.reward": "sigmoid", "policy.reward_scale": 0.05, "policy.death_penalty": 0.0},
+    ),
+    Ablation(
+        "death penalty",
+        "the end of the game is all that a hit costs",
+        {"policy.death_penalty": 0.0},
+    ),
+    Ablation(
+        "head start by cloning",
+        "PPO starts from chance, with an entropy bonus of 0.01",
+        {
+            "policy.warm_start": False,
+            "policy.start_policy_pull": 0.0,
+            "policy.critic_warm_up_steps": 0,
+            "policy.entropy": 0.01,
+        },
+    ),
+    Ablation(
+        "episodes from states of the best demonstrations",
+        "all episodes start at a training start",
+        {"policy.demonstration_share": 0.0},
+    ),
+)
