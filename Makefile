@@ -34,7 +34,7 @@ frontend: $(PAGE) ## the page, built
 
 test: test-frontend test-unit test-e2e ## every test, in a real browser too
 
-# As many at once as there are cores; whoever is idle takes over what others have left to do.
+# One more at once than there are cores; whoever is idle takes over what others have left to do.
 test-unit: $(DEV_STAMP) ## every test of the Python part that needs no browser
 	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
 

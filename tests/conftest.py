@@ -24,13 +24,27 @@ BROWSER_TEST_TIMEOUT_S = 600
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what needs a browser, and run it last: its driver keeps an event loop in this thread."""
+    """Mark what needs a browser, and put tests in the order in which all are done soonest.
+
+    What needs a browser is last, since its driver keeps an event loop in this thread. The lengthy
+    are first: begun last, one of them would run on alone while the other processes have no more.
+    """
     for item in items:
         if BROWSER_TESTS in item.path.parents:
             item.add_marker("e2e")
             if item.get_closest_marker("timeout") is None:
                 item.add_marker(pytest.mark.timeout(BROWSER_TEST_TIMEOUT_S))
-    items.sort(key=lambda item: item.get_closest_marker("e2e") is not None)
+    items.sort(
+        key=lambda item: (
+            item.get_closest_marker("e2e") is not None,
+            item.get_closest_marker("lengthy") is None,
+        )
+    )
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """Say how many processes run tests: one more than cores, as tests wait half of their time."""
+    return (os.cpu_count() or 1) + 1
 
 
 @pytest.fixture

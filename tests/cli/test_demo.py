@@ -45,6 +45,7 @@ def _tril(*arguments: str) -> str:
     return done.stdout
 
 
+@pytest.mark.lengthy
 @pytest.mark.timeout(300)
 def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> None:
     results = tmp_path / "results"

@@ -16,7 +16,7 @@ from tril.recipes import Recipe, with_values
 from tril.store import artifacts, evaluations
 from tril.store.models import RunStatus
 
-STEPS = 640
+STEPS = 400
 
 RECIPES: dict[str, Recipe] = {
     "dagger": with_values(
@@ -38,6 +38,7 @@ OWN_CURVES = {
 }
 
 
+@pytest.mark.lengthy
 @pytest.mark.parametrize("method", RECIPES)
 def test_a_run_is_finished_and_whole_whether_it_was_killed_while_it_trained_or_not(
     workplace: Workplace, jobs: Jobs, zygote: Zygote, method: str

@@ -58,6 +58,7 @@ def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     assert row.outcome["headline"]["imitator"] is None
 
 
+@pytest.mark.lengthy
 def test_a_run_goes_through_all_stages_and_leaves_its_results(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:

@@ -22,6 +22,7 @@ LONGEST_LIFE_S = 4.0
 """Keeps the test short on a machine that has other work; it then kills in fewer stages."""
 
 
+@pytest.mark.lengthy
 @pytest.mark.timeout(400)
 def test_20_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
