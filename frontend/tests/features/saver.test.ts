@@ -67,18 +67,18 @@ describe("saving an order as it is changed", () => {
     expect(saver.snapshot()).toMatchObject({ saving: false, saved: { revision: 2 } });
   });
 
-  it("saves what is done meanwhile afterwards, the newest only", async () => {
+  it("saves each thing that is done meanwhile afterwards, so that each can be undone", async () => {
     const { server, saver } = begin();
     saver.change([[2], [1]]);
     saver.change([[1, 2]]);
     saver.change([[2]]);
-    await server.letOut();
-    await server.letOut();
+    for (let n = 0; n < 3; n += 1) await server.letOut();
     expect(server.asked).toEqual([
       { base: 1, tiers: [[2], [1]] },
-      { base: 2, tiers: [[2]] },
+      { base: 2, tiers: [[1, 2]] },
+      { base: 3, tiers: [[2]] },
     ]);
-    expect(saver.snapshot()).toMatchObject({ tiers: [[2]], saving: false, saved: { revision: 3 } });
+    expect(saver.snapshot()).toMatchObject({ tiers: [[2]], saving: false, saved: { revision: 4 } });
   });
 
   it("sends nothing for an order that is the same", () => {
@@ -97,6 +97,19 @@ describe("saving an order as it is changed", () => {
     saver.retry();
     await server.letOut();
     expect(saver.snapshot()).toMatchObject({ error: null, saved: { tiers: [[2], [1]] } });
+  });
+
+  it("sends what is shown after a refusal, not what was refused before it", async () => {
+    const { server, saver } = begin();
+    server.failure = new Error("Recording 1 was deleted.");
+    saver.change([[2], [1]]);
+    saver.change([[2]]);
+    await server.letOut();
+    server.failure = null;
+    saver.retry();
+    await server.letOut();
+    expect(server.asked.map(({ tiers }) => tiers)).toEqual([[[2], [1]], [[2]]]);
+    expect(saver.snapshot()).toMatchObject({ error: null, saved: { revision: 2 } });
   });
 });
 

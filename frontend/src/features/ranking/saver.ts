@@ -1,6 +1,7 @@
 /**
  * Saves an order as it is changed: shown at once, sent one after the other, each on the revision
- * that it was made from. Knows neither React nor HTTP.
+ * that it was made from. However slow saving is, each change becomes a revision of its own, so that
+ * undo takes back one change at a time. Knows neither React nor HTTP.
  */
 import { sameOrder, type Tiers } from "./order";
 
@@ -34,8 +35,8 @@ export class RankingSaver {
   private state: SaverState;
   private readonly doors: SaverDoors;
   private readonly listeners = new Set<() => void>();
-  /** An order that is not saved yet. */
-  private wanted: Tiers | null = null;
+  /** The orders that are not saved yet, the newest last. */
+  private wanted: Tiers[] = [];
   private work: Promise<void> | null = null;
 
   constructor(saved: Revision, doors: SaverDoors) {
@@ -53,7 +54,7 @@ export class RankingSaver {
   /** Shows an order and saves it. Until a conflict is settled, nothing is changed. */
   change(tiers: Tiers): void {
     if (this.state.conflict || sameOrder(tiers, this.state.tiers)) return;
-    this.wanted = tiers;
+    this.wanted.push(tiers);
     this.update({ tiers, error: null });
     this.run();
   }
@@ -67,17 +68,17 @@ export class RankingSaver {
   /** Takes the last change back or makes it again, after all that is still to be saved. */
   async step(step: "undo" | "redo"): Promise<void> {
     while (this.work) await this.work;
-    if (this.state.conflict || this.wanted) return;
+    if (this.state.conflict || this.wanted.length > 0) return;
     this.work = this.saveStep(step).finally(() => {
       this.work = null;
-      if (this.wanted) this.run();
+      if (this.wanted.length > 0) this.run();
     });
     await this.work;
   }
 
   /** The server's ranking was read again: shown unless something is still to be saved. */
   receive(saved: Revision): void {
-    if (this.wanted || this.work || this.state.conflict) return;
+    if (this.wanted.length > 0 || this.work || this.state.conflict) return;
     if (saved.revision < this.state.saved.revision) return;
     this.update({ saved, tiers: saved.tiers });
   }
@@ -87,10 +88,10 @@ export class RankingSaver {
     const { conflict, tiers } = this.state;
     if (!conflict) return;
     if (whose === "theirs") {
-      this.wanted = null;
+      this.wanted = [];
       this.update({ saved: conflict, tiers: conflict.tiers, conflict: null });
     } else {
-      this.wanted = tiers;
+      this.wanted = [tiers];
       this.update({ saved: conflict, conflict: null });
       this.run();
     }
@@ -105,11 +106,10 @@ export class RankingSaver {
 
   private async saveAll(): Promise<void> {
     this.update({ saving: true });
-    while (this.wanted) {
-      const sent: Tiers = this.wanted;
+    for (let sent = this.wanted[0]; sent; sent = this.wanted[0]) {
       try {
         const saved = await this.doors.save(this.state.saved.revision, sent);
-        if (this.wanted === sent) this.wanted = null;
+        this.wanted.shift();
         this.update({ saved });
       } catch (error) {
         this.refused(error);
@@ -123,12 +123,12 @@ export class RankingSaver {
     this.update({ saving: true, error: null });
     try {
       const saved = await this.doors.step(this.state.saved.revision, step);
-      if (this.wanted) this.update({ saved });
+      if (this.wanted.length > 0) this.update({ saved });
       else this.update({ saved, tiers: saved.tiers });
     } catch (error) {
       const conflict = this.doors.conflictOf(error);
       // There is nothing of one's own to lose: what stands is shown.
-      if (conflict && !this.wanted) this.update({ saved: conflict, tiers: conflict.tiers });
+      if (conflict && this.wanted.length === 0) this.update({ saved: conflict, tiers: conflict.tiers });
       else this.refused(error);
     }
     this.update({ saving: false });
@@ -137,9 +137,11 @@ export class RankingSaver {
   private refused(error: unknown): void {
     const conflict = this.doors.conflictOf(error);
     if (!conflict) {
+      // What was refused may never be taken; what is shown has to be.
+      this.wanted = this.wanted.slice(-1);
       this.update({ error });
     } else if (sameOrder(conflict.tiers, this.state.tiers)) {
-      this.wanted = null;
+      this.wanted = [];
       this.update({ saved: conflict });
     } else {
       this.update({ conflict });
