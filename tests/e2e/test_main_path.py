@@ -102,7 +102,7 @@ def _rank(page: Page) -> None:
     tray = page.get_by_role("region", name=re.compile("Unranked"))
     expect(tray.get_by_role("article")).to_have_count(4)
 
-    _drag_into(page, _handle(tray, 2), page.get_by_text("Drag recordings here"))
+    _drag_into(page, _handle(tray, 2), page.get_by_text("Drag recordings here"), "the first tier")
     expect(tiers.get_by_role("article")).to_have_count(1)
     expect(page.get_by_text("Recording 2: the first tier")).to_be_attached()
     expect(page.get_by_role("status").get_by_text("Saved")).to_be_visible()
@@ -136,7 +136,7 @@ def _handle(where: Locator, number: int) -> Locator:
     return where.get_by_role("button", name=f"Move Recording {number}", exact=True)
 
 
-def _drag_into(page: Page, handle: Locator, target: Locator) -> None:
+def _drag_into(page: Page, handle: Locator, target: Locator, announced: str) -> None:
     handle.scroll_into_view_if_needed()
     start, end = handle.bounding_box(), target.bounding_box()
     assert start is not None
@@ -145,6 +145,8 @@ def _drag_into(page: Page, handle: Locator, target: Locator) -> None:
     page.mouse.down()
     page.mouse.move(start["x"] - 20, start["y"] - 20, steps=4)
     page.mouse.move(end["x"] + end["width"] / 2, end["y"] + end["height"] / 2, steps=12)
+    # Whoever drags sees the place light up before they let go.
+    expect(page.get_by_text(f"Over {announced}")).to_be_attached()
     page.mouse.up()
 
 
