@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from tests.workplace import TINY, Workplace
@@ -66,18 +68,24 @@ def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
     assert forecast.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
 
 
-def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(workplace: Workplace) -> None:
+@pytest.mark.parametrize("recipe", [TINY, replace(FAST, name="tiny")], ids=["tiny", "fast"])
+def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(
+    workplace: Workplace, recipe: Recipe
+) -> None:
     with workplace.database.reading() as session:
-        assert not estimate(session, TINY).measured
-    run_id = workplace.make_run(steps=1_000)
+        guessed = estimate(session, recipe)
+    assert not guessed.measured
+    # However few its steps were: what judging policies takes is not mistaken for training.
+    steps = 1_000
+    run_id = workplace.make_run(recipe, steps)
     with workplace.database.writing() as session:
         claim = claims.claim(session, run_id, "worker-0", {})
         assert claim is not None
-        for stage in STAGES[1:]:
-            claims.finish_stage(session, claim, stage, 4.0 if stage == "imitator" else 1.0)
+        for stage, seconds in expected_seconds(recipe, steps).items():
+            claims.finish_stage(session, claim, stage, 2 * seconds)
         claims.end(session, claim, RunStatus.DONE)
     with workplace.database.reading() as session:
-        measured = estimate(session, TINY)
+        measured = estimate(session, recipe)
     assert measured.measured
-    assert measured.steps_per_s == pytest.approx(250.0)
-    assert measured.overhead_s == pytest.approx(6.0)
+    assert measured.steps_per_s == pytest.approx(guessed.steps_per_s / 2)
+    assert measured.overhead_s == pytest.approx(guessed.overhead_s * 2)

@@ -21,10 +21,10 @@ class Estimate:
     """What a recipe costs on this machine.
 
     Attributes:
-        steps_per_s: PPO steps per second.
+        steps_per_s: Steps of the imitator's training per second, judging its snapshots included.
         measured: Whether a finished run of the recipe was measured here; otherwise the rates of
             two 2.5 GHz cores are assumed.
-        overhead_s: Seconds of everything but PPO.
+        overhead_s: Seconds of everything that takes as long however many steps there are.
     """
 
     steps_per_s: float
@@ -35,13 +35,15 @@ class Estimate:
 def estimate(session: Session, recipe: Recipe) -> Estimate:
     """Return what a recipe costs here, by its newest finished run if there is one."""
     last = runs.latest_done(session, recipe.name)
-    steps = recipe.default_steps if last is None else last.steps
-    seconds = expected_seconds(recipe, steps)
-    if last is not None:
-        seconds = _measured(recipe, steps, last)
-    del seconds["demonstrations"]
-    imitator_s = seconds.pop("imitator")
-    return Estimate(steps / max(imitator_s, 1e-3), last is not None, sum(seconds.values()))
+    steps = recipe.default_steps
+    seconds, at_once = (
+        expected_seconds(recipe, n) if last is None else _measured(recipe, n, last)
+        for n in (steps, 0)
+    )
+    # Judging the policy and all that comes before its first step takes as long for a short training.
+    training_s = seconds["imitator"] - at_once["imitator"]
+    overhead_s = sum(s for stage, s in at_once.items() if stage != "demonstrations")
+    return Estimate(steps / training_s, last is not None, overhead_s)
 
 
 def _measured(recipe: Recipe, steps: int, last: RunRow) -> dict[str, float]:

@@ -31,7 +31,7 @@ REWARD_OBSERVATIONS_PER_S = 4_500.0
 REWARD_UPDATE_S = 0.003
 """What an update of the reward model costs beside its observations."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
-IMITATOR_STEPS_PER_S = {"nature": 250.0, "small": 480.0}
+IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
 DAGGER_LABELS_PER_S = 100.0
 DAGGER_EPOCHS_SHARE = 0.4
 """Of the passes that early stopping leaves."""
@@ -67,16 +67,17 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
 
 def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     """Return what the imitator's training takes."""
+    judging_s = recipe.policy.snapshot_episodes * MEAN_STEPS / EVALUATION_STEPS_PER_S
     if recipe.method != "dagger":
-        return steps / IMITATOR_STEPS_PER_S[recipe.policy.network]
+        snapshots = 1 + sum(due <= steps for due in recipe.policy.snapshot_steps)
+        return snapshots * judging_s + steps / IMITATOR_STEPS_PER_S[recipe.policy.network]
     iterations = max(1.0, steps / recipe.dagger.steps_per_iteration)
     # Every iteration learns all that was collected until then.
     learned = recipe.cloning.epochs * steps * (iterations + 1) / 2
-    judged = iterations * recipe.policy.snapshot_episodes * MEAN_STEPS
     return (
         steps / DAGGER_LABELS_PER_S
         + DAGGER_EPOCHS_SHARE * learned / CLONING_OBSERVATIONS_PER_S[recipe.policy.network]
-        + judged / EVALUATION_STEPS_PER_S
+        + iterations * judging_s
     )
 
 
