@@ -40,7 +40,7 @@ def estimate(session: Session, recipe: Recipe) -> Estimate:
         expected_seconds(recipe, n) if last is None else _measured(recipe, n, last)
         for n in (steps, 0)
     )
-    # Judging the policy and all that comes before its first step takes as long for a short training.
+    # Before the first step and for judging the policy, a short training takes as long.
     training_s = seconds["imitator"] - at_once["imitator"]
     overhead_s = sum(s for stage, s in at_once.items() if stage != "demonstrations")
     return Estimate(steps / training_s, last is not None, overhead_s)
