@@ -13,6 +13,7 @@ from torch.nn import functional as F
 
 from trainer.policy.networks import ACTING_BATCH, ScreenPolicy, new_policy, save_policy
 from trainer.progress import Progress
+from trainer.screens import channels_last_screens, take_screens
 from tril.errors import Invalid
 from tril.game.space_invaders import Action
 from tril.recipes import CloningRecipe
@@ -39,7 +40,7 @@ class Examples:
     """Observations and what was done in them.
 
     Attributes:
-        observations: uint8 (N, 4, 84, 84).
+        observations: uint8 (N, 4, 84, 84), in channels-last order.
         actions: int64 (N,).
     """
 
@@ -51,7 +52,7 @@ class Examples:
         """Collect the steps of trajectories; the last observation has no action."""
         observations = np.concatenate([t.observations[:-1] for t in trajectories])
         actions = np.concatenate([t.actions for t in trajectories])
-        return cls(torch.from_numpy(observations), torch.from_numpy(actions))
+        return cls(channels_last_screens(observations), torch.from_numpy(actions))
 
     def weights(self) -> Tensor:
         """Return the weight of each action, float32 (6,), mean 1 over the examples.
@@ -153,7 +154,7 @@ def _learn_once(
     for begin in range(0, len(order), recipe.batch_size):
         chosen = order[begin : begin + recipe.batch_size]
         actions = examples.actions[chosen]
-        logits, _ = policy.logits_and_values(examples.observations[chosen])
+        logits, _ = policy.logits_and_values(take_screens(examples.observations, chosen))
         loss = F.cross_entropy(logits, actions, weights)
         policy.optimizer.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]

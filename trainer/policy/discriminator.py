@@ -23,6 +23,7 @@ from torch.nn import functional as F
 from trainer.optimizers import optimizer_tensors, restore_optimizer
 from trainer.reward.model import RewardModel, RewardNetwork
 from trainer.reward.training import new_network
+from trainer.screens import take_screens
 from tril.recipes import GailRecipe
 
 _WEIGHTS, _BATCHES = range(2)
@@ -114,4 +115,4 @@ class Discriminator:
 
 def _drawn(observations: Tensor, count: int, rng: np.random.Generator) -> Tensor:
     """Draw some observations, each as likely as the others."""
-    return observations[torch.from_numpy(rng.integers(len(observations), size=count))]
+    return take_screens(observations, torch.from_numpy(rng.integers(len(observations), size=count)))

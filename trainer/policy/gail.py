@@ -10,6 +10,7 @@ import torch
 from trainer.policy.discriminator import Discriminator
 from trainer.policy.imitator import ImitationTask, ImitatorResult, train_imitator
 from trainer.progress import Progress
+from trainer.screens import channels_last_screens
 from tril.errors import Invalid
 from tril.game.console import Console
 from tril.recording import trajectory
@@ -48,10 +49,13 @@ def train_by_gail(
 
 
 def _demonstrated(task: ImitationTask) -> torch.Tensor:
-    """Return the observations in which the demonstrations acted, uint8 (N, 4, 84, 84)."""
+    """Return the observations in which the demonstrations acted, uint8 (N, 4, 84, 84).
+
+    They are in channels-last order.
+    """
     console = Console()
     shown = [trajectory(recording, console) for recording in task.perfect if recording.actions]
     if not shown:
         raise Invalid("GAIL needs at least one perfect demonstration to learn from.")
     # The last state is left out: the policy's rollouts have none in which a game was over either.
-    return torch.from_numpy(np.concatenate([one.observations[:-1] for one in shown]))
+    return channels_last_screens(np.concatenate([one.observations[:-1] for one in shown]))

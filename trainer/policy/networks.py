@@ -26,6 +26,7 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
+from trainer.screens import channels_last_screens, check_observations
 from tril.artifacts import write_whole
 from tril.errors import Invalid
 from tril.game.observation import OBSERVATION_SHAPE
@@ -146,16 +147,12 @@ class Policy:
         Raises:
             ValueError: The observations have another shape or dtype.
         """
-        if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
-            raise ValueError(
-                f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
-                f" {observations.dtype} {observations.shape}."
-            )
+        check_observations(observations)
         result = np.empty((len(observations), len(Action)), np.float32)
         with torch.inference_mode():
             for begin in range(0, len(observations), ACTING_BATCH):
                 part = slice(begin, begin + ACTING_BATCH)
-                batch = torch.from_numpy(np.ascontiguousarray(observations[part]))
+                batch = channels_last_screens(observations[part])
                 logits, _ = self._network.logits_and_values(batch)
                 result[part] = logits.softmax(1).numpy()
         return result

@@ -26,6 +26,7 @@ from trainer.chance import drawn_from
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollouts import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
+from trainer.screens import channels_last_screens
 from tril.recipes import PolicyRecipe
 
 _PULL_BATCH = 256
@@ -166,7 +167,7 @@ class ImitationPPO(PPO):
         cut = [i for i in np.flatnonzero(ended).tolist() if infos[i]["TimeLimit.truncated"]]
         if not cut:
             return
-        last = torch.from_numpy(np.stack([infos[i]["terminal_observation"] for i in cut]))
+        last = channels_last_screens(np.stack([infos[i]["terminal_observation"] for i in cut]))
         with torch.inference_mode():
             _, values = self.policy.logits_and_values(last)
         rewards[cut] += self.gamma * values.numpy()

@@ -12,6 +12,8 @@ from gymnasium import spaces
 from stable_baselines3.common.buffers import RolloutBuffer
 from torch import Tensor
 
+from trainer.screens import take_screens
+
 
 class Minibatch(NamedTuple):
     """A part of a rollout, drawn at random; see stable-baselines3's RolloutBufferSamples.
@@ -111,7 +113,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
         """Yield all of the rollout once, in an order drawn from ``rng``."""
         if not self.full:
             raise RuntimeError("The rollout is not complete yet.")
-        screens = self._screens.flatten(0, 1)
+        screens = self.screens
         actions = torch.from_numpy(self.actions.reshape(-1))
         log_probs = torch.from_numpy(self.log_probs.reshape(-1))
         advantages = torch.from_numpy(self.advantages.reshape(-1))
@@ -120,7 +122,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
         for begin in range(0, len(order), batch_size):
             indices = order[begin : begin + batch_size]
             yield Minibatch(
-                screens.index_select(0, indices).permute(0, 3, 1, 2),
+                take_screens(screens, indices),
                 actions[indices],
                 log_probs[indices],
                 advantages[indices],

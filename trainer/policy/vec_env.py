@@ -12,7 +12,9 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.rewards import DEATHS, Payment, Rewards
+from trainer.screens import channels_last_screens
 from tril.game.episode import EndReason
+from tril.game.observation import SIZE, STACK
 from tril.game.vector import FinishedGame, VectorGame, VectorSnapshot
 
 
@@ -54,6 +56,9 @@ class TrilVecEnv(VecEnv):
     "TimeLimit.truncated" (true after 300 steps), "episode" as of stable-baselines3's Monitor, and
     "finished", a FinishedEpisode.
 
+    The observations of a step are in channels-last order, once for all networks that read them;
+    those of the last two steps are kept, older ones are written over.
+
     Args:
         games: The games; closed with this.
         payment: What the policy is paid.
@@ -66,6 +71,8 @@ class TrilVecEnv(VecEnv):
         self._returns = np.zeros(games.n_games, np.float64)
         self._paid = np.zeros(games.n_games, np.float64)
         self._steps = np.zeros(games.n_games, np.int64)
+        self._screens = np.empty((2, games.n_games, SIZE, SIZE, STACK), np.uint8)
+        self._half = 0
         super().__init__(games.n_games, OBSERVATION_SPACE, ACTION_SPACE)
 
     def reset(self) -> VecEnvObs:
@@ -80,12 +87,14 @@ class TrilVecEnv(VecEnv):
         self.games.step_async(actions)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Finish the step; see VecEnv. The observations are a view, see VectorStep."""
+        """Finish the step; see VecEnv."""
         step = self.games.step_wait()
+        self._half = 1 - self._half
+        observations = channels_last_screens(step.observations, self._screens[self._half]).numpy()
         ended = np.flatnonzero(step.ended)
-        reached_states = step.observations
+        reached_states = observations
         if len(ended):
-            reached_states = step.observations.copy()
+            reached_states = observations.copy(order="K")
             reached_states[ended] = step.terminal_observations[ended]
         reached = self.payment.model.score(reached_states)
         died = np.array([reason in DEATHS for reason in step.reasons])
@@ -100,7 +109,7 @@ class TrilVecEnv(VecEnv):
             self._before = reached
             if len(ended):
                 self._before[ended] = self.payment.model.score(step.observations[ended])
-        return step.observations, rewards, step.ended, infos
+        return observations, rewards, step.ended, infos
 
     def _finish(self, one: FinishedGame, last_observation: npt.NDArray[np.uint8]) -> dict[str, Any]:
         index = one.game

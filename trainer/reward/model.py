@@ -16,9 +16,9 @@ from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from trainer.screens import channels_last_screens, check_observations
 from tril.artifacts import write_whole
 from tril.errors import Invalid
-from tril.game.observation import OBSERVATION_SHAPE
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
@@ -119,16 +119,12 @@ class RewardModel:
         Raises:
             ValueError: The observations have another shape or dtype.
         """
-        if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
-            raise ValueError(
-                f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
-                f" {observations.dtype} {observations.shape}."
-            )
+        check_observations(observations)
         result = np.empty(len(observations), np.float32)
         with torch.inference_mode():
             for begin in range(0, len(observations), SCORING_BATCH):
                 part = slice(begin, begin + SCORING_BATCH)
-                batch = torch.from_numpy(np.ascontiguousarray(observations[part]))
+                batch = channels_last_screens(observations[part])
                 inputs = batch.to(torch.float32, memory_format=torch.channels_last)
                 outputs = [member.after_first(member.first(inputs)) for member in self.members]
                 result[part] = self.combine(outputs).numpy()

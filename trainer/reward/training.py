@@ -28,6 +28,7 @@ from trainer.progress import Progress, Section
 from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
 from trainer.reward.snippets import SnippetRule, draw_snippets
+from trainer.screens import Observations, channels_last_screens
 from tril.artifacts import write_whole
 from tril.errors import Invalid
 from tril.recipes import RewardRecipe
@@ -211,7 +212,7 @@ class _PaperLogits:
         count = len(self._drawn)
         chosen = [int(self._order(place // count)[place % count]) for place in places]
         snippets = [self._observations(index) for index in chosen]
-        values = self._network(torch.from_numpy(np.concatenate(snippets)))
+        values = self._network(channels_last_screens(np.concatenate(snippets)))
         halves = [half for pair in snippets for half in [len(pair) // 2] * 2]
         sums = torch.stack([part.sum() for part in values.split_with_sizes(halves)])
         return sums[0::2] - sums[1::2]
@@ -253,7 +254,7 @@ class _FastLogits:
         self._comparisons = comparisons
         self._recipe = comparisons.recipe
         self._seed = seed
-        self._observations = [torch.from_numpy(game.observations) for game in comparisons.games]
+        self._observations = [game.observations for game in comparisons.games]
         self._first_steps = [game.first_step for game in comparisons.games]
 
     def __call__(self, update: int) -> Tensor:
@@ -277,7 +278,7 @@ class _FastLogits:
             logits.append(better - _sums(table, drawn.worse, drawn.worse_start, drawn.length))
         return torch.cat(logits)
 
-    def _take(self, index: int, offset: int) -> tuple[Tensor, int]:
+    def _take(self, index: int, offset: int) -> tuple[Observations, int]:
         """Return a game's observations at the steps offset + k * stride, and the first such k."""
         stride, observations = self._recipe.observation_stride, self._observations[index]
         first = max(0, -(-(self._first_steps[index] - offset) // stride))
@@ -285,9 +286,9 @@ class _FastLogits:
         # A game that ends before counts with its last observation.
         return observations[min(begin, len(observations) - 1) :: stride], first
 
-    def _prefix_sums(self, taken: Sequence[Tensor], first: Sequence[int]) -> Tensor:
+    def _prefix_sums(self, taken: Sequence[Observations], first: Sequence[int]) -> Tensor:
         """Return the sums of R over each game's first k taken steps, float32 (games, most + 1)."""
-        inputs = torch.cat(list(taken))
+        inputs = torch.cat([channels_last_screens(one) for one in taken])
         chunks = range(0, len(inputs), SCORING_BATCH)
         values = torch.cat([self._network(inputs[at : at + SCORING_BATCH]) for at in chunks])
         sizes = [len(one) for one in taken]

@@ -1,0 +1,57 @@
+"""Observations as networks read them fastest."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+
+from tril.game.observation import OBSERVATION_SHAPE, SIZE, STACK
+
+Observations = npt.NDArray[np.uint8]
+"""uint8 (N, 4, 84, 84), in any order in memory."""
+
+
+def check_observations(observations: Observations) -> None:
+    """Refuse what is no batch of observations.
+
+    Raises:
+        ValueError: The observations have another shape or dtype.
+    """
+    if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
+        raise ValueError(
+            f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
+            f" {observations.dtype} {observations.shape}."
+        )
+
+
+def channels_last_screens(observations: Observations, out: Observations | None = None) -> Tensor:
+    """Return observations in channels-last order, uint8 (N, 4, 84, 84).
+
+    Convolutions read that order. Turning bytes into numbers is 20 times as fast from it as from
+    the order in which games are observed, and interleaving bytes is what OpenCV is fastest at.
+
+    Args:
+        observations: uint8 (N, 4, 84, 84).
+        out: Where to put them, uint8 (N, 84, 84, 4); else into new memory. What is in that order
+            already is not copied.
+    """
+    count = len(observations)
+    if observations.strides[1:] != (1, SIZE * STACK, STACK):
+        interleaved = np.empty((count, SIZE, SIZE, STACK), np.uint8) if out is None else out
+        for planes, pixels in zip(observations, interleaved, strict=True):
+            cv2.merge(tuple(planes), pixels)
+        return torch.from_numpy(interleaved).permute(0, 3, 1, 2)
+    return torch.from_numpy(observations)
+
+
+def take_screens(screens: Tensor, indices: Tensor) -> Tensor:
+    """Return some of these observations, in channels-last order as they are themselves.
+
+    Args:
+        screens: uint8 (N, 4, 84, 84), in channels-last order.
+        indices: int64 (M,).
+    """
+    return screens.permute(0, 2, 3, 1).index_select(0, indices).permute(0, 3, 1, 2)
