@@ -36,6 +36,7 @@ from trainer.policy.networks import SIZES
 from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
 from trainer.policy.vec_env import TrilVecEnv
+from trainer.precision import Precision
 from trainer.reward.model import RewardModel
 from trainer.reward.training import new_network
 from tril.game.vector import TrainingStarts, VectorGame, VectorStep
@@ -190,14 +191,16 @@ def make_atari_defaults(payment: Payment, training_seed: int) -> PPO:
     )
 
 
-def make_ours(recipe: PolicyRecipe, payment: Payment, training_seed: int) -> ImitationPPO:
+def make_ours(
+    recipe: PolicyRecipe, payment: Payment, training_seed: int, precision: Precision
+) -> ImitationPPO:
     """Return our PPO on our games."""
     games = TimedGames(recipe.n_games, TrainingStarts(), training_seed=training_seed)
     model = payment.model
     timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
     env = TrilVecEnv(games, replace(payment, model=timed))
     draws = Draws.of(training_seed)
-    return TimedPPO(env, recipe, 10**9, draws, lambda: None, lambda _: None)
+    return TimedPPO(env, recipe, 10**9, draws, lambda: None, lambda _: None, precision)
 
 
 def rate(model: PPO, steps: int) -> float:
@@ -208,7 +211,7 @@ def rate(model: PPO, steps: int) -> float:
     return (model.num_timesteps - before) / (time.perf_counter() - begin)
 
 
-def measure(name: str, rounds: int, rollouts: int) -> dict[str, float]:
+def measure(name: str, rounds: int, rollouts: int, precision: Precision) -> dict[str, float]:
     """Measure a recipe's PPO in turns with plain PPO, print a table and return the figures."""
     recipe = replace(
         RECIPES[name].policy, start_policy_pull=0.0, critic_warm_up_steps=0, reward="level"
@@ -216,7 +219,7 @@ def measure(name: str, rounds: int, rollouts: int) -> dict[str, float]:
     network = new_network(np.random.default_rng(0))
     payment = Payment.of(RewardModel((network,), (0.0,), (1.0,)), recipe)
     steps = recipe.n_games * recipe.rollout_steps * rollouts
-    plain, ours = make_plain(recipe, payment, 0), make_ours(recipe, payment, 0)
+    plain, ours = make_plain(recipe, payment, 0), make_ours(recipe, payment, 0, precision)
     defaults = make_atari_defaults(payment, 0)
     models = {"plain": plain, "defaults": defaults, "ours": ours}
     for model in models.values():
@@ -233,7 +236,10 @@ def measure(name: str, rounds: int, rollouts: int) -> dict[str, float]:
     whole = sum(steps / one["ours"] for one in rates)
     shares = {part: seconds[part] / whole for part in ("emulator", "acting", "reward", "learning")}
     shares["rest"] = 1.0 - sum(shares.values())
-    print(f"recipe {name}: network {recipe.network}, {recipe.n_games} x {recipe.rollout_steps}")
+    print(
+        f"recipe {name}: network {recipe.network}, {recipe.n_games} x {recipe.rollout_steps},"
+        f" ours in {precision}"
+    )
     print(f"  ours                                      {result['ours_per_s']:>6.0f} steps/s")
     for kind, said in (("plain", "same network"), ("defaults", "Atari defaults")):
         print(
@@ -250,9 +256,11 @@ def main() -> None:
     parser.add_argument("--recipe", choices=list(RECIPES), action="append")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--rollouts", type=int, default=2, help="rollouts in a turn")
+    parser.add_argument("--precision", choices=["auto", *Precision], default="auto")
     arguments = parser.parse_args()
+    precision = Precision.of(arguments.precision)
     result = {
-        name: measure(name, arguments.rounds, arguments.rollouts)
+        name: measure(name, arguments.rounds, arguments.rollouts, precision)
         for name in arguments.recipe or list(RECIPES)
     }
     threads = torch.get_num_threads()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -28,6 +29,8 @@ class Settings(BaseSettings):
         max_games_per_player: Most games of one player open at the same time. Everybody who opens
             the page with the same key is one player.
         learning_threads: Threads that learning may use; 0 means all cores.
+        learning_precision: The numbers that policies learn in: "float32", "bfloat16", or "auto" for
+            the faster ones of this processor.
     """
 
     model_config = SettingsConfigDict(env_prefix="TRIL_", env_file=".env", extra="ignore")
@@ -44,6 +47,7 @@ class Settings(BaseSettings):
     max_games: int = Field(default=0, ge=0)
     max_games_per_player: int = Field(default=32, ge=1)
     learning_threads: int = Field(default=0, ge=0)
+    learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
 
     @field_validator("data")
     @classmethod

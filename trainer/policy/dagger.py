@@ -36,6 +36,7 @@ from trainer.policy.imitator import (
 )
 from trainer.policy.networks import Policy, load_policy, save_policy
 from trainer.policy.rewards import DEATHS, Payment
+from trainer.precision import Precision
 from trainer.progress import Progress, Ticking
 from tril.artifacts import write_whole
 from tril.demonstrator import Expert
@@ -76,6 +77,7 @@ def train_by_dagger(
     progress: Progress,
     *,
     n_processes: int | None = None,
+    precision: Precision = Precision.FLOAT32,
 ) -> ImitatorResult:
     """Train an imitator by DAgger, or go on training it, and save the best policy.
 
@@ -89,6 +91,7 @@ def train_by_dagger(
             iteration's policy.
         progress: Told of steps, with the curves after every iteration.
         n_processes: Not used: the games are played one after the other.
+        precision: Not used: it learns by classification, in 32 bits.
 
     Raises:
         Invalid: The demonstrator knows nothing of this behaviour, or the checkpoint can't be read.

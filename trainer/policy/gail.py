@@ -9,6 +9,7 @@ import torch
 
 from trainer.policy.discriminator import Discriminator
 from trainer.policy.imitator import ImitationTask, ImitatorResult, train_imitator
+from trainer.precision import Precision
 from trainer.progress import Progress
 from trainer.screens import channels_last_screens
 from tril.errors import Invalid
@@ -23,6 +24,7 @@ def train_by_gail(
     progress: Progress,
     *,
     n_processes: int | None = None,
+    precision: Precision = Precision.FLOAT32,
 ) -> ImitatorResult:
     """Train an imitator on the perfect demonstrations; as train_imitator in all else.
 
@@ -32,6 +34,7 @@ def train_by_gail(
         checkpoint_folder: As of train_imitator.
         progress: As of train_imitator, with discriminator_loss and discriminator_accuracy.
         n_processes: As of train_imitator.
+        precision: As of train_imitator.
 
     Raises:
         Invalid: There is no perfect demonstration.
@@ -44,6 +47,7 @@ def train_by_gail(
         checkpoint_folder,
         progress,
         n_processes=n_processes,
+        precision=precision,
         discriminator=discriminator,
     )
 

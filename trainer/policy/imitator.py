@@ -20,6 +20,7 @@ from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_pol
 from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
+from trainer.precision import Precision
 from trainer.progress import Progress, Ticking
 from trainer.reward.model import RewardModel
 from tril.artifacts import write_whole
@@ -104,6 +105,7 @@ def train_imitator(
     progress: Progress,
     *,
     n_processes: int | None = None,
+    precision: Precision = Precision.FLOAT32,
     discriminator: Discriminator | None = None,
 ) -> ImitatorResult:
     """Train an imitator by PPO, or go on training it, and save the best snapshot.
@@ -115,6 +117,7 @@ def train_imitator(
             killed left there is gone on from.
         progress: Told of steps, with the curves after every rollout.
         n_processes: As of VectorGame; changes the speed only.
+        precision: The numbers that the policy's layers multiply while it learns.
         discriminator: Takes the place of the learned reward, and learns after each rollout.
 
     Raises:
@@ -142,6 +145,7 @@ def train_imitator(
             Draws.of(task.training_seed),
             progress_at.tick,
             progress_at.add_episode,
+            precision,
         )
         progress_at.ppo = ppo
         training = _Training(task, ppo, env, checkpoint_folder, progress_at, discriminator)

@@ -26,6 +26,7 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
+from trainer.precision import Precision, layer_dtype
 from trainer.screens import channels_last_screens, check_observations
 from tril.artifacts import write_whole
 from tril.errors import Invalid
@@ -78,11 +79,11 @@ class ScreenFeatures(BaseFeaturesExtractor):
 
     def forward(self, observations: Tensor) -> Tensor:
         """Return features, float32 (N, features), of observations, uint8 (N, 4, 84, 84)."""
-        inputs = observations.to(torch.float32, memory_format=torch.channels_last)
+        inputs = observations.to(layer_dtype(), memory_format=torch.channels_last)
         first = self.cnn[0]
         assert isinstance(first, nn.Conv2d)
         values = F.conv2d(inputs, first.weight / 255.0, first.bias, first.stride)
-        return self.linear(self.cnn[1:](values))  # type: ignore[no-any-return]
+        return self.linear(self.cnn[1:](values)).float()  # type: ignore[no-any-return]
 
 
 class ScreenPolicy(ActorCriticCnnPolicy):
@@ -96,8 +97,12 @@ class ScreenPolicy(ActorCriticCnnPolicy):
 
     def logits_and_values(self, observations: Tensor) -> tuple[Tensor, Tensor]:
         """Return logits, float32 (N, 6), and values, float32 (N,), of uint8 observations."""
-        features = self.extract_features(observations)
-        return self.action_net(features), self.value_net(features).squeeze(1)
+        return self.heads(self.extract_features(observations))
+
+    def heads(self, features: Tensor) -> tuple[Tensor, Tensor]:
+        """Return logits, float32 (N, 6), and values, float32 (N,), of features."""
+        with Precision.FLOAT32.multiplying():
+            return self.action_net(features), self.value_net(features).squeeze(1)
 
 
 def policy_arguments(network: str) -> dict[str, Any]:

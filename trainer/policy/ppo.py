@@ -26,6 +26,7 @@ from trainer.chance import drawn_from
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollouts import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
+from trainer.precision import Precision
 from trainer.screens import channels_last_screens
 from tril.recipes import PolicyRecipe
 
@@ -68,6 +69,7 @@ class ImitationPPO(PPO):
         tick: Called after every step of the games and every minibatch; what it raises ends the
             training there.
         on_episode: Called with every episode that has ended.
+        precision: The numbers that the networks' layers multiply.
     """
 
     policy: ScreenPolicy
@@ -83,6 +85,7 @@ class ImitationPPO(PPO):
         draws: Draws,
         tick: Callable[[], None],
         on_episode: Callable[[FinishedEpisode], None],
+        precision: Precision = Precision.FLOAT32,
     ) -> None:
         self.recipe = recipe
         self.steps = steps
@@ -91,6 +94,7 @@ class ImitationPPO(PPO):
         self.update_values: dict[str, float] = {}
         self._tick = tick
         self._on_episode = on_episode
+        self._precision = precision
         rate = recipe.learning_rate
         super().__init__(
             ScreenPolicy,
@@ -139,7 +143,7 @@ class ImitationPPO(PPO):
             self._last_episode_starts = ended
             self._tick()
         with torch.inference_mode():
-            _, values = self.policy.logits_and_values(torch.from_numpy(self._last_obs))
+            _, values = self._ask(self.policy, torch.from_numpy(self._last_obs))
         rollout_buffer.compute_returns_and_advantage(values, ended)
         callback.on_rollout_end()
         return True
@@ -149,10 +153,15 @@ class ImitationPPO(PPO):
     ) -> tuple[npt.NDArray[np.int64], Tensor, Tensor]:
         """Draw actions; returns them, the states' values and the actions' log probabilities."""
         with torch.inference_mode():
-            logits, values = self.policy.logits_and_values(torch.from_numpy(observations))
+            logits, values = self._ask(self.policy, torch.from_numpy(observations))
             log_all = logits.log_softmax(1)
             drawn = torch.multinomial(log_all.exp(), 1, generator=self.draws.actions)
             return drawn[:, 0].numpy(), values, log_all.gather(1, drawn)[:, 0]
+
+    def _ask(self, policy: ScreenPolicy, observations: Tensor) -> tuple[Tensor, Tensor]:
+        """Return a policy's logits and values, computed as precisely as this training is."""
+        with self._precision.multiplying():
+            return policy.logits_and_values(observations)
 
     def _bootstrap(
         self,
@@ -169,7 +178,7 @@ class ImitationPPO(PPO):
             return
         last = channels_last_screens(np.stack([infos[i]["terminal_observation"] for i in cut]))
         with torch.inference_mode():
-            _, values = self.policy.logits_and_values(last)
+            _, values = self._ask(self.policy, last)
         rewards[cut] += self.gamma * values.numpy()
 
     @property
@@ -210,7 +219,7 @@ class ImitationPPO(PPO):
         self, minibatch: Minibatch, wanted: Tensor | None, pull: float
     ) -> tuple[Tensor, Tensor]:
         """Return PPO's loss of a minibatch, and the numbers that the curves show."""
-        logits, values = self.policy.logits_and_values(minibatch.observations)
+        logits, values = self._ask(self.policy, minibatch.observations)
         log_all = logits.log_softmax(1)
         log_probs = log_all.gather(1, minibatch.actions[:, None])[:, 0]
         advantages = minibatch.advantages
@@ -237,7 +246,8 @@ class ImitationPPO(PPO):
     def _critic_loss(self, minibatch: Minibatch) -> tuple[Tensor, Tensor]:
         """Return the loss of the value's last layer alone, so that the policy stays as it is."""
         with torch.no_grad():
-            features = self.policy.extract_features(minibatch.observations)
+            with self._precision.multiplying():
+                features = self.policy.extract_features(minibatch.observations)
             log_all = self.policy.action_net(features).log_softmax(1)
             entropy = -(log_all.exp() * log_all).sum(1).mean()
         value_loss = F.mse_loss(minibatch.returns, self.policy.value_net(features).squeeze(1))
@@ -252,9 +262,7 @@ class ImitationPPO(PPO):
         parts = []
         with torch.no_grad():
             for begin in range(0, len(screens), _PULL_BATCH):
-                logits, _ = self.start_policy.logits_and_values(
-                    screens[begin : begin + _PULL_BATCH]
-                )
+                logits, _ = self._ask(self.start_policy, screens[begin : begin + _PULL_BATCH])
                 parts.append(logits.log_softmax(1))
                 self._tick()
         return torch.cat(parts)

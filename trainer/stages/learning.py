@@ -9,6 +9,7 @@ from trainer.policy.cloning import train_clone
 from trainer.policy.dagger import train_by_dagger
 from trainer.policy.gail import train_by_gail
 from trainer.policy.imitator import ImitationTask, train_imitator
+from trainer.precision import Precision
 from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
@@ -96,6 +97,7 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
             folder,
             progress,
             n_processes=min(context.courtesy.threads, context.recipe.policy.n_games),
+            precision=Precision.of(context.settings.learning_precision),
         )
     data.keep_policy("imitator", path)
     return {"imitator": {"best_steps": result.best_steps}}

@@ -13,6 +13,7 @@ from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
 from trainer.policy.rollouts import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
+from trainer.precision import Precision
 from trainer.progress import RunCancelled
 from tril.game.vector import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
@@ -36,8 +37,10 @@ def env() -> Iterator[TrilVecEnv]:
     made.close()
 
 
-def make_ppo(env: TrilVecEnv, recipe: PolicyRecipe = PLAIN) -> ImitationPPO:
-    return ImitationPPO(env, recipe, 1000, Draws.of(3), lambda: None, lambda _: None)
+def make_ppo(
+    env: TrilVecEnv, recipe: PolicyRecipe = PLAIN, precision: Precision = Precision.FLOAT32
+) -> ImitationPPO:
+    return ImitationPPO(env, recipe, 1000, Draws.of(3), lambda: None, lambda _: None, precision)
 
 
 def fill(buffer: RolloutBuffer, policy_values: bool = True) -> None:
@@ -120,6 +123,38 @@ def test_an_update_is_that_of_stable_baselines3(env: TrilVecEnv) -> None:
     for name, parameter in ours.policy.named_parameters():
         assert not torch.equal(parameter, before[name])
         torch.testing.assert_close(parameter, expected[name], rtol=1e-3, atol=3e-5)
+
+
+def weights_of(ppo: ImitationPPO) -> torch.Tensor:
+    return torch.cat([p.detach().flatten() for p in ppo.policy.parameters()])
+
+
+def test_half_as_long_numbers_move_the_policy_the_same_way(env: TrilVecEnv) -> None:
+    recipe = replace(PLAIN, minibatches=1, epochs=1)
+    moved = {}
+    for precision in Precision:
+        ppo = make_ppo(env, recipe, precision)
+        fill(ppo.rollout_buffer)
+        before = weights_of(ppo)
+        ppo._current_progress_remaining = 1.0
+        ppo._setup_learn(100, reset_num_timesteps=False)
+        # The loss's gradient: Adam's first step keeps little of it but the signs.
+        ppo.policy.optimizer = torch.optim.SGD(ppo.policy.parameters(), lr=recipe.learning_rate)
+        ppo.train()
+        after = weights_of(ppo)
+        assert after.dtype == torch.float32
+        moved[precision] = after - before
+    exact, half = moved[Precision.FLOAT32], moved[Precision.BFLOAT16]
+    assert not torch.equal(exact, half)
+    assert torch.cosine_similarity(exact, half, dim=0) > 0.99
+    assert half.norm() == pytest.approx(exact.norm(), rel=0.03)
+
+
+def test_what_was_played_is_as_likely_when_it_is_learned_from(env: TrilVecEnv) -> None:
+    ppo = make_ppo(env, replace(PLAIN, minibatches=1, epochs=1), Precision.BFLOAT16)
+    ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
+    assert ppo.update_values["kl"] == pytest.approx(0.0, abs=1e-5)
+    assert ppo.update_values["clipped"] == 0.0
 
 
 def test_the_critics_warm_up_leaves_the_policy_as_it_is(env: TrilVecEnv) -> None:
