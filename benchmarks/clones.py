@@ -41,7 +41,7 @@ def judge_clone(
         path = Path(folder) / "clone.zip"
         learned = train_clone(shown, recipe, training_seed, path, Unobserved())
         policy = load_policy(path)
-    found = {"left_out_accuracy": learned.left_out_accuracy or 0.0}
+    found = {"left_out_accuracy": learned.left_out_accuracy or np.nan}
     starts = [evaluation_start(number) for number in STARTS]
     for choice in CHOICES:
         games = play(policy, starts, choice, sampling_seed=training_seed)

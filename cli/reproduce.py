@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 POLL_S = 2.0
 COMMAND = "tril reproduce"
+ONE_AT_A_TIME = (
+    "Other demonstrations, the recipe without its factors, and the published protocol are compared"
+    " with the ordinary result, each by itself. Run the command once for each."
+)
 
 
 def reproduce(
@@ -93,6 +97,8 @@ def reproduce(
         )
     with open_workspace() as workspace:
         kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
+        if kinds != [SCRIPTED.name] and (own_starts or ablation):
+            raise Invalid(ONE_AT_A_TIME)
         recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
         cells = {
             Cell.of(slug, one, chosen_steps, seed, kind): one
@@ -121,6 +127,8 @@ def reproduce(
 
 def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:
     """Return the recipes that are compared: the chosen one, or what takes its place or joins it."""
+    if own_starts and ablation:
+        raise Invalid(ONE_AT_A_TIME)
     if own_starts:
         starts = chosen.evaluation.start_numbers
         return [judged_where_trained(chosen, number) for number in starts]

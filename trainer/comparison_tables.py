@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from trainer.ledger import Entry, recipe_digest
 from trainer.result_groups import ResultGroup, group_results
+from tril.behaviours import READY_MADE
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.recipes import ABLATIONS, FAST
 
@@ -24,22 +25,14 @@ def kinds_lines(entries: Sequence[Entry]) -> list[str]:
         entries: Results of ready-made recipes. Each other kind stands beside the ordinary
             demonstrations of the same recipe and steps; without any other kind there is no section.
     """
-    others = {
-        (entry.cell.behaviour, entry.cell.recipe, entry.cell.digest, entry.cell.steps)
-        for entry in entries
-        if entry.cell.demonstrations != SCRIPTED.name
-    }
+    order = [kind.name for kind in KINDS]
+    entries = [entry for entry in entries if entry.cell.demonstrations in order]
+    others = {_learned(one) for one in entries if one.cell.demonstrations != SCRIPTED.name}
     if not others:
         return []
-    order = [kind.name for kind in KINDS]
-    compared = [
-        entry
-        for entry in entries
-        if (entry.cell.behaviour, entry.cell.recipe, entry.cell.digest, entry.cell.steps) in others
-    ]
     groups = sorted(
-        group_results(compared),
-        key=lambda group: (_place(group), order.index(group.entries[0].cell.demonstrations)),
+        group_results([entry for entry in entries if _learned(entry) in others]),
+        key=lambda group: (*_place(group), order.index(group.entries[0].cell.demonstrations)),
     )
     return [
         "## Other demonstrations",
@@ -56,7 +49,7 @@ def kinds_lines(entries: Sequence[Entry]) -> list[str]:
         "|---|---|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|",
         *(
             _row(
-                group.behaviour.name,
+                group.name,
                 group.entries[0].cell.recipe,
                 f"{group.steps:,}",
                 f"`{group.entries[0].cell.demonstrations}`",
@@ -94,13 +87,17 @@ def ablation_lines(entries: Sequence[Entry]) -> list[str]:
                 and entry.cell.digest in order
             ]
         ),
-        key=lambda group: (_place(group), order.index(group.entries[0].cell.digest)),
+        key=lambda group: (
+            READY_MADE.index(group.behaviour),
+            group.steps,
+            order.index(group.entries[0].cell.digest),
+        ),
     )
     lines = [
         "## The fast recipe without its parts",
         "",
-        "Each row leaves one factor out of `fast`; all else is the same. Greedy games from all"
-        " held-out evaluation starts, sampled where it says so.",
+        "Each row leaves one factor out of `fast`; all else but what is named is the same. Greedy"
+        " games from all held-out evaluation starts, sampled where it says so.",
         "",
         *(f"- Without {one.name}: {one.instead}." for one in ABLATIONS),
         "",
@@ -124,8 +121,15 @@ def ablation_lines(entries: Sequence[Entry]) -> list[str]:
     return [*lines, ""]
 
 
-def _place(group: ResultGroup) -> tuple[str, int]:
-    return group.behaviour.slug, group.steps
+def _learned(entry: Entry) -> tuple[str, str, str, int]:
+    """Return what two results have in common that differ in their demonstrations or by chance."""
+    cell = entry.cell
+    return cell.behaviour, cell.recipe, cell.digest, cell.steps
+
+
+def _place(group: ResultGroup) -> tuple[int, str, str, int]:
+    cell = group.entries[0].cell
+    return READY_MADE.index(group.behaviour), cell.recipe, cell.digest, cell.steps
 
 
 def _imitator(group: ResultGroup) -> tuple[str, ...]:

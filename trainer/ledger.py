@@ -26,6 +26,9 @@ from tril.summary import GameFigures, PolicySummary, summarise
 
 FILE_NAME = "ledger.jsonl"
 
+PRECISION = "precision"
+"""Name, among an entry's versions, of the numbers that the policy learned in; float32 without."""
+
 
 @dataclass(frozen=True, order=True)
 class Cell:
@@ -255,8 +258,13 @@ def read_entry(database: Database, run_id: str) -> Entry:
                 )
                 for row in evaluations.listing(session, run_id)
             ),
-            versions=dict(run.versions),
+            versions=dict(run.versions) | _precision_of(run),
         )
+
+
+def _precision_of(run: RunRow) -> dict[str, str]:
+    precision = run.outcome.get("imitator", {}).get(PRECISION)
+    return {PRECISION: precision} if precision else {}
 
 
 def _cells(hits: Iterable[Sequence[int]]) -> tuple[tuple[int, int], ...]:

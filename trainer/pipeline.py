@@ -19,7 +19,6 @@ from sqlalchemy.orm import Session
 
 from trainer.context import RunContext, StageProgress, WorkerStopping
 from trainer.courtesy import Courtesy, learning_threads
-from trainer.precision import Precision
 from trainer.progress import RunCancelled
 from trainer.run_data import RunData
 from trainer.stages import STAGE_WORK
@@ -65,7 +64,6 @@ class Pipeline:
         self._stopping = stopping
         self._artifacts = ArtifactStore(settings.artifact_root)
         self._courtesy = Courtesy(learning_threads(settings.learning_threads))
-        self._versions = versions() | {"precision": Precision.of(settings.learning_precision)}
         self._at_work: dict[str, RunData] = {}
 
     @property
@@ -101,7 +99,7 @@ class Pipeline:
         if self._stopping.is_set():
             return "left in the queue"
         with self._database.writing() as session:
-            claim = claims.claim(session, run_id, self._worker, self._versions)
+            claim = claims.claim(session, run_id, self._worker, versions())
         if claim is None:
             log.info("Run %s: nothing to do.", run_id)
             return "nothing to do"

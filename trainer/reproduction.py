@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trainer import extrapolation_results
 from trainer.comparison_tables import ablation_lines, is_ablation, kinds_lines
-from trainer.ledger import Entry, Ledger, LedgerGame
+from trainer.ledger import PRECISION, Entry, Ledger, LedgerGame
 from trainer.result_groups import ResultGroup, group_results
 from trainer.table_figures import AliensRow, ReturnsPanel, aliens_table, returns_table
 from tril.artifacts import write_whole
@@ -69,8 +69,9 @@ def write_page(folder: Path, command: str) -> Path:
 
 
 def _longest_trained(groups: Sequence[ResultGroup]) -> list[ResultGroup]:
-    """Return one group a behaviour, that of most steps: what pictures show."""
-    return list({group.behaviour.slug: group for group in groups}.values())
+    """Return one group a behaviour, that of most steps by today's recipe: what pictures show."""
+    current = [group for group in groups if group.is_current] or groups
+    return list({group.behaviour.slug: group for group in current}.values())
 
 
 def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[str]:
@@ -109,8 +110,9 @@ def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[s
         "### Each run",
         "",
         *(
-            f"- [{group.behaviour.name}, {group.steps:,} steps, training seed"
+            f"- [{group.name}, {group.steps:,} steps, training seed"
             f" {entry.cell.training_seed}]({cell_folder(entry)}/README.md)"
+            f"{', learned in bfloat16' if entry.versions.get(PRECISION) == 'bfloat16' else ''}"
             for group in groups
             for entry in group.entries
         ),
@@ -169,7 +171,7 @@ def _means(groups: Sequence[ResultGroup]) -> list[str]:
                 group.shown(policy, "sampled", "targets"),
             ]
             if policy == "imitator":
-                head = f"| {group.behaviour.name} | {group.steps:,} | {group.seeds}"
+                head = f"| {group.name} | {group.steps:,} | {group.seeds}"
                 tail = [
                     group.lowest("tau", ".2f"),
                     group.lowest("held_out_accuracy", ".1%"),
@@ -185,7 +187,7 @@ def _hits(groups: Sequence[ResultGroup]) -> list[str]:
     lines = _hits_head("behaviour | steps | seed", "---|---:|---:")
     for group in groups:
         for entry in group.entries:
-            head = f"| {group.behaviour.name} | {group.steps:,} | {entry.cell.training_seed} | "
+            head = f"| {group.name} | {group.steps:,} | {entry.cell.training_seed} | "
             lines.append(head + _hits_row(dict.fromkeys(STARTS, entry)))
     return lines
 

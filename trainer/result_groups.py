@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from trainer.ledger import Entry
+from trainer.ledger import Entry, recipe_digest
 from tril.behaviours import READY_MADE, Behaviour
+from tril.recipes import RECIPES
 from tril.summary import Interval, interval
 
 
@@ -21,6 +22,19 @@ class ResultGroup:
 
     behaviour: Behaviour
     entries: tuple[Entry, ...]
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the recipe is the ready-made one as it is now."""
+        cell = self.entries[0].cell
+        return cell.digest == recipe_digest(RECIPES[cell.recipe])
+
+    @property
+    def name(self) -> str:
+        """The behaviour for a table, with the digest of a recipe whose values were others."""
+        if self.is_current:
+            return self.behaviour.name
+        return f"{self.behaviour.name} (other values, {self.entries[0].cell.digest})"
 
     @property
     def steps(self) -> int:

@@ -35,16 +35,17 @@ def channels_last_screens(observations: Observations, out: Observations | None =
 
     Args:
         observations: uint8 (N, 4, 84, 84).
-        out: Where to put them, uint8 (N, 84, 84, 4); else into new memory. What is in that order
-            already is not copied.
+        out: Where to put them, uint8 (N, 84, 84, 4). Without it into new memory, unless they are in
+            that order already.
     """
-    count = len(observations)
-    if observations.strides[1:] != (1, SIZE * STACK, STACK):
-        interleaved = np.empty((count, SIZE, SIZE, STACK), np.uint8) if out is None else out
-        for planes, pixels in zip(observations, interleaved, strict=True):
-            cv2.merge(tuple(planes), pixels)
-        return torch.from_numpy(interleaved).permute(0, 3, 1, 2)
-    return torch.from_numpy(observations)
+    first, *others = observations.strides
+    if out is None and first >= 0 and tuple(others) == (1, SIZE * STACK, STACK):
+        return torch.from_numpy(observations)
+    shape = (len(observations), SIZE, SIZE, STACK)
+    interleaved = np.empty(shape, np.uint8) if out is None else out
+    for planes, pixels in zip(observations, interleaved, strict=True):
+        cv2.merge(tuple(planes), pixels)
+    return torch.from_numpy(interleaved).permute(0, 3, 1, 2)
 
 
 def take_screens(screens: Tensor, indices: Tensor) -> Tensor:

@@ -148,5 +148,11 @@ def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path:
     for change in (["--recipe", "paper"], ["--set", "policy.epochs=9"]):
         output = _run("reproduce", "--ablation", *change, "-o", str(tmp_path), status=1)
         assert "known of the recipe fast alone" in output
+    for two in (
+        ["--ablation", "--own-starts"],
+        ["--ablation", "--demonstrations", "human"],
+        ["--own-starts", "--demonstrations", "six"],
+    ):
+        assert "each by itself" in _run("reproduce", *two, "-o", str(tmp_path), status=1)
     output = _run("reproduce", "--demonstrations", "seven", "-o", str(tmp_path), status=1)
     assert "there are scripted, human, six" in output

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from trainer.ledger import (
+    PRECISION,
     Cell,
     Entry,
     Ledger,
@@ -173,3 +174,15 @@ def test_what_a_factor_is_worth_stands_beside_the_whole_recipe(tmp_path: Path) -
         "(the whole recipe)",
         *(one.name for one in ABLATIONS),
     ]
+
+
+def test_results_of_other_values_and_other_numbers_are_told_apart(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    changed = with_values(FAST, {"policy.epochs": 9})
+    other = replace(entry(), cell=Cell.of("column-2", changed, 9000, 0))
+    ledger.add(other)
+    ledger.add(replace(entry(), versions={PRECISION: "bfloat16"}))
+    page = write_page(tmp_path, "tril reproduce").read_text()
+    assert f"| Column 2 (other values, {other.cell.digest}) | 9,000 | 0 | imitator |" in page
+    (in_bfloat16,) = [line for line in page.splitlines() if "learned in bfloat16" in line]
+    assert in_bfloat16.startswith("- [Column 2, 1,000 steps")

@@ -22,14 +22,17 @@ def test_the_values_stay_and_their_order_in_memory_changes(observations: np.ndar
     screens = channels_last_screens(observations)
     assert np.array_equal(screens.numpy(), observations)
     assert is_channels_last(screens)
-    strided = observations[::2]
-    assert np.array_equal(channels_last_screens(strided).numpy(), strided)
+    for strided in (observations[::2], screens.numpy()[::2], screens.numpy()[::-1]):
+        assert np.array_equal(channels_last_screens(strided).numpy(), strided)
 
 
 def test_they_are_written_where_they_are_wanted(observations: np.ndarray) -> None:
     memory = np.zeros((6, 84, 84, 4), np.uint8)
     channels_last_screens(observations, memory)
     assert np.array_equal(memory, observations.transpose(0, 2, 3, 1))
+    again = np.zeros_like(memory)
+    channels_last_screens(channels_last_screens(observations).numpy(), again)
+    assert np.array_equal(again, memory)
 
 
 def test_what_is_in_that_order_is_not_copied(observations: np.ndarray) -> None:

@@ -245,12 +245,12 @@ class ImitationPPO(PPO):
 
     def _critic_loss(self, minibatch: Minibatch) -> tuple[Tensor, Tensor]:
         """Return the loss of the value's last layer alone, so that the policy stays as it is."""
-        with torch.no_grad():
-            with self._precision.multiplying():
-                features = self.policy.extract_features(minibatch.observations)
-            log_all = self.policy.action_net(features).log_softmax(1)
-            entropy = -(log_all.exp() * log_all).sum(1).mean()
-        value_loss = F.mse_loss(minibatch.returns, self.policy.value_net(features).squeeze(1))
+        with torch.no_grad(), self._precision.multiplying():
+            features = self.policy.extract_features(minibatch.observations)
+        logits, values = self.policy.heads(features)
+        log_all = logits.detach().log_softmax(1)
+        entropy = -(log_all.exp() * log_all).sum(1).mean()
+        value_loss = F.mse_loss(minibatch.returns, values)
         zero = torch.zeros(())
         numbers = torch.stack([zero, value_loss.detach(), entropy, zero, zero, zero])
         return self.vf_coef * value_loss, numbers

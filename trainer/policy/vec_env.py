@@ -108,7 +108,7 @@ class TrilVecEnv(VecEnv):
         if self.payment.needs_before:
             self._before = reached
             if len(ended):
-                self._before[ended] = self.payment.model.score(step.observations[ended])
+                self._before[ended] = self.payment.model.score(observations[ended])
         return observations, rewards, step.ended, infos
 
     def _finish(self, one: FinishedGame, last_observation: npt.NDArray[np.uint8]) -> dict[str, Any]:

@@ -54,7 +54,7 @@ ABLATIONS: Sequence[Ablation] = (
     ),
     Ablation(
         "head start by cloning",
-        "PPO starts from chance, with an entropy bonus of 0.01",
+        "PPO starts from chance, with an entropy bonus of 0.01 and neither pull nor warm-up",
         {
             "policy.warm_start": False,
             "policy.start_policy_pull": 0.0,

@@ -113,6 +113,20 @@ describe("saving an order as it is changed", () => {
   });
 });
 
+describe("after a refusal", () => {
+  it("sends what was done about it instead", async () => {
+    const { server, saver } = begin();
+    server.failure = new Error("Recording 1 was deleted.");
+    saver.change([[2], [1]]);
+    await server.letOut();
+    server.failure = null;
+    saver.change([[2]]);
+    await server.letOut();
+    expect(server.asked.map(({ tiers }) => tiers)).toEqual([[[2], [1]], [[2]]]);
+    expect(saver.snapshot()).toMatchObject({ error: null, saving: false, saved: { revision: 2 } });
+  });
+});
+
 describe("a save on an old revision", () => {
   async function conflict() {
     const { server, saver } = begin();

@@ -157,8 +157,11 @@ def test_what_was_played_is_as_likely_when_it_is_learned_from(env: TrilVecEnv) -
     assert ppo.update_values["clipped"] == 0.0
 
 
-def test_the_critics_warm_up_leaves_the_policy_as_it_is(env: TrilVecEnv) -> None:
-    ppo = make_ppo(env, replace(PLAIN, critic_warm_up_steps=16))
+@pytest.mark.parametrize("precision", Precision)
+def test_the_critics_warm_up_leaves_the_policy_as_it_is(
+    env: TrilVecEnv, precision: Precision
+) -> None:
+    ppo = make_ppo(env, replace(PLAIN, critic_warm_up_steps=16), precision)
     before = {name: p.detach().clone() for name, p in ppo.policy.named_parameters()}
     ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
     changed = {n for n, p in ppo.policy.named_parameters() if not torch.equal(p, before[n])}

@@ -1,7 +1,8 @@
 /**
  * Saves an order as it is changed: shown at once, sent one after the other, each on the revision
  * that it was made from. However slow saving is, each change becomes a revision of its own, so that
- * undo takes back one change at a time. Knows neither React nor HTTP.
+ * undo takes back one change at a time; only where saving fails, the last one alone is sent again.
+ * Knows neither React nor HTTP.
  */
 import { sameOrder, type Tiers } from "./order";
 
@@ -54,7 +55,9 @@ export class RankingSaver {
   /** Shows an order and saves it. Until a conflict is settled, nothing is changed. */
   change(tiers: Tiers): void {
     if (this.state.conflict || sameOrder(tiers, this.state.tiers)) return;
-    this.wanted.push(tiers);
+    // What was refused may never be taken: what is done about it takes its place.
+    if (this.state.error !== null) this.wanted = [tiers];
+    else this.wanted.push(tiers);
     this.update({ tiers, error: null });
     this.run();
   }
@@ -71,7 +74,7 @@ export class RankingSaver {
     if (this.state.conflict || this.wanted.length > 0) return;
     this.work = this.saveStep(step).finally(() => {
       this.work = null;
-      if (this.wanted.length > 0) this.run();
+      if (this.wanted.length > 0 && !this.state.conflict) this.run();
     });
     await this.work;
   }
