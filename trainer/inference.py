@@ -26,12 +26,11 @@ from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from tril.artifacts import ArtifactStore
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.observation import OBSERVATION_SHAPE, Observations
 from tril.heartbeat import Heartbeat
 from tril.inference import (
     OBSERVATION_BYTES,
     Disconnected,
-    Observations,
     address_of,
     receive_message,
     send_message,

@@ -40,7 +40,7 @@ def write_page(folder: Path, command: str) -> Path:
     Raises:
         Invalid: The ledger can't be read.
     """
-    entries = Ledger(folder).entries
+    entries = [entry for entry in Ledger(folder).entries if entry.cell.recipe in RECIPES]
     held_out = [entry for entry in entries if not entry.cell.own_starts]
     ordinary = [entry for entry in held_out if entry.cell.demonstrations == SCRIPTED.name]
     parts = [

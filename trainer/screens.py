@@ -4,27 +4,10 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from tril.game.observation import OBSERVATION_SHAPE, SIZE, STACK
-
-Observations = npt.NDArray[np.uint8]
-"""uint8 (N, 4, 84, 84), in any order in memory."""
-
-
-def check_observations(observations: Observations) -> None:
-    """Refuse what is no batch of observations.
-
-    Raises:
-        ValueError: The observations have another shape or dtype.
-    """
-    if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
-        raise ValueError(
-            f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
-            f" {observations.dtype} {observations.shape}."
-        )
+from tril.game.observation import SIZE, STACK, Observations
 
 
 def channels_last_screens(observations: Observations, out: Observations | None = None) -> Tensor:

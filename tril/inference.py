@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid, NotFound, Unavailable
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.observation import OBSERVATION_SHAPE, Observations, check_observations
 from tril.game.space_invaders import Action
 
 MAX_HEADER_BYTES = 16 * 1024
@@ -40,7 +40,6 @@ LONGEST_ADDRESS = 100
 _LENGTH = struct.Struct("<I")
 _ERRORS = {"invalid": Invalid, "not_found": NotFound, "unavailable": Unavailable}
 
-Observations = npt.NDArray[np.uint8]
 Values = npt.NDArray[np.float32]
 
 
@@ -205,9 +204,8 @@ def _parts(observations: Observations) -> Iterator[bytes]:
 
 
 def _checked(observations: Observations) -> bytes:
-    if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
-        raise Invalid(
-            f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got "
-            f"{observations.dtype} {observations.shape}."
-        )
+    try:
+        check_observations(observations)
+    except ValueError as error:
+        raise Invalid(str(error)) from None
     return np.ascontiguousarray(observations).tobytes()

@@ -26,12 +26,12 @@ from trainer.reward.model import RewardModel
 from trainer.reward.training import new_network
 from tril.artifacts import ArtifactStore
 from tril.errors import Invalid, NotFound, Unavailable
+from tril.game.observation import Observations
 from tril.inference import (
     MAX_BODY_BYTES,
     MAX_HEADER_BYTES,
     MAX_OBSERVATIONS,
     InferenceClient,
-    Observations,
     receive_message,
 )
 from tril.store import artifacts

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from trainer.screens import channels_last_screens, check_observations, take_screens
+from trainer.screens import channels_last_screens, take_screens
+from tril.game.observation import check_observations
 
 
 @pytest.fixture

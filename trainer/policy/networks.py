@@ -27,10 +27,10 @@ from torch.nn import functional as F
 
 from trainer.chance import drawn_from
 from trainer.precision import Precision, layer_dtype
-from trainer.screens import channels_last_screens, check_observations
+from trainer.screens import channels_last_screens
 from tril.artifacts import write_whole
 from tril.errors import Invalid
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.observation import OBSERVATION_SHAPE, check_observations
 from tril.game.space_invaders import Action
 
 OBSERVATION_SPACE = spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)

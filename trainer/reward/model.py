@@ -16,9 +16,10 @@ from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.screens import channels_last_screens, check_observations
+from trainer.screens import channels_last_screens
 from tril.artifacts import write_whole
 from tril.errors import Invalid
+from tril.game.observation import check_observations
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1

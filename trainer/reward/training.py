@@ -28,9 +28,10 @@ from trainer.progress import Progress, Section
 from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
 from trainer.reward.snippets import SnippetRule, draw_snippets
-from trainer.screens import Observations, channels_last_screens
+from trainer.screens import channels_last_screens
 from tril.artifacts import write_whole
 from tril.errors import Invalid
+from tril.game.observation import Observations
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
 

@@ -23,6 +23,9 @@ OBSERVATION_SHAPE = (STACK, SIZE, SIZE)
 Observation = npt.NDArray[np.uint8]
 """uint8 (4, 84, 84), oldest screen first, 0 to 255."""
 
+Observations = npt.NDArray[np.uint8]
+"""uint8 (N, 4, 84, 84): some of them, in any order in memory."""
+
 # A tile of the screen, 5 rows x 40 columns, makes a tile of the observation, 2 rows x 21 columns,
 # whatever is around it, because the borders coincide (210 / 84 = 5 / 2 and 160 / 84 = 40 / 21). So
 # tiles can be reduced apart, and those that did not change need not be reduced again. There are
@@ -35,6 +38,19 @@ _WORD = np.dtype(np.uint64)
 _SCORE_WORDS = _SCORE_ROWS * game.SCREEN_SHAPE[1] // _WORD.itemsize
 
 Indices = npt.NDArray[np.intp]
+
+
+def check_observations(observations: Observations) -> None:
+    """Refuse what is no batch of observations.
+
+    Raises:
+        ValueError: The observations have another shape or dtype.
+    """
+    if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
+        raise ValueError(
+            f"Expected observations uint8 (N, {', '.join(map(str, OBSERVATION_SHAPE))}), got"
+            f" {observations.dtype} {observations.shape}."
+        )
 
 
 def _tiles_of(shape: tuple[int, int], tile_shape: tuple[int, int], first_row: int) -> Indices:
