@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.attention import PATCH, POSITIONS, STATES, attention_map
+from trainer.attention import POSITIONS, STATES, attention_map
+from trainer.masked_outputs import PATCH
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for

@@ -12,25 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import torch
-from torch import Tensor
 
+from trainer.masked_outputs import PATCH, MaskedOutputs
 from trainer.progress import Progress, Unobserved
-from trainer.reward.model import RewardModel, RewardNetwork
+from trainer.reward.model import RewardModel
 from tril.game.observation import OBSERVATION_SHAPE
 from tril.game.space_invaders import BACKGROUND
-
-PATCH = 3
-"""Side of the patch, in pixels."""
 
 POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
 """Patches per side, all that lie wholly inside. (T-REX's code leaves the last two out.)"""
 
-BATCH = 256
+BATCH = 128
 """Masked observations per forward pass."""
-
-_KERNEL, _STRIDE = 7, 3
-_REACH = 3
-"""Outputs of the first layer, per side, that one patch reaches at most."""
 
 STATES = (
     ("minimum", 0.0),
@@ -85,9 +78,9 @@ def attention_map(
 ) -> npt.NDArray[np.float32]:
     """Return the attention of the reward model in one state.
 
-    Only patches that change something are tried, and only what they change of the first layer is
-    computed anew: a patch of 3x3 pixels reaches at most 3x3 of its 26x26 outputs. The result
-    equals trying every position by brute force, up to rounding.
+    Only patches that change something are tried, and only what they change of the first two layers
+    is computed anew, see MaskedOutputs. The result equals trying every position by brute force, up
+    to rounding.
 
     Args:
         model: The reward model; its raw R is used.
@@ -119,16 +112,12 @@ def changes_at(
     """Return |R(masked) - R|, float32 (N,), for patches int64 (N, 3): screen, row, column."""
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
-        inputs = torch.from_numpy(observation[None].astype(np.float32))
-        firsts = [member.first(inputs)[0] for member in model.members]
-        plain = _combined(model, [first[None] for first in firsts])
+        pixels = torch.from_numpy(observation.astype(np.float32))
+        members = [MaskedOutputs(member, pixels) for member in model.members]
+        plain = model.combine([member.plain for member in members])
         for begin in range(0, len(positions), BATCH):
             part = positions[begin : begin + BATCH]
-            masked = [
-                _masked_first(member, first, inputs[0], part)
-                for member, first in zip(model.members, firsts, strict=True)
-            ]
-            difference = (_combined(model, masked) - plain).abs()
+            difference = (model.combine([member.at(part) for member in members]) - plain).abs()
             changes[begin : begin + BATCH] = difference.numpy()
             progress.advance(min(begin + BATCH, len(positions)), len(positions))
     return changes
@@ -152,57 +141,3 @@ def spread(
         for column in range(PATCH):
             result[:, row : row + POSITIONS, column : column + POSITIONS] += at_corner
     return result.astype(np.float32)
-
-
-def _combined(model: RewardModel, firsts: list[Tensor]) -> Tensor:
-    outputs = [
-        member.after_first(first.contiguous(memory_format=torch.channels_last))
-        for member, first in zip(model.members, firsts, strict=True)
-    ]
-    return model.combine(outputs)
-
-
-def _masked_first(
-    network: RewardNetwork, first: Tensor, observation: Tensor, positions: npt.NDArray[np.int64]
-) -> Tensor:
-    """Return the first layer's output for each masked observation, float32 (N, 16, 26, 26).
-
-    The layer is linear: masking subtracts what the patch's pixels (their difference from the
-    background) contribute. Around each patch, the observation's difference is cut out as wide as
-    the outputs that it reaches can see, and run through the same convolution.
-    """
-    n_outputs = first.shape[-1]
-    screens, rows, columns = (torch.from_numpy(part) for part in positions.T)
-    out_rows = _first_reached(rows, n_outputs)
-    out_columns = _first_reached(columns, n_outputs)
-    side = _STRIDE * (_REACH - 1) + _KERNEL
-    index = torch.arange(side)
-    in_rows = out_rows[:, None] * _STRIDE + index
-    in_columns = out_columns[:, None] * _STRIDE + index
-    covered = ((in_rows >= rows[:, None]) & (in_rows < rows[:, None] + PATCH))[:, :, None] & (
-        (in_columns >= columns[:, None]) & (in_columns < columns[:, None] + PATCH)
-    )[:, None, :]
-    pixels = observation[screens[:, None, None], in_rows[:, :, None], in_columns[:, None, :]]
-    removed = torch.where(covered, BACKGROUND - pixels, torch.zeros(()))
-    weight = network.layers[0].weight / 255.0
-    per_screen = torch.nn.functional.conv2d(
-        removed[:, None],
-        weight.transpose(0, 1).reshape(-1, 1, _KERNEL, _KERNEL),
-        stride=_STRIDE,
-    ).reshape(len(positions), weight.shape[1], weight.shape[0], _REACH, _REACH)
-    change = per_screen[torch.arange(len(positions)), screens]
-    result = first.expand(len(positions), -1, -1, -1).clone()
-    reach = torch.arange(_REACH)
-    result[
-        torch.arange(len(positions))[:, None, None, None],
-        torch.arange(first.shape[0])[None, :, None, None],
-        (out_rows[:, None] + reach)[:, None, :, None],
-        (out_columns[:, None] + reach)[:, None, None, :],
-    ] += change
-    return result
-
-
-def _first_reached(corner: Tensor, n_outputs: int) -> Tensor:
-    """Return the first of the _REACH outputs that hold all which a patch at ``corner`` reaches."""
-    lowest = torch.div(corner - _KERNEL + _STRIDE, _STRIDE, rounding_mode="floor")
-    return lowest.clamp(0, n_outputs - _REACH)

@@ -8,13 +8,13 @@ import pytest
 import torch
 
 from trainer.attention import (
-    PATCH,
     POSITIONS,
     attention_map,
     changes_at,
     changing_positions,
     pick_states,
 )
+from trainer.masked_outputs import PATCH
 from trainer.progress import Unobserved
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.game.console import Console

@@ -71,8 +71,12 @@ class RewardNetwork(nn.Module):
 
     def after_first(self, first: Tensor) -> Tensor:
         """Return R, float32 (N,), from what ``first`` gives."""
-        values = F.leaky_relu(first)
-        for layer in self.layers[1:]:
+        return self.after_second(self.layers[1](F.leaky_relu(first)))
+
+    def after_second(self, second: Tensor) -> Tensor:
+        """Return R, float32 (N,), from the second layer before its activation."""
+        values = F.leaky_relu(second)
+        for layer in self.layers[2:]:
             values = F.leaky_relu(layer(values))
         values = F.leaky_relu(self.hidden(values.flatten(1)))
         return self.output(values).squeeze(1)  # type: ignore[no-any-return]
