@@ -95,6 +95,9 @@ class Zygote:
 
 
 def _serve() -> None:
+    # torch imports this with the first optimizer, which takes 1.5 s.
+    import torch._dynamo  # noqa: F401
+
     from trainer.worker import run_worker
     from tril.settings import Settings
 

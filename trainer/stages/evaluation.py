@@ -25,6 +25,7 @@ def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
     numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
     with context.database.reading() as session:
         played = evaluations.played(session, context.run_id)
+    console = Console()
     rounds = [(policy, choice) for policy in POLICIES for choice in CHOICES]
     for index, (policy, choice) in enumerate(rounds):
         missing = [n for n in numbers if EvaluationKey(policy, choice, n) not in played]
@@ -40,7 +41,7 @@ def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
                 n_processes=min(len(missing), context.courtesy.threads),
                 progress=part,
             )
-            keep_games(data, policy, choice, missing, games)
+            keep_games(data, policy, choice, missing, games, console)
         part.advance(1, 1)
     return {"headline": headline(data)}
 
@@ -51,10 +52,10 @@ def keep_games(
     choice: Choice,
     numbers: Sequence[int],
     games: Sequence[PlayedGame],
+    console: Console,
 ) -> None:
-    """Verify a policy's games by replaying them and store them, all or none."""
+    """Verify a policy's games by replaying them on a console and store them, all or none."""
     context = data.context
-    console = Console()
     seen = starts_seen(data)
     verified = []
     for game in games:

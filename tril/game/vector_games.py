@@ -161,9 +161,9 @@ class GameSlot:
         index: int,
         assignment: Assignment,
         shared: SharedArrays,
-        known_starts: KnownStarts,
         demonstrations: DemonstrationStates,
         view: AgentView,
+        console: Console,
     ) -> None:
         self._index = index
         self._starts = assignment.starts
@@ -174,7 +174,7 @@ class GameSlot:
         self._sticky_rng = np.random.default_rng((seed, *self._starts.generator_key(index), 1))
         sticky_probability = assignment.sticky_action_probability
         self._game = AgentGame(
-            Console(known_starts),
+            console,
             assignment.ending,
             assignment.max_frames,
             StickyActions(sticky_probability, self._sticky_rng) if sticky_probability else None,
@@ -259,18 +259,18 @@ class GameGroup:
 
     def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
         known_starts: KnownStarts = {}
+        consoles = [Console(known_starts) for _ in assignment.games]
         # All at once: one passes the others on its way, and no step has to wait for one later.
-        console = Console(known_starts)
         for start in sorted(assignment.starts.possible_starts):
-            console.start(start)
+            consoles[0].start(start)
         demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
         own = slice(assignment.games.start, assignment.games.stop)
         self._half = shared.half
         self._halves = [half[own] for half in shared.observations]
         self._views = AgentViews(len(assignment.games), self._halves[0])
         self._slots = [
-            GameSlot(index, assignment, shared, known_starts, demonstrations, view)
-            for index, view in zip(assignment.games, self._views, strict=True)
+            GameSlot(index, assignment, shared, demonstrations, view, console)
+            for index, view, console in zip(assignment.games, self._views, consoles, strict=True)
         ]
 
     def answer(self, command: Command, snapshots: Sequence[bytes] | None = None) -> Answer:
