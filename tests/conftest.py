@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,24 +22,36 @@ BROWSER_TESTS = Path(__file__).parent / "e2e"
 BROWSER_TEST_TIMEOUT_S = 600
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what needs a browser, and put tests in the order in which all are done soonest.
-
-    What needs a browser is last, since its driver keeps an event loop in this thread. The lengthy
-    are first: begun last, one of them would run on alone while the other processes have no more.
-    """
+@pytest.hookimpl(wrapper=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None]:
+    """Mark what needs a browser; of what is to be run, put it in the order that ends soonest."""
     for item in items:
         if BROWSER_TESTS in item.path.parents:
             item.add_marker("e2e")
             if item.get_closest_marker("timeout") is None:
                 item.add_marker(pytest.mark.timeout(BROWSER_TEST_TIMEOUT_S))
-    items.sort(
-        key=lambda item: (
-            item.get_closest_marker("e2e") is not None,
-            item.get_closest_marker("lengthy") is None,
-        )
-    )
+    yield
+    # Last, since the browser's driver keeps an event loop in this thread.
+    items.sort(key=lambda item: item.get_closest_marker("e2e") is not None)
+    items[:] = lengthy_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+
+
+def lengthy_first(items: list[pytest.Item], n_processes: int) -> list[pytest.Item]:
+    """Return the tests with the lengthy ones first in each of the parts that processes begin with.
+
+    Begun last, one of them would run on alone while the other processes have nothing left to do.
+    pytest-xdist cuts the list into parts as equal as possible and shifts tests later.
+    """
+    lengthy = [item for item in items if item.get_closest_marker("lengthy") is not None]
+    others = [item for item in items if item.get_closest_marker("lengthy") is None]
+    ordered: list[pytest.Item] = []
+    for process in range(n_processes):
+        size = (len(items) - len(ordered)) // (n_processes - process)
+        ordered += lengthy[process::n_processes]
+        n_others = max(0, size - len(lengthy[process::n_processes]))
+        ordered += others[:n_others]
+        del others[:n_others]
+    return [*ordered, *others]
 
 
 @pytest.hookimpl(optionalhook=True)

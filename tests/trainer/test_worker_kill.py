@@ -18,7 +18,7 @@ N_KILLS = 20
 LONGEST_LIFE = 0.6
 """Of a worker, as a share of what a run takes that nothing happens to."""
 
-LONGEST_LIFE_S = 4.0
+LONGEST_LIFE_S = 3.0
 """Keeps the test short on a machine that has other work; it then kills in fewer stages."""
 
 
