@@ -40,7 +40,7 @@ def lengthy_first(items: list[pytest.Item], n_processes: int) -> list[pytest.Ite
     """Return the tests with the lengthy ones first in each of the parts that processes begin with.
 
     Begun last, one of them would run on alone while the other processes have nothing left to do.
-    pytest-xdist cuts the list into parts as equal as possible and shifts tests later.
+    pytest-xdist's worksteal cuts the list into parts as equal as possible and shifts tests later.
     """
     lengthy = [item for item in items if item.get_closest_marker("lengthy") is not None]
     others = [item for item in items if item.get_closest_marker("lengthy") is None]

@@ -34,6 +34,7 @@ def kinds_lines(entries: Sequence[Entry]) -> list[str]:
         group_results([entry for entry in entries if _learned(entry) in others]),
         key=lambda group: (*_place(group), order.index(group.entries[0].cell.demonstrations)),
     )
+    shown = {group.entries[0].cell.demonstrations for group in groups}
     return [
         "## Other demonstrations",
         "",
@@ -42,7 +43,7 @@ def kinds_lines(entries: Sequence[Entry]) -> list[str]:
         " sampled where it says so; tau and left-out pairs are of the ranking as it was given,"
         " mistakes included.",
         "",
-        *(f"- `{kind.name}`: {kind.summary}." for kind in KINDS),
+        *(f"- `{kind.name}`: {kind.summary}." for kind in KINDS if kind.name in shown),
         "",
         "| behaviour | recipe | steps | demonstrations | seeds | targets | strays | lost"
         " | targets, sampled | clone's targets | clone lost | tau | left-out pairs |",
@@ -93,13 +94,16 @@ def ablation_lines(entries: Sequence[Entry]) -> list[str]:
             order.index(group.entries[0].cell.digest),
         ),
     )
+    left_out = [
+        WITHOUT[digest] for group in groups if (digest := group.entries[0].cell.digest) != whole
+    ]
     lines = [
         "## The fast recipe without its parts",
         "",
         "Each row leaves one factor out of `fast`; all else but what is named is the same. Greedy"
         " games from all held-out evaluation starts, sampled where it says so.",
         "",
-        *(f"- Without {one.name}: {one.instead}." for one in ABLATIONS),
+        *(f"- Without {one.name}: {one.instead}." for one in ABLATIONS if one in left_out),
         "",
         "| behaviour | steps | without | seeds | targets | strays | lost | targets, sampled | tau"
         " | left-out pairs |",

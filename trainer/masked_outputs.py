@@ -1,7 +1,8 @@
 """What the reward network gives for one observation under many masks, without starting over.
 
 A mask of 3x3 pixels reaches at most 3x3 of the first layer's 26x26 outputs, and those at most 4x4
-of the second's 11x11. Only these are computed anew; from the third layer on nearly all change.
+of the second's 11x11. Only these are computed anew. Of the third layer nearly half changes, of the
+fourth up to all: they are computed whole.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _SECOND_REACH = 4
 """Outputs of the second layer, per side, that one mask reaches at most."""
 
 _WINDOW = 12
-"""Of the first layer, per side: what those see (11), and one more, which nothing sees.
+"""Of the first layer, per side: what those see (11), and one more, which none of them sees.
 
 With it the 3x3 lie inside a window also at the lower and right edge, where a stride of 2 leaves
 the last output of the first layer unseen.
@@ -131,7 +132,14 @@ def _windows(values: Tensor, side: int, stride: int) -> Tensor:
 
 
 def _first_reached(begin: Tensor, kernel: int, stride: int, n_places: int) -> Tensor:
-    """Return the first output, if there are n_places, that sees what lies at ``begin``."""
+    """Return where the outputs begin which see what lies from ``begin`` on.
+
+    Args:
+        begin: int64 (N,).
+        kernel: Of the layer.
+        stride: Of the layer.
+        n_places: How many places there are at which the block can begin.
+    """
     lowest = torch.div(begin - kernel + stride, stride, rounding_mode="floor")
     return lowest.clamp(0, n_places - 1)
 

@@ -68,7 +68,9 @@ def test_patches_anywhere_change_what_masking_changes(n_members: int) -> None:
     model = _model(n_members)
     rng = np.random.default_rng(3)
     noise = rng.integers(0, 256, (4, 84, 84), dtype=np.uint8)
-    edges = [(s, r, c) for s in range(4) for r in (0, 1, 5, 81) for c in (0, 2, 6, 80, 81)]
+    edges = [
+        (s, r, c) for s in range(4) for r in (0, 1, 5, 76, 78, 81) for c in (0, 2, 6, 77, 78, 81)
+    ]
     positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
     expected = _masked_changes(model, noise, positions)
     found = changes_at(model, noise, positions, Unobserved())
