@@ -14,6 +14,7 @@ from tests.e2e.running import RunningTril
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 GAME_TIMEOUT_MS = 45_000
 RUN_TIMEOUT_MS = 400_000
+DRAG_TIMEOUT_S = 20
 BEHAVIOUR_1 = re.compile(r"/behaviours/\d+")
 
 
@@ -137,16 +138,21 @@ def _handle(where: Locator, number: int) -> Locator:
 
 
 def _drag_into(page: Page, handle: Locator, target: Locator, announced: str) -> None:
+    """Drag as a person does: after the place, should the page scroll, until it lights up."""
     handle.scroll_into_view_if_needed()
-    start, end = handle.bounding_box(), target.bounding_box()
+    start = handle.bounding_box()
     assert start is not None
-    assert end is not None
     page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
     page.mouse.down()
     page.mouse.move(start["x"] - 20, start["y"] - 20, steps=4)
-    page.mouse.move(end["x"] + end["width"] / 2, end["y"] + end["height"] / 2, steps=12)
-    # Whoever drags sees the place light up before they let go.
-    expect(page.get_by_text(f"Over {announced}")).to_be_attached()
+    lit = page.get_by_text(f"Over {announced}")
+    deadline = time.monotonic() + DRAG_TIMEOUT_S
+    while not lit.count():
+        assert time.monotonic() < deadline, f"the page does not say: Over {announced}"
+        end = target.bounding_box()
+        assert end is not None
+        page.mouse.move(end["x"] + end["width"] / 2, end["y"] + end["height"] / 2, steps=12)
+        page.wait_for_timeout(100)
     page.mouse.up()
 
 
