@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import tempfile
 import time
 from pathlib import Path
@@ -23,6 +22,7 @@ from benchmarks.playing.crowd import running_crowd
 from benchmarks.playing.fleet import Fleet, running_fleet
 from server.play.lateness import Lateness
 from tests.workplace import make_workplace
+from tril.cores import core_count
 
 WAYS = {"stream": "XOR + zlib 1 (Tril)", "jpeg": "JPEG in base64 JSON (CrowdPlay)"}
 FRAME_RATE_HZ = 60
@@ -77,7 +77,7 @@ def summed(rounds: list[dict[str, Any]]) -> dict[str, float]:
 
 def main() -> None:
     """Measure and print."""
-    cores = os.cpu_count() or 1
+    cores = core_count()
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--players", type=int, default=40)
     parser.add_argument("--servers", type=int, default=cores, help="server processes")

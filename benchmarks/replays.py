@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import base64
 import json
-import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -25,6 +24,7 @@ from typing import TypeVar
 import numpy as np
 
 from tril.behaviours import READY_MADE
+from tril.cores import core_count
 from tril.demonstrator import example_plans
 from tril.demonstrator.manner import HUMAN
 from tril.demonstrator.person import PersonLikePlayer
@@ -119,7 +119,7 @@ def main() -> None:
     """Record, replay, and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--games", type=int, default=1000)
-    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--processes", type=int, default=core_count())
     arguments = parser.parse_args()
     n = arguments.processes
     lines = list(in_fresh_processes(record, range(arguments.games), n))

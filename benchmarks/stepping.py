@@ -13,7 +13,6 @@ line.
 import argparse
 import json
 import multiprocessing as mp
-import os
 import statistics
 import time
 from multiprocessing.connection import Connection
@@ -21,6 +20,7 @@ from multiprocessing.connection import Connection
 import ale_py
 import numpy as np
 
+from tril.cores import core_count
 from tril.game import space_invaders as game
 from tril.game.vector import TrainingStarts, VectorGame
 
@@ -121,7 +121,7 @@ def measure(n_games: int, n_processes: int, rounds: int, steps: int) -> dict[str
 
 def main() -> None:
     """Measure and print."""
-    cores = os.cpu_count() or 1
+    cores = core_count()
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--games", type=int, default=24, help="games in the vector")
     parser.add_argument("--processes", type=int, default=cores, help="of raw and of the vector")

@@ -97,7 +97,7 @@ def reproduce(
         )
     with open_workspace() as workspace:
         kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
-        if kinds != [SCRIPTED.name] and (own_starts or ablation):
+        if (kinds != [SCRIPTED.name]) + own_starts + ablation > 1:
             raise Invalid(ONE_AT_A_TIME)
         recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
         cells = {
@@ -127,8 +127,6 @@ def reproduce(
 
 def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:
     """Return the recipes that are compared: the chosen one, or what takes its place or joins it."""
-    if own_starts and ablation:
-        raise Invalid(ONE_AT_A_TIME)
     if own_starts:
         starts = chosen.evaluation.start_numbers
         return [judged_where_trained(chosen, number) for number in starts]

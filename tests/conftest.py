@@ -14,6 +14,7 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 import pytest
 
 from scripts.browser import find_browser
+from tril.cores import core_count
 
 if TYPE_CHECKING:
     from tests.workplace import Workplace
@@ -57,8 +58,7 @@ def lengthy_first(items: list[pytest.Item], n_processes: int) -> list[pytest.Ite
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """Say how many processes run tests: one more than cores, as tests wait half of their time."""
-    has_affinity = hasattr(os, "sched_getaffinity")
-    return (len(os.sched_getaffinity(0)) if has_affinity else os.cpu_count() or 1) + 1
+    return core_count() + 1
 
 
 @pytest.fixture

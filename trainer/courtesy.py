@@ -9,6 +9,8 @@ from pathlib import Path
 
 import torch
 
+from tril.cores import core_count
+
 NICENESS = 10
 AUTOGROUP = Path("/proc/self/autogroup")
 LONGEST_REST_S = 0.25
@@ -58,11 +60,7 @@ class Courtesy:
 
 def learning_threads(wanted: int) -> int:
     """Return how many threads learning uses: those wanted, or all cores this process may use."""
-    if wanted:
-        return wanted
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return wanted or core_count()
 
 
 def lower_priority() -> None:

@@ -27,7 +27,7 @@ _SECOND_KERNEL, _SECOND_STRIDE = 5, 2
 _SECOND_REACH = 4
 """Outputs of the second layer, per side, that one mask reaches at most."""
 
-_WINDOW = 12
+_WINDOW = _SECOND_STRIDE * (_SECOND_REACH - 1) + _SECOND_KERNEL + 1
 """Of the first layer, per side: what those see (11), and one more, which none of them sees.
 
 With it the 3x3 lie inside a window also at the lower and right edge, where a stride of 2 leaves
@@ -67,13 +67,8 @@ class MaskedOutputs:
         screens, rows, columns = (torch.from_numpy(part) for part in positions.T)
         out_rows = _first_reached(rows, _KERNEL, _STRIDE, len(self._reached))
         out_columns = _first_reached(columns, _KERNEL, _STRIDE, len(self._reached))
-        changed = self._reached[out_rows, out_columns] + self._change(
-            screens,
-            rows - _STRIDE * out_rows,
-            columns - _STRIDE * out_columns,
-            out_rows,
-            out_columns,
-        )
+        change = self._change(screens, rows, columns, out_rows, out_columns)
+        changed = self._reached[out_rows, out_columns] + change
         places = len(self._seen)
         second_rows = _first_reached(out_rows, _SECOND_KERNEL, _SECOND_STRIDE, places)
         second_columns = _first_reached(out_columns, _SECOND_KERNEL, _SECOND_STRIDE, places)
@@ -105,16 +100,18 @@ class MaskedOutputs:
 
         Args:
             screens: int64 (N,).
-            rows: int64 (N,): of the masks, from what the first of their outputs sees.
+            rows: int64 (N,): of the masks.
             columns: As rows.
-            out_rows: int64 (N,): the first of their outputs.
+            out_rows: int64 (N,): the first of the outputs that they reach.
             out_columns: As out_rows.
         """
         side = torch.arange(_STRIDE * (_REACH - 1) + _KERNEL)
-        covered = _covers(rows, side)[:, :, None] & _covers(columns, side)[:, None, :]
-        in_rows = (_STRIDE * out_rows[:, None] + side)[:, :, None]
-        in_columns = (_STRIDE * out_columns[:, None] + side)[:, None, :]
-        pixels = self._observation[screens[:, None, None], in_rows, in_columns]
+        in_rows = _STRIDE * out_rows[:, None] + side
+        in_columns = _STRIDE * out_columns[:, None] + side
+        covered = _covered(rows, in_rows)[:, :, None] & _covered(columns, in_columns)[:, None, :]
+        pixels = self._observation[
+            screens[:, None, None], in_rows[:, :, None], in_columns[:, None, :]
+        ]
         removed = torch.where(covered, BACKGROUND - pixels, torch.zeros(()))
         weight = self._network.layers[0].weight / 255.0
         n_outputs, n_screens = weight.shape[:2]
@@ -138,15 +135,15 @@ def _first_reached(begin: Tensor, kernel: int, stride: int, n_places: int) -> Te
         begin: int64 (N,).
         kernel: Of the layer.
         stride: Of the layer.
-        n_places: How many places there are at which the block can begin.
+        n_places: At how many places they can begin.
     """
     lowest = torch.div(begin - kernel + stride, stride, rounding_mode="floor")
     return lowest.clamp(0, n_places - 1)
 
 
-def _covers(begin: Tensor, side: Tensor) -> Tensor:
-    """Return whether a mask covers each place of a side, bool (N, side)."""
-    return (side >= begin[:, None]) & (side < begin[:, None] + PATCH)
+def _covered(begin: Tensor, places: Tensor) -> Tensor:
+    """Return which places, int64 (N, side), masks from ``begin`` on cover, bool (N, side)."""
+    return (places >= begin[:, None]) & (places < begin[:, None] + PATCH)
 
 
 def _put(into: Tensor, values: Tensor, rows: Tensor, columns: Tensor) -> None:

@@ -102,7 +102,7 @@ def train_by_dagger(
     while not training.is_done:
         training.iterate()
     write_whole(path, training.best.read_bytes())
-    return ImitatorResult(tuple(training.snapshots), training.best_steps)
+    return ImitatorResult(tuple(training.snapshots), training.best_steps, Precision.FLOAT32)
 
 
 def play_labelled(

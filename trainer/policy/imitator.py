@@ -92,10 +92,12 @@ class ImitatorResult:
     Attributes:
         snapshots: The policies that were compared, in the order of their steps.
         best_steps: After how many steps the saved policy, the best of them, was taken.
+        precision: The numbers that it learned in.
     """
 
     snapshots: tuple[SnapshotScore, ...]
     best_steps: int
+    precision: Precision
 
 
 def train_imitator(
@@ -158,7 +160,7 @@ def train_imitator(
         )
         training.end()
     write_whole(path, (checkpoint_folder / _BEST).read_bytes())
-    return ImitatorResult(tuple(training.snapshots), training.best_steps)
+    return ImitatorResult(tuple(training.snapshots), training.best_steps, precision)
 
 
 def _start_network(task: ImitationTask) -> ScreenPolicy:

@@ -88,7 +88,6 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
         behaviour=context.behaviour,
         perfect=[demonstrations[number] for number in data.perfect],
     )
-    precision = Precision.of(context.settings.learning_precision)
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
     with data.policy_file("clone") as clone:
@@ -98,10 +97,7 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
             folder,
             progress,
             n_processes=min(context.courtesy.threads, context.recipe.policy.n_games),
-            precision=precision,
+            precision=Precision.of(context.settings.learning_precision),
         )
     data.keep_policy("imitator", path)
-    outcome: dict[str, Any] = {"best_steps": result.best_steps}
-    if context.recipe.method != "dagger":
-        outcome["precision"] = str(precision)
-    return {"imitator": outcome}
+    return {"imitator": {"best_steps": result.best_steps, "precision": str(result.precision)}}

@@ -13,6 +13,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from tril.cores import core_count
 from tril.game import space_invaders as game
 from tril.game.episode import Ending, EndReason
 from tril.game.observation import Observation
@@ -136,7 +137,7 @@ class VectorGame:
         if isinstance(starts, FixedStarts) and len(starts.starts) != n_games:
             raise ValueError(f"Expected {n_games} starts, one per game, got {len(starts.starts)}.")
         if n_processes is None:
-            n_processes = _core_count()
+            n_processes = core_count()
         self.n_games = n_games
         self._pending = False
         memory_fd = _memory_file(SharedArrays.size(n_games))
@@ -317,13 +318,6 @@ def _split(count: int, parts: int) -> list[range]:
     """Return ranges as equal as possible that make up range(count)."""
     edges = [count * part // parts for part in range(parts + 1)]
     return [range(begin, end) for begin, end in itertools.pairwise(edges)]
-
-
-def _core_count() -> int:
-    """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1  # Not Linux.
 
 
 def _memory_file(size: int) -> int:
