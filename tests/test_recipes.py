@@ -15,6 +15,7 @@ from tril.recipes import (
     RECIPES,
     Ablation,
     Recipe,
+    changed_values,
     recipe_from_dict,
     recipe_named,
     with_values,
@@ -59,6 +60,12 @@ def test_values_are_replaced_by_their_path() -> None:
     assert changed.reward == FAST.reward
     with pytest.raises(Invalid, match=r"no value 'policy\.nothing'"):
         with_values(FAST, {"policy.nothing": 1})
+
+
+def test_what_was_replaced_is_found_again() -> None:
+    values = {"policy.learning_rate": 0.5, "reward.aligned": False, "method": "gail"}
+    assert changed_values(with_values(FAST, values), FAST) == values
+    assert changed_values(with_values(FAST, {"name": "other", "default_steps": 7}), FAST) == {}
 
 
 def test_an_unknown_recipe_names_those_there_are() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import MISSING, asdict, dataclass, fields, is_dataclass
+from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,14 @@ from sqlalchemy.orm import Session
 from tril.artifacts import write_whole
 from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
-from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
+from tril.recipes import (
+    FOR_PEOPLE,
+    RECIPES,
+    Recipe,
+    RewardRecipe,
+    changed_values,
+    recipe_from_dict,
+)
 from tril.store import behaviours, evaluations, recordings, runs
 from tril.store.database import Database
 from tril.store.models import RunRow
@@ -115,6 +122,7 @@ class Entry:
         demonstrations: The ranking that was learned from.
         games: All evaluation games.
         versions: Of what took part.
+        changes: Values, by dotted path, in which the recipe was not the ready-made one of its name.
     """
 
     cell: Cell
@@ -124,6 +132,7 @@ class Entry:
     demonstrations: tuple[LedgerDemonstration, ...]
     games: tuple[LedgerGame, ...]
     versions: dict[str, str]
+    changes: dict[str, Any] = field(default_factory=dict)
 
     def headline(self, policy: str, choice: str = "greedy") -> PolicySummary | None:
         """Return the means over the held-out games of a policy; None if there are none."""
@@ -196,7 +205,7 @@ def recipe_digest(recipe: Recipe) -> str:
     as a recipe leaves it alone; nor does the summary, which is for people.
     """
     values = _uncommon(recipe)
-    for name in ("name", "summary", "default_steps"):
+    for name in FOR_PEOPLE:
         values.pop(name, None)
     return _digest(values)
 
@@ -259,7 +268,14 @@ def read_entry(database: Database, run_id: str) -> Entry:
                 for row in evaluations.listing(session, run_id)
             ),
             versions=dict(run.versions) | _precision_of(run),
+            changes=_changes(recipe_from_dict(run.recipe)),
         )
+
+
+def _changes(recipe: Recipe) -> dict[str, Any]:
+    """Return what is other than in the ready-made recipe, as JSON gives it back."""
+    changed = changed_values(recipe, RECIPES[recipe.name]) if recipe.name in RECIPES else {}
+    return {path: list(v) if isinstance(v, tuple) else v for path, v in changed.items()}
 
 
 def _precision_of(run: RunRow) -> dict[str, str]:
@@ -300,11 +316,11 @@ def _digest(values: dict[str, Any]) -> str:
 def _uncommon(part: Any) -> dict[str, Any]:
     """Return the values of a dataclass that are not their field's default."""
     values: dict[str, Any] = {}
-    for field in fields(part):
-        value = getattr(part, field.name)
+    for one in fields(part):
+        value = getattr(part, one.name)
         if is_dataclass(value):
             if inner := _uncommon(value):
-                values[field.name] = inner
-        elif field.default is MISSING or value != field.default:
-            values[field.name] = value
+                values[one.name] = inner
+        elif one.default is MISSING or value != one.default:
+            values[one.name] = value
     return values

@@ -31,10 +31,12 @@ class ResultGroup:
 
     @property
     def name(self) -> str:
-        """The behaviour for a table, with the digest of a recipe whose values were others."""
+        """The behaviour for a table, with the values of the recipe that are others."""
         if self.is_current:
             return self.behaviour.name
-        return f"{self.behaviour.name} (other values, {self.entries[0].cell.digest})"
+        first = self.entries[0]
+        changes = ", ".join(f"{path} {value}" for path, value in first.changes.items())
+        return f"{self.behaviour.name} ({changes or f'other values, {first.cell.digest}'})"
 
     @property
     def steps(self) -> int:

@@ -184,5 +184,8 @@ def test_results_of_other_values_and_other_numbers_are_told_apart(tmp_path: Path
     ledger.add(replace(entry(), versions={PRECISION: "bfloat16"}))
     page = write_page(tmp_path, "tril reproduce").read_text()
     assert f"| Column 2 (other values, {other.cell.digest}) | 9,000 | 0 | imitator |" in page
+    ledger.add(replace(other, changes={"policy.epochs": 9}))
+    page = write_page(tmp_path, "tril reproduce").read_text()
+    assert "| Column 2 (policy.epochs 9) | 9,000 | 0 | imitator |" in page
     (in_bfloat16,) = [line for line in page.splitlines() if "learned in bfloat16" in line]
     assert in_bfloat16.startswith("- [Column 2, 1,000 steps")

@@ -1,7 +1,12 @@
 """The learning recipes, as data. A run stores the whole recipe it was made with."""
 
 from tril.recipes.ablations import ABLATIONS, Ablation
-from tril.recipes.changed import judged_where_trained, with_values
+from tril.recipes.changed import (
+    FOR_PEOPLE,
+    changed_values,
+    judged_where_trained,
+    with_values,
+)
 from tril.recipes.ready_made import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
 from tril.recipes.stored import recipe_from_dict
 from tril.recipes.values import (
@@ -20,6 +25,7 @@ __all__ = [
     "ABLATIONS",
     "DAGGER",
     "FAST",
+    "FOR_PEOPLE",
     "GAIL",
     "MOST_DAGGER_STEPS",
     "PAPER",
@@ -33,6 +39,7 @@ __all__ = [
     "PolicyRecipe",
     "Recipe",
     "RewardRecipe",
+    "changed_values",
     "judged_where_trained",
     "recipe_from_dict",
     "recipe_named",

@@ -8,6 +8,9 @@ from typing import Any
 from tril.errors import Invalid
 from tril.recipes.values import EvaluationRecipe, Recipe
 
+FOR_PEOPLE = ("name", "summary", "default_steps")
+"""Values of a recipe that change nothing of what is learned."""
+
 
 def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
     """Return the recipe under the published protocol, which holds nothing out.
@@ -37,3 +40,22 @@ def with_values(recipe: Recipe, values: dict[str, Any]) -> Recipe:
         changed = replace(part, **{name: value})  # type: ignore[type-var]
         recipe = replace(recipe, **{section: changed}) if section else changed  # type: ignore[arg-type, assignment]
     return recipe
+
+
+def changed_values(recipe: Recipe, original: Recipe) -> dict[str, Any]:
+    """Return by dotted path what with_values makes the recipe of the original with.
+
+    What is for people, name, summary and default steps, doesn't count.
+    """
+    changed: dict[str, Any] = {}
+    for field in fields(recipe):
+        if field.name in FOR_PEOPLE:
+            continue
+        value, other = getattr(recipe, field.name), getattr(original, field.name)
+        if is_dataclass(value):
+            for inner in fields(value):
+                if getattr(value, inner.name) != getattr(other, inner.name):
+                    changed[f"{field.name}.{inner.name}"] = getattr(value, inner.name)
+        elif value != other:
+            changed[field.name] = value
+    return changed
