@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from trainer.ledger import read_entry
 from tril.settings import Settings
 from tril.store import behaviours, evaluations, rankings, recordings, runs
 from tril.store.database import create_database
@@ -76,6 +77,13 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
             for choice in evaluations.CHOICES
             for number in (0, 7)
         }
+    entry = read_entry(database, run.id)
+    assert (entry.cell.behaviour, entry.cell.recipe, entry.cell.steps) == ("column-2", "fast", 64)
+    assert set(entry.changes) == {value.partition("=")[0] for value in SMALLEST}
+    assert entry.changes["reward.updates"] == 12
+    assert entry.changes["evaluation.further_start_numbers"] == [7]
+    assert len(entry.games) == len(games)
+    assert [shown.rank for shown in entry.demonstrations] == list(range(1, 13))
     database.close()
 
     (again,) = _tril(
