@@ -32,6 +32,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 from torch import Tensor, nn
 
 import tril.game.env
+from trainer.devices import learning_device
 from trainer.policy.networks import SIZES
 from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
@@ -140,7 +141,9 @@ class LearnedReward(VecEnvWrapper):
         return observations, self._payment.pay(scores, scores, died), ended, infos
 
 
-def make_plain(recipe: PolicyRecipe, payment: Payment, training_seed: int) -> PPO:
+def make_plain(
+    recipe: PolicyRecipe, payment: Payment, training_seed: int, device: torch.device
+) -> PPO:
     """Return plain PPO on plain environments."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
@@ -161,7 +164,7 @@ def make_plain(recipe: PolicyRecipe, payment: Payment, training_seed: int) -> PP
         vf_coef=recipe.value,
         max_grad_norm=recipe.gradient_norm,
         seed=training_seed,
-        device="cpu",
+        device=device,
         policy_kwargs={
             "net_arch": [],
             "features_extractor_class": PlainFeatures,
@@ -170,7 +173,7 @@ def make_plain(recipe: PolicyRecipe, payment: Payment, training_seed: int) -> PP
     )
 
 
-def make_atari_defaults(payment: Payment, training_seed: int) -> PPO:
+def make_atari_defaults(payment: Payment, training_seed: int, device: torch.device) -> PPO:
     """Return plain PPO with stable-baselines3's settings for Atari: NatureCNN, 8 x 128."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
@@ -187,20 +190,24 @@ def make_atari_defaults(payment: Payment, training_seed: int) -> PPO:
         ent_coef=0.01,
         vf_coef=0.5,
         seed=training_seed,
-        device="cpu",
+        device=device,
     )
 
 
 def make_ours(
-    recipe: PolicyRecipe, payment: Payment, training_seed: int, precision: Precision
+    recipe: PolicyRecipe,
+    payment: Payment,
+    training_seed: int,
+    precision: Precision,
+    device: torch.device,
 ) -> ImitationPPO:
     """Return our PPO on our games."""
     games = TimedGames(recipe.n_games, TrainingStarts(), training_seed=training_seed)
-    model = payment.model
+    model = payment.model.on(device)
     timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
     env = TrilVecEnv(games, replace(payment, model=timed))
     draws = Draws.of(training_seed)
-    return TimedPPO(env, recipe, 10**9, draws, lambda: None, lambda _: None, precision)
+    return TimedPPO(env, recipe, 10**9, draws, lambda: None, lambda _: None, precision, device)
 
 
 def rate(model: PPO, steps: int) -> float:
@@ -211,7 +218,9 @@ def rate(model: PPO, steps: int) -> float:
     return (model.num_timesteps - before) / (time.perf_counter() - begin)
 
 
-def measure(name: str, rounds: int, rollouts: int, precision: Precision) -> dict[str, float]:
+def measure(
+    name: str, rounds: int, rollouts: int, precision: Precision, device: torch.device
+) -> dict[str, float]:
     """Measure a recipe's PPO in turns with plain PPO, print a table and return the figures."""
     recipe = replace(
         RECIPES[name].policy, start_policy_pull=0.0, critic_warm_up_steps=0, reward="level"
@@ -219,8 +228,9 @@ def measure(name: str, rounds: int, rollouts: int, precision: Precision) -> dict
     network = new_network(np.random.default_rng(0))
     payment = Payment.of(RewardModel((network,), (0.0,), (1.0,)), recipe)
     steps = recipe.n_games * recipe.rollout_steps * rollouts
-    plain, ours = make_plain(recipe, payment, 0), make_ours(recipe, payment, 0, precision)
-    defaults = make_atari_defaults(payment, 0)
+    ours = make_ours(recipe, payment, 0, precision, device)
+    plain = make_plain(recipe, payment, 0, device)
+    defaults = make_atari_defaults(payment, 0, device)
     models = {"plain": plain, "defaults": defaults, "ours": ours}
     for model in models.values():
         rate(model, 1)  # not counted: the first rollout starts processes and threads
@@ -238,7 +248,7 @@ def measure(name: str, rounds: int, rollouts: int, precision: Precision) -> dict
     shares["rest"] = 1.0 - sum(shares.values())
     print(
         f"recipe {name}: network {recipe.network}, {recipe.n_games} x {recipe.rollout_steps},"
-        f" ours in {precision}"
+        f" ours in {precision}, all on {device}"
     )
     print(f"  ours                                      {result['ours_per_s']:>6.0f} steps/s")
     for kind, said in (("plain", "same network"), ("defaults", "Atari defaults")):
@@ -257,10 +267,12 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--rollouts", type=int, default=2, help="rollouts in a turn")
     parser.add_argument("--precision", choices=["auto", *Precision], default="auto")
+    parser.add_argument("--device", choices=["auto", "cpu", "cuda"], default="auto")
     arguments = parser.parse_args()
-    precision = Precision.of(arguments.precision)
+    device = learning_device(arguments.device)
+    precision = Precision.of(arguments.precision, device)
     result = {
-        name: measure(name, arguments.rounds, arguments.rollouts, precision)
+        name: measure(name, arguments.rounds, arguments.rollouts, precision, device)
         for name in arguments.recipe or list(RECIPES)
     }
     threads = torch.get_num_threads()

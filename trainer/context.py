@@ -8,10 +8,14 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import torch
+
 from trainer.courtesy import Courtesy
+from trainer.devices import learning_device
 from trainer.progress import RunCancelled
 from tril.artifacts import ArtifactStore
 from tril.behaviours import Behaviour
@@ -87,6 +91,11 @@ class RunContext:
     def run_id(self) -> str:
         """Id of the run."""
         return self.claim.run_id
+
+    @cached_property
+    def device(self) -> torch.device:
+        """Where networks learn; raises Invalid if the settings want what there is not."""
+        return learning_device(self.settings.learning_device)
 
     def check_cancelled(self) -> None:
         """Stop here if the run is to stop; looks at the row at most once a second.

@@ -36,6 +36,9 @@ FILE_NAME = "ledger.jsonl"
 PRECISION = "precision"
 """Name, among an entry's versions, of the numbers that the policy learned in; float32 without."""
 
+DEVICE = "device"
+"""Name, among an entry's versions, of what the policy learned on; the processor without."""
+
 
 @dataclass(frozen=True, order=True)
 class Cell:
@@ -267,7 +270,7 @@ def read_entry(database: Database, run_id: str) -> Entry:
                 )
                 for row in evaluations.listing(session, run_id)
             ),
-            versions=dict(run.versions) | _precision_of(run),
+            versions=dict(run.versions) | _learned_with(run),
             changes=_changes(recipe_from_dict(run.recipe)),
         )
 
@@ -278,9 +281,9 @@ def _changes(recipe: Recipe) -> dict[str, Any]:
     return {path: list(v) if isinstance(v, tuple) else v for path, v in changed.items()}
 
 
-def _precision_of(run: RunRow) -> dict[str, str]:
-    precision = run.outcome.get("imitator", {}).get(PRECISION)
-    return {PRECISION: precision} if precision else {}
+def _learned_with(run: RunRow) -> dict[str, str]:
+    imitator = run.outcome.get("imitator", {})
+    return {name: imitator[name] for name in (PRECISION, DEVICE) if imitator.get(name)}
 
 
 def _cells(hits: Iterable[Sequence[int]]) -> tuple[tuple[int, int], ...]:

@@ -28,5 +28,9 @@ def restore_optimizer(
     for name, tensor in tensors.items():
         number, _, key = name.partition("/")
         parameter = parameters[int(number)]
-        like = torch.empty_like(parameter) if tensor.shape == parameter.shape else tensor
-        optimizer.state[parameter][key] = like.copy_(tensor).detach()
+        if tensor.shape == parameter.shape:
+            kept = torch.empty_like(parameter).copy_(tensor)
+        else:
+            # The number of steps, which Adam wants beside the parameters only if it is fused.
+            kept = tensor.to(parameter.device) if optimizer.defaults.get("fused") else tensor
+        optimizer.state[parameter][key] = kept.detach()

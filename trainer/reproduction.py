@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trainer import extrapolation_results
 from trainer.comparison_tables import ablation_lines, is_ablation, kinds_lines
-from trainer.ledger import PRECISION, Entry, Ledger, LedgerGame
+from trainer.ledger import DEVICE, PRECISION, Entry, Ledger, LedgerGame
 from trainer.result_groups import ResultGroup, group_results
 from trainer.table_figures import AliensRow, ReturnsPanel, aliens_table, returns_table
 from tril.artifacts import write_whole
@@ -112,12 +112,18 @@ def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[s
         *(
             f"- [{group.name}, {group.steps:,} steps, training seed"
             f" {entry.cell.training_seed}]({cell_folder(entry)}/README.md)"
-            f"{', learned in bfloat16' if entry.versions.get(PRECISION) == 'bfloat16' else ''}"
+            f"{_learned_with(entry)}"
             for group in groups
             for entry in group.entries
         ),
         "",
     ]
+
+
+def _learned_with(entry: Entry) -> str:
+    """Return what is not the same in all runs, for the end of a line."""
+    numbers = ", learned in bfloat16" if entry.versions.get(PRECISION) == "bfloat16" else ""
+    return numbers + (", on a GPU" if entry.versions.get(DEVICE) == "cuda" else "")
 
 
 def _own_starts(entries: Sequence[Entry]) -> list[str]:

@@ -30,7 +30,8 @@ class Settings(BaseSettings):
             the page with the same key is one player.
         learning_threads: Threads that learning may use; 0 means all cores.
         learning_precision: The numbers that policies learn in: "float32", "bfloat16", or "auto" for
-            the faster ones of this processor.
+            the faster ones of the device.
+        learning_device: Where networks learn: "cpu", "cuda", or "auto" for a GPU if there is one.
     """
 
     model_config = SettingsConfigDict(env_prefix="TRIL_", env_file=".env", extra="ignore")
@@ -48,6 +49,7 @@ class Settings(BaseSettings):
     max_games_per_player: int = Field(default=32, ge=1)
     learning_threads: int = Field(default=0, ge=0)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
+    learning_device: Literal["auto", "cpu", "cuda"] = "auto"
 
     @field_validator("data")
     @classmethod

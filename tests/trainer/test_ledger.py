@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from trainer.ledger import (
+    DEVICE,
     PRECISION,
     Cell,
     Entry,
@@ -181,11 +182,14 @@ def test_results_of_other_values_and_other_numbers_are_told_apart(tmp_path: Path
     changed = with_values(FAST, {"policy.epochs": 9})
     other = replace(entry(), cell=Cell.of("column-2", changed, 9000, 0))
     ledger.add(other)
-    ledger.add(replace(entry(), versions={PRECISION: "bfloat16"}))
+    ledger.add(replace(entry(), versions={PRECISION: "bfloat16", DEVICE: "cpu"}))
+    ledger.add(replace(entry(seed=1), versions={PRECISION: "bfloat16", DEVICE: "cuda"}))
     page = write_page(tmp_path, "tril reproduce").read_text()
     assert f"| Column 2 (other values, {other.cell.digest}) | 9,000 | 0 | imitator |" in page
     ledger.add(replace(other, changes={"policy.epochs": 9}))
     page = write_page(tmp_path, "tril reproduce").read_text()
     assert "| Column 2 (policy.epochs 9) | 9,000 | 0 | imitator |" in page
-    (in_bfloat16,) = [line for line in page.splitlines() if "learned in bfloat16" in line]
-    assert in_bfloat16.startswith("- [Column 2, 1,000 steps")
+    here, on_gpu = [line for line in page.splitlines() if "learned in bfloat16" in line]
+    assert here.startswith("- [Column 2, 1,000 steps")
+    assert here.endswith("learned in bfloat16")
+    assert on_gpu.endswith("learned in bfloat16, on a GPU")

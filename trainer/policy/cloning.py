@@ -11,7 +11,8 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.policy.networks import ACTING_BATCH, ScreenPolicy, new_policy, save_policy
+from trainer.devices import CPU, device_of, forward_batch
+from trainer.policy.networks import ScreenPolicy, new_policy, save_policy
 from trainer.progress import Progress
 from trainer.screens import channels_last_screens, take_screens
 from tril.errors import Invalid
@@ -54,14 +55,18 @@ class Examples:
         actions = np.concatenate([t.actions for t in trajectories])
         return cls(channels_last_screens(observations), torch.from_numpy(actions))
 
+    def on(self, device: torch.device) -> Examples:
+        """Return these examples on a device."""
+        return Examples(self.observations.to(device), self.actions.to(device))
+
     def weights(self) -> Tensor:
         """Return the weight of each action, float32 (6,), mean 1 over the examples.
 
         The inverse square root of an action's share: a rare one, such as a shot after a long
         wait, counts for more, without being done all the time.
         """
-        counts = torch.bincount(self.actions, minlength=len(Action)).float()
-        weights = torch.where(counts > 0, counts.clamp(min=1.0).rsqrt(), torch.zeros(()))
+        counts = F.one_hot(self.actions, len(Action)).sum(0).float()
+        weights = torch.where(counts > 0, counts.clamp(min=1.0).rsqrt(), 0.0)
         return weights * (counts.sum() / (weights * counts).sum())
 
 
@@ -71,6 +76,7 @@ def train_clone(
     training_seed: int,
     path: Path,
     progress: Progress,
+    device: torch.device = CPU,
 ) -> CloneResult:
     """Learn a clone of perfect demonstrations and save it.
 
@@ -80,12 +86,13 @@ def train_clone(
         training_seed: Feeds every random choice.
         path: Where the policy is saved, for plain ``PPO.load``.
         progress: Told of epochs, with loss, accuracy and left_out_accuracy.
+        device: Where it is learned.
 
     Raises:
         Invalid: There is no demonstration.
         RunCancelled: Raised by ``progress``.
     """
-    policy, result = clone(trajectories, recipe, training_seed, progress)
+    policy, result = clone(trajectories, recipe, training_seed, progress, device)
     save_policy(policy, path)
     return result
 
@@ -95,15 +102,16 @@ def clone(
     recipe: CloningRecipe,
     training_seed: int,
     progress: Progress,
+    device: torch.device = CPU,
 ) -> tuple[ScreenPolicy, CloneResult]:
     """Learn a clone; see train_clone."""
     if not any(trajectory.n_steps for trajectory in trajectories):
         raise Invalid("A clone needs at least one perfect demonstration to learn from.")
     rng = np.random.default_rng(training_seed)
     learned, left_out = _split(trajectories, recipe.left_out_share, rng)
-    examples = Examples.of(learned)
-    held = Examples.of(left_out) if left_out else None
-    policy = new_policy(recipe.network, recipe.learning_rate, rng)
+    examples = Examples.of(learned).on(device)
+    held = Examples.of(left_out).on(device) if left_out else None
+    policy = new_policy(recipe.network, recipe.learning_rate, rng, device)
     best: tuple[float, dict[str, Tensor], CloneResult] | None = None
     for epoch in range(1, recipe.epochs + 1):
         done = (epoch - 1, recipe.epochs)
@@ -150,6 +158,7 @@ def _learn_once(
     """Go through the examples once; return the mean loss and the accuracy on the way."""
     weights = examples.weights()
     order = torch.from_numpy(rng.permutation(len(examples.actions)))
+    order = order.to(examples.actions.device)
     losses, right = [], []
     for begin in range(0, len(order), recipe.batch_size):
         chosen = order[begin : begin + recipe.batch_size]
@@ -170,8 +179,8 @@ def _judge(policy: ScreenPolicy, examples: Examples, weights: Tensor) -> tuple[f
     with torch.no_grad():
         logits = torch.cat(
             [
-                policy.logits_and_values(examples.observations[begin : begin + ACTING_BATCH])[0]
-                for begin in range(0, len(examples.actions), ACTING_BATCH)
+                policy.logits_and_values(part)[0]
+                for part in torch.split(examples.observations, forward_batch(device_of(policy)))
             ]
         )
     loss = F.cross_entropy(logits, examples.actions, weights).item()

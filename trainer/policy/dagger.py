@@ -25,7 +25,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import torch
 
+from trainer.devices import CPU
 from trainer.policy.cloning import CloneResult, clone
 from trainer.policy.imitator import (
     ImitationTask,
@@ -78,6 +80,7 @@ def train_by_dagger(
     *,
     n_processes: int | None = None,
     precision: Precision = Precision.FLOAT32,
+    device: torch.device = CPU,
 ) -> ImitatorResult:
     """Train an imitator by DAgger, or go on training it, and save the best policy.
 
@@ -92,12 +95,13 @@ def train_by_dagger(
         progress: Told of steps, with the curves after every iteration.
         n_processes: Not used: the games are played one after the other.
         precision: Not used: it learns by classification, in 32 bits.
+        device: Where each policy is learned.
 
     Raises:
         Invalid: The demonstrator knows nothing of this behaviour, or the checkpoint can't be read.
         RunCancelled: Raised by ``progress``.
     """
-    training = _Training(task, checkpoint_folder, progress)
+    training = _Training(task, checkpoint_folder, progress, device)
     training.begin()
     while not training.is_done:
         training.iterate()
@@ -153,12 +157,15 @@ class _Training:
     game's number alone.
     """
 
-    def __init__(self, task: ImitationTask, folder: Path, progress: Progress) -> None:
+    def __init__(
+        self, task: ImitationTask, folder: Path, progress: Progress, device: torch.device
+    ) -> None:
         if task.behaviour is None:
             raise Invalid("DAgger needs to know the behaviour: its expert has to show it.")
         self._task = task
         self._folder = folder
         self._progress = progress
+        self._device = device
         self._expert = Expert(task.behaviour, Console())
         self._game = AgentGame(Console())
         self._payment = Payment.of(task.model, task.recipe.policy)
@@ -245,6 +252,7 @@ class _Training:
             ),
             self._task.training_seed,
             Ticking(tick),
+            self._device,
         )
         learned.set_training_mode(False)
         judged = judge(Policy(learned), self._payment, recipe, tick)

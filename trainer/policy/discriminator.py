@@ -20,6 +20,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
+from trainer.devices import CPU
 from trainer.optimizers import optimizer_tensors, restore_optimizer
 from trainer.reward.model import RewardModel, RewardNetwork
 from trainer.reward.training import new_network
@@ -39,23 +40,31 @@ class Discriminator:
         demonstrated: The observations in which the demonstrations acted, uint8 (N, 4, 84, 84).
         recipe: How it is learned.
         training_seed: Feeds every random choice.
+        device: Where it is learned, and where its model is.
 
     Attributes:
         model: The network as a reward model, as of the last round.
         rounds: How often it has learned.
     """
 
-    def __init__(self, demonstrated: Tensor, recipe: GailRecipe, training_seed: int) -> None:
-        self._demonstrated = demonstrated
+    def __init__(
+        self,
+        demonstrated: Tensor,
+        recipe: GailRecipe,
+        training_seed: int,
+        device: torch.device = CPU,
+    ) -> None:
+        self._demonstrated = demonstrated.to(device)
+        self._device = device
         self._recipe = recipe
         self._training_seed = training_seed
-        self._network = new_network(np.random.default_rng([training_seed, _WEIGHTS]))
+        self._network = new_network(np.random.default_rng([training_seed, _WEIGHTS])).to(device)
         self._parameters = list(self._network.parameters())
         self._optimizer = torch.optim.Adam(
             self._parameters, lr=recipe.learning_rate, weight_decay=recipe.weight_decay
         )
         with torch.random.fork_rng(devices=[]):
-            self.model = RewardModel((RewardNetwork(),), (0.0,), (1.0,))
+            self.model = RewardModel((RewardNetwork().to(device),), (0.0,), (1.0,))
         self.rounds = 0
         self._publish()
 
@@ -72,8 +81,9 @@ class Discriminator:
             discriminator_accuracy, 0 to 1, of which 0.5 is what chance gives.
         """
         size = self._recipe.batch_size
+        played = played.to(self._device)
         rng = np.random.default_rng([self._training_seed, _BATCHES, self.rounds])
-        wanted = torch.cat([torch.zeros(size), torch.ones(size)])
+        wanted = torch.cat([torch.zeros(size), torch.ones(size)]).to(self._device)
         losses, right = [], []
         for _ in range(self._recipe.updates):
             batch = torch.cat([_drawn(played, size, rng), _drawn(self._demonstrated, size, rng)])
@@ -115,4 +125,5 @@ class Discriminator:
 
 def _drawn(observations: Tensor, count: int, rng: np.random.Generator) -> Tensor:
     """Draw some observations, each as likely as the others."""
-    return take_screens(observations, torch.from_numpy(rng.integers(len(observations), size=count)))
+    places = torch.from_numpy(rng.integers(len(observations), size=count))
+    return take_screens(observations, places.to(observations.device))

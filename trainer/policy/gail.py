@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from trainer.devices import CPU
 from trainer.policy.discriminator import Discriminator
 from trainer.policy.imitator import ImitationTask, ImitatorResult, train_imitator
 from trainer.precision import Precision
@@ -25,6 +26,7 @@ def train_by_gail(
     *,
     n_processes: int | None = None,
     precision: Precision = Precision.FLOAT32,
+    device: torch.device = CPU,
 ) -> ImitatorResult:
     """Train an imitator on the perfect demonstrations; as train_imitator in all else.
 
@@ -35,12 +37,14 @@ def train_by_gail(
         progress: As of train_imitator, with discriminator_loss and discriminator_accuracy.
         n_processes: As of train_imitator.
         precision: As of train_imitator.
+        device: As of train_imitator.
 
     Raises:
         Invalid: There is no perfect demonstration.
         RunCancelled: Raised by ``progress``.
     """
-    discriminator = Discriminator(_demonstrated(task), task.recipe.gail, task.training_seed)
+    demonstrated, recipe = _demonstrated(task), task.recipe.gail
+    discriminator = Discriminator(demonstrated, recipe, task.training_seed, device)
     return train_imitator(
         task,
         path,
@@ -48,6 +52,7 @@ def train_by_gail(
         progress,
         n_processes=n_processes,
         precision=precision,
+        device=device,
         discriminator=discriminator,
     )
 

@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
+from trainer.devices import CPU
 from trainer.evaluation import play
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
 from trainer.policy.cloning import best_demonstrations
@@ -108,6 +110,7 @@ def train_imitator(
     *,
     n_processes: int | None = None,
     precision: Precision = Precision.FLOAT32,
+    device: torch.device = CPU,
     discriminator: Discriminator | None = None,
 ) -> ImitatorResult:
     """Train an imitator by PPO, or go on training it, and save the best snapshot.
@@ -120,6 +123,7 @@ def train_imitator(
         progress: Told of steps, with the curves after every rollout.
         n_processes: As of VectorGame; changes the speed only.
         precision: The numbers that the policy's layers multiply while it learns.
+        device: Where the policy is learned and the rewards are computed.
         discriminator: Takes the place of the learned reward, and learns after each rollout.
 
     Raises:
@@ -130,7 +134,8 @@ def train_imitator(
     checkpoint = checkpoint_folder / _CHECKPOINT
     if not checkpoint.exists():
         progress_at.tick()
-    payment = Payment.of(task.model if discriminator is None else discriminator.model, recipe)
+    model = task.model if discriminator is None else discriminator.model
+    payment = Payment.of(model.on(device), recipe)
     games = VectorGame(
         recipe.n_games,
         _training_starts(task),
@@ -148,6 +153,7 @@ def train_imitator(
             progress_at.tick,
             progress_at.add_episode,
             precision,
+            device,
         )
         progress_at.ppo = ppo
         training = _Training(task, ppo, env, checkpoint_folder, progress_at, discriminator)
@@ -287,7 +293,7 @@ class _Training(BaseCallback):
             self._reporter.recent.extend(extra["recent"])
             self._reporter.rate()
         if self._task.recipe.policy.warm_start:
-            start = _start_network(self._task)
+            start = _start_network(self._task).to(ppo.device)
             if self._task.recipe.policy.start_policy_pull:
                 ppo.start_policy = start
             if not ppo.num_timesteps:

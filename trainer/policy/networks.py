@@ -26,6 +26,7 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
+from trainer.devices import CPU, device_of, forward_batch
 from trainer.precision import Precision, layer_dtype
 from trainer.screens import channels_last_screens
 from tril.artifacts import write_whole
@@ -35,9 +36,6 @@ from tril.game.space_invaders import Action
 
 OBSERVATION_SPACE = spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)
 ACTION_SPACE = spaces.Discrete(len(Action))
-
-ACTING_BATCH = 256
-"""Observations per forward pass: larger batches leave the processor's caches and are slower."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,8 @@ class ScreenFeatures(BaseFeaturesExtractor):
 
     def forward(self, observations: Tensor) -> Tensor:
         """Return features, float32 (N, features), of observations, uint8 (N, 4, 84, 84)."""
-        inputs = observations.to(layer_dtype(), memory_format=torch.channels_last)
+        dtype = layer_dtype(observations.device)
+        inputs = observations.to(dtype, memory_format=torch.channels_last)
         first = self.cnn[0]
         assert isinstance(first, nn.Conv2d)
         values = F.conv2d(inputs, first.weight / 255.0, first.bias, first.stride)
@@ -101,7 +100,7 @@ class ScreenPolicy(ActorCriticCnnPolicy):
 
     def heads(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """Return logits, float32 (N, 6), and values, float32 (N,), of features."""
-        with Precision.FLOAT32.multiplying():
+        with Precision.FLOAT32.multiplying(features.device):
             return self.action_net(features), self.value_net(features).squeeze(1)
 
 
@@ -117,14 +116,16 @@ def policy_arguments(network: str) -> dict[str, Any]:
     }
 
 
-def new_policy(network: str, learning_rate: float, rng: np.random.Generator) -> ScreenPolicy:
+def new_policy(
+    network: str, learning_rate: float, rng: np.random.Generator, device: torch.device = CPU
+) -> ScreenPolicy:
     """Make a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
     arguments = policy_arguments(network)
     policy = drawn_from(
         rng,
         lambda: ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: learning_rate, **arguments),
     )
-    return channels_last(policy)
+    return channels_last(policy.to(device))
 
 
 def channels_last(policy: ScreenPolicy) -> ScreenPolicy:
@@ -154,12 +155,14 @@ class Policy:
         """
         check_observations(observations)
         result = np.empty((len(observations), len(Action)), np.float32)
+        device = device_of(self._network)
+        size = forward_batch(device)
         with torch.inference_mode():
-            for begin in range(0, len(observations), ACTING_BATCH):
-                part = slice(begin, begin + ACTING_BATCH)
-                batch = channels_last_screens(observations[part])
+            for begin in range(0, len(observations), size):
+                part = slice(begin, begin + size)
+                batch = channels_last_screens(observations[part]).to(device)
                 logits, _ = self._network.logits_and_values(batch)
-                result[part] = logits.softmax(1).numpy()
+                result[part] = logits.softmax(1).cpu().numpy()
         return result
 
 

@@ -23,6 +23,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
+from trainer.devices import CPU, device_of
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollouts import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
@@ -70,6 +71,7 @@ class ImitationPPO(PPO):
             training there.
         on_episode: Called with every episode that has ended.
         precision: The numbers that the networks' layers multiply.
+        device: Where the policy acts and learns.
     """
 
     policy: ScreenPolicy
@@ -86,6 +88,7 @@ class ImitationPPO(PPO):
         tick: Callable[[], None],
         on_episode: Callable[[FinishedEpisode], None],
         precision: Precision = Precision.FLOAT32,
+        device: torch.device = CPU,
     ) -> None:
         self.recipe = recipe
         self.steps = steps
@@ -111,7 +114,7 @@ class ImitationPPO(PPO):
             max_grad_norm=recipe.gradient_norm,
             rollout_buffer_class=ScreenRolloutBuffer,
             policy_kwargs=policy_arguments(recipe.network),
-            device="cpu",
+            device=device,
             _init_setup_model=False,
         )
         drawn_from(draws.weights, self._setup_model)
@@ -143,7 +146,7 @@ class ImitationPPO(PPO):
             self._last_episode_starts = ended
             self._tick()
         with torch.inference_mode():
-            _, values = self._ask(self.policy, torch.from_numpy(self._last_obs))
+            values = self._answers(torch.from_numpy(self._last_obs))[1]
         rollout_buffer.compute_returns_and_advantage(values, ended)
         callback.on_rollout_end()
         return True
@@ -153,15 +156,21 @@ class ImitationPPO(PPO):
     ) -> tuple[npt.NDArray[np.int64], Tensor, Tensor]:
         """Draw actions; returns them, the states' values and the actions' log probabilities."""
         with torch.inference_mode():
-            logits, values = self._ask(self.policy, torch.from_numpy(observations))
+            logits, values = self._answers(torch.from_numpy(observations))
             log_all = logits.log_softmax(1)
             drawn = torch.multinomial(log_all.exp(), 1, generator=self.draws.actions)
             return drawn[:, 0].numpy(), values, log_all.gather(1, drawn)[:, 0]
 
+    def _answers(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the policy's logits and values on the processor, where everything is drawn."""
+        logits, values = self._ask(self.policy, observations)
+        return logits.cpu(), values.cpu()
+
     def _ask(self, policy: ScreenPolicy, observations: Tensor) -> tuple[Tensor, Tensor]:
         """Return a policy's logits and values, computed as precisely as this training is."""
-        with self._precision.multiplying():
-            return policy.logits_and_values(observations)
+        device = device_of(policy)
+        with self._precision.multiplying(device):
+            return policy.logits_and_values(observations.to(device))
 
     def _bootstrap(
         self,
@@ -178,7 +187,7 @@ class ImitationPPO(PPO):
             return
         last = channels_last_screens(np.stack([infos[i]["terminal_observation"] for i in cut]))
         with torch.inference_mode():
-            _, values = self._ask(self.policy, last)
+            values = self._answers(last)[1]
         rewards[cut] += self.gamma * values.numpy()
 
     @property
@@ -231,7 +240,7 @@ class ImitationPPO(PPO):
         value_loss = F.mse_loss(minibatch.returns, values)
         entropy = -(log_all.exp() * log_all).sum(1).mean()
         loss = policy_loss - self.ent_coef * entropy + self.vf_coef * value_loss
-        divergence = torch.zeros(())
+        divergence = loss.new_zeros(())
         if wanted is not None:
             divergence = F.kl_div(
                 log_all, wanted[minibatch.indices], reduction="batchmean", log_target=True
@@ -245,13 +254,13 @@ class ImitationPPO(PPO):
 
     def _critic_loss(self, minibatch: Minibatch) -> tuple[Tensor, Tensor]:
         """Return the loss of the value's last layer alone, so that the policy stays as it is."""
-        with torch.no_grad(), self._precision.multiplying():
+        with torch.no_grad(), self._precision.multiplying(device_of(self.policy)):
             features = self.policy.extract_features(minibatch.observations)
         logits, values = self.policy.heads(features)
         log_all = logits.detach().log_softmax(1)
         entropy = -(log_all.exp() * log_all).sum(1).mean()
         value_loss = F.mse_loss(minibatch.returns, values)
-        zero = torch.zeros(())
+        zero = value_loss.new_zeros(())
         numbers = torch.stack([zero, value_loss.detach(), entropy, zero, zero, zero])
         return self.vf_coef * value_loss, numbers
 

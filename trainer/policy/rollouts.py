@@ -110,15 +110,15 @@ class ScreenRolloutBuffer(RolloutBuffer):
         return self._screens.flatten(0, 1).permute(0, 3, 1, 2)
 
     def minibatches(self, batch_size: int, rng: np.random.Generator) -> Iterator[Minibatch]:
-        """Yield all of the rollout once, in an order drawn from ``rng``."""
+        """Yield all of the rollout once on the buffer's device, in an order drawn from ``rng``."""
         if not self.full:
             raise RuntimeError("The rollout is not complete yet.")
-        screens = self.screens
-        actions = torch.from_numpy(self.actions.reshape(-1))
-        log_probs = torch.from_numpy(self.log_probs.reshape(-1))
-        advantages = torch.from_numpy(self.advantages.reshape(-1))
-        returns = torch.from_numpy(self.returns.reshape(-1))
-        order = torch.from_numpy(rng.permutation(len(screens)))
+        screens = self.screens.to(self.device)
+        actions = torch.from_numpy(self.actions.reshape(-1)).to(self.device)
+        log_probs = torch.from_numpy(self.log_probs.reshape(-1)).to(self.device)
+        advantages = torch.from_numpy(self.advantages.reshape(-1)).to(self.device)
+        returns = torch.from_numpy(self.returns.reshape(-1)).to(self.device)
+        order = torch.from_numpy(rng.permutation(len(screens))).to(self.device)
         for begin in range(0, len(order), batch_size):
             indices = order[begin : begin + batch_size]
             yield Minibatch(

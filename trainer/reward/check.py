@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import torch
 
+from trainer.devices import CPU
 from trainer.progress import Progress, Section
 from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
 from trainer.reward.model import RewardModel
@@ -120,6 +122,7 @@ def check_ranking(
     progress: Progress,
     checkpoint_folder: Path | None = None,
     perfect: PerfectGames = NO_PERFECT_GAMES,
+    device: torch.device = CPU,
 ) -> RankingCheck:
     """Check a reward model against the ranking it was learned from.
 
@@ -133,6 +136,7 @@ def check_ranking(
         progress: Told of the folds' updates and, as ``held_out_accuracy``, of each fold's result.
         checkpoint_folder: As of train_reward.
         perfect: As of train_reward.
+        device: Where the folds' models are learned.
 
     Raises:
         RunCancelled: Raised by ``progress``.
@@ -144,7 +148,7 @@ def check_ranking(
     tau = kendall_tau(tiers, returns)
     seed = (training_seed, _CHECK_STREAM)
     comparisons = compare(trajectories, tiers, recipe, perfect)
-    left_out = _cross_validate(comparisons, seed, progress, checkpoint_folder)
+    left_out = _cross_validate(comparisons, seed, progress, checkpoint_folder, device)
     held_out = float(np.mean([right for _, right in left_out])) if left_out else None
     tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
     by_return = [(pair, returns[pair[0]] > returns[pair[1]]) for pair in pairs]
@@ -183,6 +187,7 @@ def _cross_validate(
     seed: Seed,
     progress: Progress,
     checkpoint_folder: Path | None,
+    device: torch.device,
 ) -> list[Comparison]:
     """Train without some demonstrations and order them; return which pairs were in order.
 
@@ -206,6 +211,7 @@ def _cross_validate(
             recipe.fold_updates,
             (*seed, fold),
             checkpoint_folder and checkpoint_folder / f"fold-{fold}.safetensors",
+            device,
         )
         first, total = fold * recipe.fold_updates, n_folds * recipe.fold_updates
         section = Section(progress, first, total)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from trainer.devices import device_of, forward_batch
 from trainer.screens import channels_last_screens
 from tril.artifacts import write_whole
 from tril.errors import Invalid
@@ -23,9 +25,6 @@ from tril.game.observation import check_observations
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
-
-SCORING_BATCH = 256
-"""Observations per forward pass: larger batches leave the processor's caches and are slower."""
 
 
 class RewardNetwork(nn.Module):
@@ -126,13 +125,15 @@ class RewardModel:
         """
         check_observations(observations)
         result = np.empty(len(observations), np.float32)
+        device = device_of(self.members[0])
+        size = forward_batch(device)
         with torch.inference_mode():
-            for begin in range(0, len(observations), SCORING_BATCH):
-                part = slice(begin, begin + SCORING_BATCH)
-                batch = channels_last_screens(observations[part])
+            for begin in range(0, len(observations), size):
+                part = slice(begin, begin + size)
+                batch = channels_last_screens(observations[part]).to(device)
                 inputs = batch.to(torch.float32, memory_format=torch.channels_last)
                 outputs = [member.after_first(member.first(inputs)) for member in self.members]
-                result[part] = self.combine(outputs).numpy()
+                result[part] = self.combine(outputs).cpu().numpy()
         return result
 
     def combine(self, outputs: Sequence[Tensor]) -> Tensor:
@@ -143,6 +144,12 @@ class RewardModel:
     def level(self, rewards: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, in the same shape."""
         return ((rewards - self.zero) / (self.one - self.zero)).astype(np.float32)
+
+    def on(self, device: torch.device) -> RewardModel:
+        """Return this model on a device: itself if it is there, else a copy."""
+        if device_of(self.members[0]) == device:
+            return self
+        return replace(self, members=tuple(deepcopy(one).to(device) for one in self.members))
 
     def with_notes(self, notes: dict[str, Any]) -> RewardModel:
         """This model with other notes."""

@@ -23,10 +23,11 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
+from trainer.devices import CPU, device_of, forward_batch
 from trainer.optimizers import optimizer_tensors, restore_optimizer
 from trainer.progress import Progress, Section
 from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
-from trainer.reward.model import SCORING_BATCH, RewardModel, RewardNetwork
+from trainer.reward.model import RewardModel, RewardNetwork
 from trainer.reward.snippets import SnippetRule, draw_snippets
 from trainer.screens import channels_last_screens
 from tril.artifacts import write_whole
@@ -59,6 +60,7 @@ def train_reward(
     progress: Progress,
     checkpoint_folder: Path | None = None,
     perfect: PerfectGames = NO_PERFECT_GAMES,
+    device: torch.device = CPU,
 ) -> RewardModel:
     """Learn a reward model from ranked trajectories.
 
@@ -72,6 +74,7 @@ def train_reward(
         checkpoint_folder: An existing folder of this training alone; what a training that was
             killed left there is gone on from. None keeps nothing.
         perfect: The perfect demonstrations, for recipes that learn from them too.
+        device: Where it is learned; the model returned is on the processor.
 
     Raises:
         Invalid: There are fewer than two tiers.
@@ -85,10 +88,11 @@ def train_reward(
             recipe.updates,
             (training_seed, member),
             checkpoint_folder and checkpoint_folder / f"member-{member}.safetensors",
+            device,
         )
         section = Section(progress, member * recipe.updates, recipe.ensemble * recipe.updates)
         networks.append(job.train(section))
-    return calibrate(networks, comparisons, standardise=recipe.method == "fast")
+    return calibrate(networks, comparisons, standardise=recipe.method == "fast").on(CPU)
 
 
 class NetworkTraining:
@@ -102,6 +106,7 @@ class NetworkTraining:
         updates: Gradient updates.
         seed: What all draws are made of.
         checkpoint: File that is gone on from if it exists; None keeps nothing.
+        device: Where it is learned.
     """
 
     def __init__(
@@ -110,11 +115,12 @@ class NetworkTraining:
         updates: int,
         seed: Seed,
         checkpoint: Path | None = None,
+        device: torch.device = CPU,
     ) -> None:
         recipe = comparisons.recipe
         self._updates = updates
         self._checkpoint = checkpoint
-        self.network = new_network(_rng(seed, _WEIGHTS))
+        self.network = new_network(_rng(seed, _WEIGHTS)).to(device)
         self._parameters = list(self.network.parameters())
         self._optimizer = torch.optim.Adam(
             self._parameters, lr=recipe.learning_rate, weight_decay=recipe.weight_decay
@@ -197,6 +203,7 @@ class _PaperLogits:
         seed: Seed,
     ) -> None:
         self._network = network
+        self._device = device_of(network)
         self._games = comparisons.games
         self._recipe = recipe = comparisons.recipe
         self._seed = seed
@@ -213,7 +220,8 @@ class _PaperLogits:
         count = len(self._drawn)
         chosen = [int(self._order(place // count)[place % count]) for place in places]
         snippets = [self._observations(index) for index in chosen]
-        values = self._network(channels_last_screens(np.concatenate(snippets)))
+        screens = channels_last_screens(np.concatenate(snippets))
+        values = self._network(screens.to(self._device))
         halves = [half for pair in snippets for half in [len(pair) // 2] * 2]
         sums = torch.stack([part.sum() for part in values.split_with_sizes(halves)])
         return sums[0::2] - sums[1::2]
@@ -252,6 +260,7 @@ class _FastLogits:
         seed: Seed,
     ) -> None:
         self._network = network
+        self._device = device_of(network)
         self._comparisons = comparisons
         self._recipe = comparisons.recipe
         self._seed = seed
@@ -289,12 +298,12 @@ class _FastLogits:
 
     def _prefix_sums(self, taken: Sequence[Observations], first: Sequence[int]) -> Tensor:
         """Return the sums of R over each game's first k taken steps, float32 (games, most + 1)."""
-        inputs = torch.cat([channels_last_screens(one) for one in taken])
-        chunks = range(0, len(inputs), SCORING_BATCH)
-        values = torch.cat([self._network(inputs[at : at + SCORING_BATCH]) for at in chunks])
+        inputs = torch.cat([channels_last_screens(one) for one in taken]).to(self._device)
+        parts = torch.split(inputs, forward_batch(self._device))
+        values = torch.cat([self._network(part) for part in parts])
         sizes = [len(one) for one in taken]
         width = max(begin + size for begin, size in zip(first, sizes, strict=True))
-        table = torch.zeros(len(taken), width + 1)
+        table = torch.zeros(len(taken), width + 1, device=self._device)
         for row, (begin, part) in enumerate(
             zip(first, values.split_with_sizes(sizes), strict=True)
         ):

@@ -37,6 +37,7 @@ def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         progress,
         context.stage_folder("reward"),
         data.perfect_games,
+        context.device,
     )
     data.keep_reward_model(model)
     return {}
@@ -54,6 +55,7 @@ def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         progress,
         context.stage_folder("check"),
         data.perfect_games,
+        context.device,
     )
     data.forget_copies()
     found = check.to_dict()
@@ -68,7 +70,12 @@ def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
     context = data.context
     path = context.stage_folder("clone") / "clone.zip"
     train_clone(
-        data.perfect_trajectories, context.recipe.cloning, context.training_seed, path, progress
+        data.perfect_trajectories,
+        context.recipe.cloning,
+        context.training_seed,
+        path,
+        progress,
+        context.device,
     )
     data.keep_policy("clone", path)
     return {}
@@ -97,7 +104,9 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
             folder,
             progress,
             n_processes=min(context.courtesy.threads, context.recipe.policy.n_games),
-            precision=Precision.of(context.settings.learning_precision),
+            precision=Precision.of(context.settings.learning_precision, context.device),
+            device=context.device,
         )
     data.keep_policy("imitator", path)
-    return {"imitator": {"best_steps": result.best_steps, "precision": str(result.precision)}}
+    learned = {"precision": str(result.precision), "device": context.device.type}
+    return {"imitator": {"best_steps": result.best_steps, **learned}}

@@ -8,6 +8,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
 
 from tests.trainer.policy.made_up import TINY, observations, random_model
+from trainer.devices import CPU, device_of
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.ppo import Draws, ImitationPPO
 from trainer.policy.rewards import Payment
@@ -29,6 +30,9 @@ PLAIN = replace(
 )
 
 
+ELSEWHERE = torch.device("meta")
+
+
 @pytest.fixture
 def env() -> Iterator[TrilVecEnv]:
     games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
@@ -38,9 +42,13 @@ def env() -> Iterator[TrilVecEnv]:
 
 
 def make_ppo(
-    env: TrilVecEnv, recipe: PolicyRecipe = PLAIN, precision: Precision = Precision.FLOAT32
+    env: TrilVecEnv,
+    recipe: PolicyRecipe = PLAIN,
+    precision: Precision = Precision.FLOAT32,
+    device: torch.device = CPU,
 ) -> ImitationPPO:
-    return ImitationPPO(env, recipe, 1000, Draws.of(3), lambda: None, lambda _: None, precision)
+    draws = Draws.of(3)
+    return ImitationPPO(env, recipe, 1000, draws, lambda: None, lambda _: None, precision, device)
 
 
 def fill(buffer: RolloutBuffer, policy_values: bool = True) -> None:
@@ -187,6 +195,24 @@ def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
             then = start.logits_and_values(inputs)[0].log_softmax(1)
         moved[pull] = float((then.exp() * (then - now)).sum(1).mean())
     assert moved[100.0] < 0.2 * moved[0.0]
+
+
+def test_an_update_is_computed_where_the_policy_is(env: TrilVecEnv) -> None:
+    """On PyTorch's device without numbers, which refuses what is not on it as a GPU does."""
+    ppo = make_ppo(env, replace(PLAIN, start_policy_pull=0.1), device=ELSEWHERE)
+    ppo.start_policy = ppo.policy
+    assert device_of(ppo.policy) == ELSEWHERE
+    fill(ppo.rollout_buffer)
+    wanted = ppo._start_log_probabilities()
+    minibatches = list(ppo.rollout_buffer.minibatches(8, np.random.default_rng(0)))
+    assert len(minibatches) > 1
+    for minibatch in minibatches:
+        assert {part.device for part in minibatch} == {ELSEWHERE}
+        for loss, numbers in (ppo._loss(minibatch, wanted, 0.1), ppo._critic_loss(minibatch)):
+            ppo.policy.zero_grad()
+            loss.backward()  # type: ignore[no-untyped-call]
+            assert numbers.shape == (6,)
+            torch.nn.utils.clip_grad_norm_(ppo.policy.parameters(), 0.5)
 
 
 def test_the_pull_falls_to_zero(env: TrilVecEnv) -> None:

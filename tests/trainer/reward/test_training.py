@@ -10,6 +10,7 @@ from tests.trainer.planted import planted_trajectories, planted_trajectory
 from trainer.progress import Progress, RunCancelled, Unobserved
 from trainer.reward import training
 from trainer.reward.check import are_told_apart, check_ranking
+from trainer.reward.comparisons import compare
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
 from trainer.reward.training import LEVEL_STEPS, train_reward
 from tril.recipes import FAST, PAPER, RewardRecipe
@@ -221,3 +222,16 @@ def test_cancelling_stops_at_once(recipe: RewardRecipe) -> None:
     with pytest.raises(RunCancelled):
         train_reward(TRAJECTORIES, TIERS, recipe, 7, progress)
     assert len(progress.done) == 2
+
+
+@pytest.mark.parametrize("name", ["fast", "paper"])
+def test_a_loss_is_computed_where_the_network_is(name: str) -> None:
+    """On PyTorch's device without numbers, which refuses what is not on it as a GPU does."""
+    elsewhere = torch.device("meta")
+    comparisons = compare(TRAJECTORIES, TIERS, RECIPES[name])
+    job = training.NetworkTraining(comparisons, 2, (7,), device=elsewhere)
+    logits = job._logits(0)
+    assert logits.device == elsewhere
+    logits.sum().backward()  # type: ignore[no-untyped-call]
+    gradients = [parameter.grad for parameter in job.network.parameters()]
+    assert all(one is not None and one.device == elsewhere for one in gradients)

@@ -1,0 +1,122 @@
+"""Where networks learn."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import pytest
+import torch
+
+from tests.trainer.policy.made_up import observations, random_model
+from trainer import devices
+from trainer.devices import CPU, compare_gradients, device_of, forward_batch, learning_device
+from trainer.policy.cloning import Examples
+from trainer.policy.networks import Policy, new_policy
+from trainer.precision import Precision
+from tril.errors import Invalid
+
+GPU = torch.device("cuda")
+ELSEWHERE = torch.device("meta")
+"""PyTorch's device without numbers: it refuses what is not on it, as a GPU does."""
+
+
+@pytest.fixture
+def gpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let PyTorch say that there is a GPU."""
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+
+
+def test_without_a_gpu_the_processor_learns(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    assert learning_device("auto") == learning_device("cpu") == CPU
+    with pytest.raises(Invalid, match=r"finds none\. Set TRIL_LEARNING_DEVICE to auto or cpu"):
+        learning_device("cuda")
+
+
+@pytest.mark.usefixtures("gpu")
+def test_a_gpu_that_computes_the_same_is_used_unless_it_is_not_wanted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(devices, "compare_gradients", lambda device: compare_gradients(CPU))
+    assert learning_device("auto") == learning_device("cuda") == GPU
+    assert learning_device("cpu") == CPU
+
+
+@pytest.mark.usefixtures("gpu")
+@pytest.mark.parametrize("obstacle", ["its gradients differ", None])
+def test_a_gpu_that_is_of_no_use_is_left_alone(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, obstacle: str | None
+) -> None:
+    def compare(device: torch.device) -> str:
+        if obstacle is None:
+            raise RuntimeError("no kernel image is available")
+        return obstacle
+
+    monkeypatch.setattr(devices, "compare_gradients", compare)
+    with caplog.at_level(logging.WARNING):
+        assert learning_device("auto") == CPU
+    assert (obstacle or "no kernel image") in caplog.text
+    with pytest.raises(Invalid, match=obstacle or "no kernel image"):
+        learning_device("cuda")
+
+
+def test_other_gradients_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert compare_gradients(CPU) is None
+    loss, calls = torch.nn.functional.softplus, []
+
+    def wrong_the_second_time(values: torch.Tensor) -> torch.Tensor:
+        calls.append(values)
+        return loss(values) * (1.0 if len(calls) == 1 else 1.05)
+
+    monkeypatch.setattr(torch.nn.functional, "softplus", wrong_the_second_time)
+    assert "differ by up to" in str(compare_gradients(CPU))
+
+
+@pytest.mark.usefixtures("gpu")
+@pytest.mark.skipif(torch.version.cuda is not None, reason="This build of PyTorch knows GPUs.")
+def test_a_build_without_gpus_learns_on_the_processor() -> None:
+    assert learning_device("auto") == CPU
+
+
+@pytest.mark.parametrize(("has", "expected"), [(True, "bfloat16"), (False, "float32")])
+def test_a_gpu_takes_the_shorter_numbers_if_it_multiplies_them(
+    monkeypatch: pytest.MonkeyPatch, has: bool, expected: str
+) -> None:
+    monkeypatch.setattr(torch.cuda, "is_bf16_supported", lambda including_emulation: has)
+    assert Precision.of("auto", GPU) == expected
+    assert Precision.of("float32", GPU) == "float32"
+
+
+def test_what_is_asked_goes_where_the_network_is() -> None:
+    """The answers can't come back from there: there are none."""
+    policy = new_policy("small", 1e-3, np.random.default_rng(0), ELSEWHERE)
+    assert device_of(policy) == ELSEWHERE
+    with pytest.raises(NotImplementedError, match="no data"):
+        Policy(policy).probabilities(observations(2))
+    model = random_model().on(ELSEWHERE)
+    with pytest.raises(NotImplementedError, match="no data"):
+        model.score(observations(2))
+
+
+def test_a_model_stays_what_it_is_and_is_copied_only_to_another_device() -> None:
+    model = random_model()
+    assert model.on(CPU) is model
+    there = model.on(ELSEWHERE)
+    assert device_of(there.members[0]) == ELSEWHERE
+    assert device_of(model.members[0]) == CPU
+    assert (there.offsets, there.scales, there.zero) == (model.offsets, model.scales, model.zero)
+
+
+def test_a_clones_loss_is_computed_where_it_is() -> None:
+    screens = torch.from_numpy(observations(6))
+    examples = Examples(screens, torch.tensor([0, 1, 1, 2, 5, 1])).on(ELSEWHERE)
+    policy = new_policy("small", 1e-3, np.random.default_rng(0), ELSEWHERE)
+    logits, _ = policy.logits_and_values(examples.observations)
+    weights = examples.weights()
+    assert weights.device == ELSEWHERE
+    torch.nn.functional.cross_entropy(logits, examples.actions, weights).backward()  # type: ignore[no-untyped-call]
+
+
+def test_a_gpu_is_given_more_at_once() -> None:
+    assert forward_batch(GPU) > forward_batch(CPU)
