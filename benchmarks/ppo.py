@@ -203,7 +203,7 @@ def make_ours(
 ) -> ImitationPPO:
     """Return our PPO on our games."""
     games = TimedGames(recipe.n_games, TrainingStarts(), training_seed=training_seed)
-    model = payment.model.on(device)
+    model = payment.model
     timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
     env = TrilVecEnv(games, replace(payment, model=timed))
     draws = Draws.of(training_seed)
@@ -226,7 +226,7 @@ def measure(
         RECIPES[name].policy, start_policy_pull=0.0, critic_warm_up_steps=0, reward="level"
     )
     network = new_network(np.random.default_rng(0))
-    payment = Payment.of(RewardModel((network,), (0.0,), (1.0,)), recipe)
+    payment = Payment.of(RewardModel((network,), (0.0,), (1.0,)).on(device), recipe)
     steps = recipe.n_games * recipe.rollout_steps * rollouts
     ours = make_ours(recipe, payment, 0, precision, device)
     plain = make_plain(recipe, payment, 0, device)

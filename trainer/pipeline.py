@@ -15,10 +15,12 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
+import torch
 from sqlalchemy.orm import Session
 
 from trainer.context import RunContext, StageProgress, WorkerStopping
 from trainer.courtesy import Courtesy, learning_threads
+from trainer.devices import free_memory
 from trainer.progress import RunCancelled
 from trainer.run_data import RunData
 from trainer.stages import STAGE_WORK
@@ -114,6 +116,7 @@ class Pipeline:
             how = self._go_through(data, stages, perform)
         finally:
             del self._at_work[run_id]
+            free_memory()
         log.info("Run %s: %s.", run_id, how)
         return how
 
@@ -233,7 +236,8 @@ def explain(stage: str, problem: BaseException, run_id: str) -> str:
         return str(problem)
     if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT}:
         return DISK_FULL
-    if isinstance(problem, MemoryError) or "not enough memory" in str(problem):
+    is_full = isinstance(problem, (MemoryError, torch.OutOfMemoryError))
+    if is_full or "not enough memory" in str(problem):
         return (
             "There was not enough memory. Close other programs or choose fewer games at a time, "
             "then resume; what was learned so far is kept."

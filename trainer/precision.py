@@ -23,7 +23,7 @@ class Precision(StrEnum):
 
     @classmethod
     def of(cls, wanted: str, device: torch.device = CPU) -> Precision:
-        """Return the precision wanted; "auto" is the faster one of this device."""
+        """Return the precision wanted; "auto" is the shorter one where the device multiplies it."""
         if wanted != "auto":
             return cls(wanted)
         return cls.BFLOAT16 if _multiplies_bfloat16(device) else cls.FLOAT32

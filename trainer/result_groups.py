@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from trainer.ledger import Entry, recipe_digest
 from tril.behaviours import READY_MADE, Behaviour
-from tril.recipes import RECIPES
+from tril.errors import Invalid
+from tril.recipes import RECIPES, with_values
 from tril.summary import Interval, interval
 
 
@@ -35,8 +36,10 @@ class ResultGroup:
         if self.is_current:
             return self.behaviour.name
         first = self.entries[0]
-        changes = ", ".join(f"{path} {value}" for path, value in first.changes.items())
-        return f"{self.behaviour.name} ({changes or f'other values, {first.cell.digest}'})"
+        said = f"other values, {first.cell.digest}"
+        if _still_makes(first):
+            said = ", ".join(f"{path} {value}" for path, value in first.changes.items())
+        return f"{self.behaviour.name} ({said})"
 
     @property
     def steps(self) -> int:
@@ -70,6 +73,16 @@ class ResultGroup:
         """Return the lowest of a figure of the reward models' checks, for a table."""
         values = [v for entry in self.entries if (v := entry.check.get(name)) is not None]
         return f"{min(values):{form}}" if values else ""
+
+
+def _still_makes(entry: Entry) -> bool:
+    """Tell whether an entry's changes make its recipe of the ready-made one as it is now."""
+    changes = {path: tuple(v) if isinstance(v, list) else v for path, v in entry.changes.items()}
+    try:
+        changed = with_values(RECIPES[entry.cell.recipe], changes)
+    except Invalid:
+        return False  # A value that recipes have no more.
+    return recipe_digest(changed) == entry.cell.digest
 
 
 def group_results(entries: Sequence[Entry]) -> list[ResultGroup]:

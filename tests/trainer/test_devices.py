@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from trainer.policy.networks import Policy, new_policy
 from trainer.precision import Precision
 from tril.errors import Invalid
 
-GPU = torch.device("cuda")
+GPU = torch.device("cuda", 0)
 ELSEWHERE = torch.device("meta")
 """PyTorch's device without numbers: it refuses what is not on it, as a GPU does."""
 
@@ -25,6 +26,10 @@ ELSEWHERE = torch.device("meta")
 def gpu(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let PyTorch say that there is a GPU."""
     monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(torch.cuda, "current_device", lambda: 0)
+    monkeypatch.setattr(torch.cuda, "get_device_name", lambda device: "A card")
+    for name in ("allow_tf32", "deterministic"):
+        monkeypatch.setattr(torch.backends.cudnn, name, getattr(torch.backends.cudnn, name))
 
 
 def test_without_a_gpu_the_processor_learns(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -34,43 +39,66 @@ def test_without_a_gpu_the_processor_learns(monkeypatch: pytest.MonkeyPatch) -> 
         learning_device("cuda")
 
 
+def test_a_driver_that_is_too_old_is_told(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def not_available() -> bool:
+        warnings.warn("The NVIDIA driver on your system is too old", stacklevel=1)
+        return False
+
+    monkeypatch.setattr(torch.cuda, "is_available", not_available)
+    with caplog.at_level(logging.INFO):
+        assert learning_device("auto") == CPU
+    assert "driver on your system is too old" in caplog.text
+
+
 @pytest.mark.usefixtures("gpu")
 def test_a_gpu_that_computes_the_same_is_used_unless_it_is_not_wanted(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(devices, "compare_gradients", lambda device: compare_gradients(CPU))
-    assert learning_device("auto") == learning_device("cuda") == GPU
+    with caplog.at_level(logging.INFO):
+        assert learning_device("auto") == learning_device("cuda") == GPU
+    assert "A card" in caplog.text
+    assert not torch.backends.cudnn.allow_tf32
+    assert torch.backends.cudnn.deterministic
     assert learning_device("cpu") == CPU
 
 
 @pytest.mark.usefixtures("gpu")
-@pytest.mark.parametrize("obstacle", ["its gradients differ", None])
+@pytest.mark.parametrize(
+    "obstacle", ["its gradients differ", RuntimeError("no kernel image"), AssertionError("no CUDA")]
+)
 def test_a_gpu_that_is_of_no_use_is_left_alone(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, obstacle: str | None
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    obstacle: str | Exception,
 ) -> None:
     def compare(device: torch.device) -> str:
-        if obstacle is None:
-            raise RuntimeError("no kernel image is available")
+        if isinstance(obstacle, Exception):
+            raise obstacle
         return obstacle
 
     monkeypatch.setattr(devices, "compare_gradients", compare)
-    with caplog.at_level(logging.WARNING):
+    with caplog.at_level(logging.INFO):
         assert learning_device("auto") == CPU
-    assert (obstacle or "no kernel image") in caplog.text
-    with pytest.raises(Invalid, match=obstacle or "no kernel image"):
+    assert str(obstacle) in caplog.text
+    with pytest.raises(Invalid, match=str(obstacle)):
         learning_device("cuda")
 
 
-def test_other_gradients_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_gradients_are_noticed_and_rounding_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
     assert compare_gradients(CPU) is None
-    loss, calls = torch.nn.functional.softplus, []
-
-    def wrong_the_second_time(values: torch.Tensor) -> torch.Tensor:
-        calls.append(values)
-        return loss(values) * (1.0 if len(calls) == 1 else 1.05)
-
-    monkeypatch.setattr(torch.nn.functional, "softplus", wrong_the_second_time)
-    assert "differ by up to" in str(compare_gradients(CPU))
+    loss = torch.nn.functional.softplus
+    for wrong, expected in ((1.05, "by 5.0%"), (1.005, None), (float("nan"), "by nan%")):
+        factors = iter((1.0, wrong))
+        monkeypatch.setattr(
+            torch.nn.functional,
+            "softplus",
+            lambda values, factors=factors: loss(values) * next(factors),
+        )
+        found = compare_gradients(CPU)
+        assert found is None if expected is None else expected in str(found)
 
 
 @pytest.mark.usefixtures("gpu")

@@ -189,6 +189,10 @@ def test_results_of_other_values_and_other_numbers_are_told_apart(tmp_path: Path
     ledger.add(replace(other, changes={"policy.epochs": 9}))
     page = write_page(tmp_path, "tril reproduce").read_text()
     assert "| Column 2 (policy.epochs 9) | 9,000 | 0 | imitator |" in page
+    for outdated in ({"policy.epochs": 8}, {"policy.forgotten": 9}):
+        ledger.add(replace(other, changes=outdated))
+        page = write_page(tmp_path, "tril reproduce").read_text()
+        assert f"| Column 2 (other values, {other.cell.digest}) |" in page
     here, on_gpu = [line for line in page.splitlines() if "learned in bfloat16" in line]
     assert here.startswith("- [Column 2, 1,000 steps")
     assert here.endswith("learned in bfloat16")

@@ -1,7 +1,7 @@
 """Checkpoints of a PPO training: everything that its future depends on, in one file.
 
 A training that is killed and goes on from its checkpoint ends with the same weights, bit by bit,
-as one that was not, given the same number of threads.
+as one that was not, given the same number of threads, on the processor. A GPU may round otherwise.
 """
 
 from __future__ import annotations

@@ -134,8 +134,9 @@ def train_imitator(
     checkpoint = checkpoint_folder / _CHECKPOINT
     if not checkpoint.exists():
         progress_at.tick()
-    model = task.model if discriminator is None else discriminator.model
-    payment = Payment.of(model.on(device), recipe)
+    # The discriminator's own model, which changes with it.
+    model = discriminator.model if discriminator else task.model.on(device)
+    payment = Payment.of(model, recipe)
     games = VectorGame(
         recipe.n_games,
         _training_starts(task),

@@ -23,15 +23,13 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.chance import drawn_from
-from trainer.devices import CPU, device_of
+from trainer.devices import CPU, device_of, forward_batch
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollouts import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
 from trainer.precision import Precision
 from trainer.screens import channels_last_screens
 from tril.recipes import PolicyRecipe
-
-_PULL_BATCH = 256
 
 
 @dataclass
@@ -267,11 +265,11 @@ class ImitationPPO(PPO):
     def _start_log_probabilities(self) -> Tensor:
         """Return the start policy's log probabilities over the rollout, float32 (N, 6)."""
         assert self.start_policy is not None
-        screens = self.rollout_buffer.screens
+        size = forward_batch(device_of(self.start_policy))
         parts = []
         with torch.no_grad():
-            for begin in range(0, len(screens), _PULL_BATCH):
-                logits, _ = self._ask(self.start_policy, screens[begin : begin + _PULL_BATCH])
+            for screens in torch.split(self.rollout_buffer.screens, size):
+                logits, _ = self._ask(self.start_policy, screens)
                 parts.append(logits.log_softmax(1))
                 self._tick()
         return torch.cat(parts)

@@ -69,7 +69,7 @@ def train_reward(
         tiers: Indices into ``trajectories``, best tier first; tied ones get no strict label.
         recipe: How it is learned.
         training_seed: Feeds every random choice: the same one gives the same model, with the same
-            number of threads.
+            number of threads, on the processor. A GPU may round otherwise.
         progress: Told of loss and accuracy, as updates of all members of the ensemble.
         checkpoint_folder: An existing folder of this training alone; what a training that was
             killed left there is gone on from. None keeps nothing.

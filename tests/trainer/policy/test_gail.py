@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from trainer.policy.imitator import ImitationTask, ImitatorResult
 from trainer.policy.networks import new_policy, save_policy
 from trainer.policy.rewards import Payment
 from trainer.progress import RunCancelled
+from trainer.reward.model import RewardModel
 from tril.behaviours import READY_MADE
 from tril.demonstrator import Demonstration, perfect_demonstrations
 from tril.errors import Invalid
@@ -192,6 +194,15 @@ def test_the_policy_learns_from_the_discriminator_and_not_from_the_learned_rewar
     assert same(trained(replace(task, model=random_model(5.0, 9.0)), "a"), finished.weights)
     unlike = replace(task, perfect=[short_recording(b"\x00" * 120)])
     assert not same(trained(unlike, "b"), finished.weights)
+
+
+def test_what_pays_is_the_discriminators_own_model(
+    task: ImitationTask, finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A copy, as another device would need, would never learn."""
+    monkeypatch.setattr(RewardModel, "on", lambda model, device: deepcopy(model))
+    train_by_gail(task, tmp_path / "imitator.zip", tmp_path, Watched())
+    assert same(weights(tmp_path / "imitator.zip"), finished.weights)
 
 
 def test_gail_needs_a_perfect_demonstration(task: ImitationTask, tmp_path: Path) -> None:
