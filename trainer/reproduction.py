@@ -112,7 +112,7 @@ def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[s
         *(
             f"- [{group.name}, {group.steps:,} steps, training seed"
             f" {entry.cell.training_seed}]({cell_folder(entry)}/README.md)"
-            f"{_learned_with(entry)}"
+            f"{_remark(entry)}"
             for group in groups
             for entry in group.entries
         ),
@@ -120,7 +120,7 @@ def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[s
     ]
 
 
-def _learned_with(entry: Entry) -> str:
+def _remark(entry: Entry) -> str:
     """Return what is not the same in all runs, for the end of a line."""
     numbers = ", learned in bfloat16" if entry.versions.get(PRECISION) == "bfloat16" else ""
     return numbers + (", on a GPU" if entry.versions.get(DEVICE) == "cuda" else "")

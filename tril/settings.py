@@ -30,7 +30,7 @@ class Settings(BaseSettings):
             the page with the same key is one player.
         learning_threads: Threads that learning may use; 0 means all cores.
         learning_precision: The numbers that policies learn in: "float32", "bfloat16", or "auto" for
-            the faster ones of the device.
+            the shorter ones where the device multiplies them.
         learning_device: Where networks learn: "cpu", "cuda", or "auto" for a GPU if there is one.
     """
 

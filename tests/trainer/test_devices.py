@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.policy.made_up import observations, random_model
+from tests.trainer.policy.made_up import ELSEWHERE, observations, random_model
 from trainer import devices
 from trainer.devices import CPU, compare_gradients, device_of, forward_batch, learning_device
 from trainer.policy.cloning import Examples
@@ -18,8 +18,6 @@ from trainer.precision import Precision
 from tril.errors import Invalid
 
 GPU = torch.device("cuda", 0)
-ELSEWHERE = torch.device("meta")
-"""PyTorch's device without numbers: it refuses what is not on it, as a GPU does."""
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.planted import planted_trajectories
 from tests.trainer.policy.made_up import observations, random_model, short_recording, tiny_recipe
 from tests.trainer.policy.test_imitator import STEPS, Watched
+from tests.trainer.reward.test_training import RECIPES, TIERS, TRAJECTORIES
 from trainer.devices import CPU, compare_gradients, device_of, learning_device
 from trainer.policy import imitator
 from trainer.policy.gail import train_by_gail
@@ -22,7 +22,7 @@ from trainer.precision import Precision
 from trainer.progress import RunCancelled, Unobserved
 from trainer.reward.training import train_reward
 from tril.behaviours import READY_MADE
-from tril.recipes import FAST, PAPER, GailRecipe
+from tril.recipes import GailRecipe
 
 DEVICES = list(dict.fromkeys([CPU, learning_device("auto")]))
 
@@ -90,22 +90,11 @@ def test_a_training_goes_on_wherever_it_is_taken_up(
 
 
 @pytest.mark.parametrize("device", DEVICES)
-@pytest.mark.parametrize("kind", ["fast", "paper"])
+@pytest.mark.parametrize("kind", RECIPES)
 def test_a_reward_model_learned_anywhere_is_on_the_processor(
     kind: str, device: torch.device
 ) -> None:
-    recipe = {
-        "fast": replace(FAST.reward, updates=2, folds=0, observation_stride=5, snippet_min_steps=5),
-        "paper": replace(
-            PAPER.reward,
-            updates=2,
-            folds=0,
-            snippet_pairs=2,
-            snippet_min_steps=10,
-            snippet_max_steps=20,
-        ),
-    }[kind]
-    tiers = [[0], [1], [2, 3], [4], [5]]
-    model = train_reward(planted_trajectories(), tiers, recipe, 7, Unobserved(), device=device)
+    recipe = replace(RECIPES[kind], updates=2)
+    model = train_reward(TRAJECTORIES, TIERS, recipe, 7, Unobserved(), device=device)
     assert device_of(model.members[0]) == CPU
     assert np.isfinite(model.score(observations(3))).all()

@@ -3,12 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
+import torch
 
 from trainer.reward.model import RewardModel
 from trainer.reward.training import new_network
 from tril.game.starts import Start
 from tril.recipes import FAST, Recipe
 from tril.recording import Recording, Trajectory, trajectory
+
+ELSEWHERE = torch.device("meta")
+"""PyTorch's device without numbers: it refuses what is not on it, as a GPU does."""
 
 TINY = replace(
     FAST.policy,

@@ -7,7 +7,7 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
 
-from tests.trainer.policy.made_up import TINY, observations, random_model
+from tests.trainer.policy.made_up import ELSEWHERE, TINY, observations, random_model
 from trainer.devices import CPU, device_of
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.ppo import Draws, ImitationPPO
@@ -28,9 +28,6 @@ PLAIN = replace(
     n_games=2,
     network="nature",
 )
-
-
-ELSEWHERE = torch.device("meta")
 
 
 @pytest.fixture
@@ -198,7 +195,6 @@ def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
 
 
 def test_an_update_is_computed_where_the_policy_is(env: TrilVecEnv) -> None:
-    """On PyTorch's device without numbers, which refuses what is not on it as a GPU does."""
     ppo = make_ppo(env, replace(PLAIN, start_policy_pull=0.1), device=ELSEWHERE)
     ppo.start_policy = ppo.policy
     assert device_of(ppo.policy) == ELSEWHERE

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from tests.trainer.planted import planted_trajectories, planted_trajectory
+from tests.trainer.policy.made_up import ELSEWHERE
 from trainer.progress import Progress, RunCancelled, Unobserved
 from trainer.reward import training
 from trainer.reward.check import are_told_apart, check_ranking
@@ -226,12 +227,10 @@ def test_cancelling_stops_at_once(recipe: RewardRecipe) -> None:
 
 @pytest.mark.parametrize("name", ["fast", "paper"])
 def test_a_loss_is_computed_where_the_network_is(name: str) -> None:
-    """On PyTorch's device without numbers, which refuses what is not on it as a GPU does."""
-    elsewhere = torch.device("meta")
     comparisons = compare(TRAJECTORIES, TIERS, RECIPES[name])
-    job = training.NetworkTraining(comparisons, 2, (7,), device=elsewhere)
+    job = training.NetworkTraining(comparisons, 2, (7,), device=ELSEWHERE)
     logits = job._logits(0)
-    assert logits.device == elsewhere
+    assert logits.device == ELSEWHERE
     logits.sum().backward()  # type: ignore[no-untyped-call]
     gradients = [parameter.grad for parameter in job.network.parameters()]
-    assert all(one is not None and one.device == elsewhere for one in gradients)
+    assert all(one is not None and one.device == ELSEWHERE for one in gradients)
