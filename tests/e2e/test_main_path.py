@@ -115,8 +115,10 @@ def _rank(page: Page) -> None:
 
     handle = _handle(page.locator("main"), 4)
     handle.focus()
+    page.keyboard.press("Space")
+    expect(page.get_by_text("Picked up Recording 4")).to_be_attached()
+    _wait_for_timers(page)
     for key, announced in (
-        ("Space", "Picked up Recording 4"),
         ("ArrowUp", "Over new tier between tiers 2 and 3"),
         ("ArrowUp", "Over tier 2 of 3"),
         ("ArrowUp", "Over new tier between tiers 1 and 2"),
@@ -137,8 +139,13 @@ def _handle(where: Locator, number: int) -> Locator:
     return where.get_by_role("button", name=f"Move Recording {number}", exact=True)
 
 
+def _wait_for_timers(page: Page) -> None:
+    """Wait for every timer that is due: dnd-kit listens to the arrow keys from one of them on."""
+    page.evaluate("() => new Promise((done) => setTimeout(done))")
+
+
 def _drag_into(page: Page, handle: Locator, target: Locator, announced: str) -> None:
-    """Drag as a person does: after the place, should the page scroll, until it lights up."""
+    """Drag as a person does: after the place while the page scrolls, until it stays lit."""
     handle.scroll_into_view_if_needed()
     start = handle.bounding_box()
     assert start is not None
@@ -147,11 +154,13 @@ def _drag_into(page: Page, handle: Locator, target: Locator, announced: str) -> 
     page.mouse.move(start["x"] - 20, start["y"] - 20, steps=4)
     lit = page.get_by_text(f"Over {announced}")
     deadline = time.monotonic() + DRAG_TIMEOUT_S
-    while not lit.count():
+    aimed_at = None
+    while not (lit.count() and target.bounding_box() == aimed_at):
         assert time.monotonic() < deadline, f"the page does not say: Over {announced}"
-        end = target.bounding_box()
-        assert end is not None
-        page.mouse.move(end["x"] + end["width"] / 2, end["y"] + end["height"] / 2, steps=12)
+        aimed_at = target.bounding_box()
+        assert aimed_at is not None
+        x, y = aimed_at["x"] + aimed_at["width"] / 2, aimed_at["y"] + aimed_at["height"] / 2
+        page.mouse.move(x, y, steps=12)
         page.wait_for_timeout(100)
     page.mouse.up()
 
