@@ -101,7 +101,8 @@ def ablation_lines(entries: Sequence[Entry]) -> list[str]:
         "## The fast recipe without its parts",
         "",
         "Each row leaves one factor out of `fast`; all else but what is named is the same. Greedy"
-        " games from all held-out evaluation starts, sampled where it says so.",
+        " games from all held-out evaluation starts, sampled where it says so; tau and left-out"
+        " pairs are the reward model's, the lowest of the training seeds.",
         "",
         *(f"- Without {one.name}: {one.instead}." for one in ABLATIONS if one in left_out),
         "",

@@ -85,7 +85,7 @@ def _section(folder: Path, recipe: str, groups: Sequence[ResultGroup]) -> list[s
         "Greedy games from all held-out evaluation starts, of all training seeds together, with 95%"
         " bootstrap intervals over the games. Minutes are those of whole runs, from the recordings"
         " to the attention maps, on the machine as it was; tau and left-out pairs are the reward"
-        " model's.",
+        " model's, the lowest of the training seeds.",
         "",
         *_means(groups),
         "",
