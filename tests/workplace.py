@@ -17,10 +17,11 @@ from tril.jobs import prepare_queue
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recorder, Recording, Replay
 from tril.settings import Settings
-from tril.store import behaviours, rankings, recordings, runs
+from tril.store import behaviours, rankings, recordings
 from tril.store.database import Database, create_database
 from tril.store.models import RunRow, Source
 from tril.store.schema import upgrade
+from tril.store.training import runs
 
 FRAMES = 240
 """Length of the test recordings: 60 steps."""

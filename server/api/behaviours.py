@@ -16,7 +16,7 @@ from server.api.schemas import (
     PlannedDemonstration,
 )
 from server.dependencies import BehaviourId, Reading, Writing
-from server.problems import CONFLICT, NOT_FOUND
+from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrator import PlayedGame, example_plans, tick
 from tril.errors import Invalid
 from tril.game.episode import EndReason

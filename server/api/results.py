@@ -24,12 +24,13 @@ from server.api.run_schemas import (
 from server.api.run_views import run_view
 from server.api.schemas import Recording
 from server.api.views import RecordingViews
+from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
-from tril.store import artifacts, evaluations, recordings
-from tril.store.alarms import alarm_of
+from tril.store import recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
-from tril.store.returns import judged_games
-from tril.summary import winner
+from tril.store.training import artifacts, evaluations
+from tril.store.training.alarms import alarm_of
+from tril.store.training.returns import judged_games
 
 _STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
 

@@ -8,8 +8,8 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas import Id, Recording, Schema
-from tril.extrapolation import Player
-from tril.store.evaluations import Choice
+from tril.analysis.extrapolation import Player
+from tril.store.training.evaluations import Choice
 
 
 class Recipe(Schema):

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from cli.commands.reproduce import _is_usable
 from cli.main import app
-from cli.reproduce import _is_usable
 from tril.store.models import RunRow, RunStatus
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from trainer.ledger import read_entry
+from trainer.reporting.ledger import read_entry
 from tril.settings import Settings
-from tril.store import behaviours, evaluations, rankings, recordings, runs
+from tril.store import behaviours, rankings, recordings
 from tril.store.database import create_database
 from tril.store.models import RunStatus
+from tril.store.training import evaluations, runs
 
 SMALLEST = (
     "reward.updates=12",

@@ -11,10 +11,10 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.devices import CPU, device_of, forward_batch
+from trainer.nn.devices import CPU, device_of, forward_batch
+from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.networks import ScreenPolicy, new_policy, save_policy
 from trainer.progress import Progress
-from trainer.screens import channels_last_screens, take_screens
 from tril.errors import Invalid
 from tril.game.space_invaders import Action
 from tril.recipes import CloningRecipe

@@ -13,24 +13,24 @@ import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
-from trainer.devices import CPU
-from trainer.evaluation import play
+from trainer.nn.devices import CPU
+from trainer.nn.precision import Precision
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
 from trainer.policy.cloning import best_demonstrations
 from trainer.policy.discriminator import Discriminator
+from trainer.policy.evaluation import play
 from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
 from trainer.policy.ppo import Draws, ImitationPPO
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import Payment
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
-from trainer.precision import Precision
 from trainer.progress import Progress, Ticking
 from trainer.reward.model import RewardModel
-from tril.artifacts import write_whole
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
+from tril.files.artifact_store import write_whole
 from tril.game.episode import Ending, Hit
 from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start, spread_starts
-from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
+from tril.game.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recipes import Recipe
 from tril.recording import Recording
 

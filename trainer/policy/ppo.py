@@ -22,13 +22,13 @@ from stable_baselines3.common.vec_env import VecEnv
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.chance import drawn_from
-from trainer.devices import CPU, device_of, forward_batch
+from trainer.nn.devices import CPU, device_of, forward_batch
+from trainer.nn.precision import Precision
+from trainer.nn.screens import channels_last_screens
+from trainer.nn.seeding import drawn_from
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
-from trainer.policy.rollouts import Minibatch, ScreenRolloutBuffer
+from trainer.policy.rollout_buffer import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
-from trainer.precision import Precision
-from trainer.screens import channels_last_screens
 from tril.recipes import PolicyRecipe
 
 

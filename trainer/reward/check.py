@@ -13,12 +13,12 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.devices import CPU
+from trainer.nn.devices import CPU
 from trainer.progress import Progress, Section
-from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
+from trainer.reward.fragments import SnippetRule, draw_snippets, preference_pairs, snippet_sums
 from trainer.reward.model import RewardModel
-from trainer.reward.snippets import SnippetRule, draw_snippets, preference_pairs, snippet_sums
-from trainer.reward.training import NetworkTraining, Seed, calibrate
+from trainer.reward.preference_dataset import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
+from trainer.reward.reward_trainer import NetworkTraining, Seed, calibrate
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory

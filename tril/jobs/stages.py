@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tril.errors import Invalid
 from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
-from tril.store.evaluations import CHOICES, POLICIES
 from tril.store.models import RunRow, RunStatus
+from tril.store.training.evaluations import CHOICES, POLICIES
 
 STAGES = (
     "demonstrations",

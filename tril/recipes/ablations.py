@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tril.recipes.built_in import FAST
 from tril.recipes.changed import with_values
-from tril.recipes.ready_made import FAST
 from tril.recipes.values import Recipe
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from trainer.reward.model import RewardModel
-from trainer.reward.training import new_network
+from trainer.reward.reward_trainer import new_network
 from tril.game.starts import Start
 from tril.recipes import FAST, Recipe
 from tril.recording import Recording, Trajectory, trajectory

@@ -17,7 +17,7 @@ from trainer.policy.cloning import clone
 from trainer.policy.dagger import LabelledGame, play_labelled, train_by_dagger
 from trainer.policy.imitator import ImitationTask, judge
 from trainer.policy.networks import Policy, load_policy, new_policy
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import Payment
 from trainer.progress import RunCancelled, Unobserved
 from tril.behaviours import READY_MADE, Behaviour
 from tril.demonstrator import EXPERT_STYLE, Expert

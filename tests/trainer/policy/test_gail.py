@@ -12,13 +12,13 @@ import torch
 
 from tests.trainer.policy.made_up import observations, random_model, short_recording, tiny_recipe
 from tests.trainer.policy.test_imitator import STEPS, Watched, same, weights
-from trainer.evaluation import play
 from trainer.policy import imitator
 from trainer.policy.discriminator import Discriminator
+from trainer.policy.evaluation import play
 from trainer.policy.gail import train_by_gail
 from trainer.policy.imitator import ImitationTask, ImitatorResult
 from trainer.policy.networks import new_policy, save_policy
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import Payment
 from trainer.progress import RunCancelled
 from trainer.reward.model import RewardModel
 from tril.behaviours import READY_MADE

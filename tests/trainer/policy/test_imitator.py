@@ -12,8 +12,8 @@ from tests.trainer.policy.made_up import (
     short_recording,
     tiny_recipe,
 )
-from trainer.evaluation import play
 from trainer.policy import imitator
+from trainer.policy.evaluation import play
 from trainer.policy.imitator import (
     ImitationTask,
     idle_frames_of,
@@ -21,7 +21,7 @@ from trainer.policy.imitator import (
     train_imitator,
 )
 from trainer.policy.networks import load_policy, new_policy, save_policy
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import Payment
 from trainer.progress import RunCancelled
 from tril.behaviours import READY_MADE
 from tril.errors import Invalid

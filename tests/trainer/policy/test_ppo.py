@@ -8,15 +8,15 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
 
 from tests.trainer.policy.made_up import ELSEWHERE, TINY, observations, random_model
-from trainer.devices import CPU, device_of
+from trainer.nn.devices import CPU, device_of
+from trainer.nn.precision import Precision
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.ppo import Draws, ImitationPPO
-from trainer.policy.rewards import Payment
-from trainer.policy.rollouts import ScreenRolloutBuffer
+from trainer.policy.reward_shaping import Payment
+from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
-from trainer.precision import Precision
 from trainer.progress import RunCancelled
-from tril.game.vector import TrainingStarts, VectorGame
+from tril.game.vector.vector_game import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
 
 PLAIN = replace(
