@@ -31,7 +31,7 @@ class _Listener:
         self.woken = asyncio.Event()
 
 
-class ChangeFeed:
+class ChangeStream:
     """Watches the table of changes in a thread and tells every listener.
 
     Args:

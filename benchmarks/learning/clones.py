@@ -19,42 +19,44 @@ from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import play
 from trainer.policy.networks import SIZES, load_policy
 from trainer.policy.reward_shaping import DEATHS
-from trainer.progress import Unobserved
-from tril.behaviours import READY_MADE, Behaviour, score
+from trainer.progress import NullProgress
+from tril.behaviours import BUILT_IN, Behaviour, score
 from tril.demonstrator.example import make_example
 from tril.game.console import Console
 from tril.game.starts import evaluation_start
 from tril.recipes import FAST
 from tril.recording import Trajectory, trajectory
-from tril.store.training.evaluations import Choice
+from tril.store.training.evaluations import ActionSelection
 
-CHOICES: tuple[Choice, ...] = ("greedy", "sampled")
+ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled")
 STARTS = [*FAST.evaluation.start_numbers, *FAST.evaluation.further_start_numbers]
 
 
 def judge_clone(
     behaviour: Behaviour, shown: Sequence[Trajectory], network: str, training_seed: int
 ) -> dict[str, float]:
-    """Train a clone and let it play; return its means over the games of each choice."""
+    """Train a clone and let it play; return its means over the games with each action selection."""
     recipe = replace(FAST.cloning, network=network)  # type: ignore[arg-type]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clone.zip"
-        learned = train_clone(shown, recipe, training_seed, path, Unobserved())
+        learned = train_clone(shown, recipe, training_seed, path, NullProgress())
         policy = load_policy(path)
     found = {"left_out_accuracy": learned.left_out_accuracy or np.nan}
     starts = [evaluation_start(number) for number in STARTS]
-    for choice in CHOICES:
-        games = play(policy, starts, choice, sampling_seed=training_seed)
+    for action_selection in ACTION_SELECTIONS:
+        games = play(policy, starts, action_selection, sampling_seed=training_seed)
         scores = [score(behaviour, tuple((h.row, h.column) for h in g.hits)) for g in games]
-        found[f"{choice}_targets"] = float(np.mean([one.targets for one in scores if one]))
-        found[f"{choice}_strays"] = float(np.mean([one.strays for one in scores if one]))
-        found[f"{choice}_lost"] = float(np.mean([game.end in DEATHS for game in games]))
+        found[f"{action_selection}_targets"] = float(
+            np.mean([one.targets for one in scores if one])
+        )
+        found[f"{action_selection}_strays"] = float(np.mean([one.strays for one in scores if one]))
+        found[f"{action_selection}_lost"] = float(np.mean([game.end in DEATHS for game in games]))
     return found
 
 
 def main() -> None:
     """Measure and print."""
-    behaviours = {behaviour.slug: behaviour for behaviour in READY_MADE}
+    behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--behaviour", choices=list(behaviours), action="append")
     parser.add_argument("--training-seed", type=int, default=0)

@@ -36,7 +36,7 @@ from trainer.nn.devices import learning_device
 from trainer.nn.precision import Precision
 from trainer.policy.networks import SIZES
 from trainer.policy.ppo import Draws, ImitationPPO
-from trainer.policy.reward_shaping import Payment
+from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import TrilVecEnv
 from trainer.reward.model import RewardModel
 from trainer.reward.reward_trainer import new_network
@@ -121,7 +121,7 @@ class PlainFeatures(BaseFeaturesExtractor):
 class LearnedReward(VecEnvWrapper):
     """Puts the learned reward in the place of the game's, as one would with plain means."""
 
-    def __init__(self, venv: SubprocVecEnv, payment: Payment) -> None:
+    def __init__(self, venv: SubprocVecEnv, payment: RewardShaping) -> None:
         super().__init__(venv)
         self._payment = payment
 
@@ -142,27 +142,27 @@ class LearnedReward(VecEnvWrapper):
 
 
 def make_plain(
-    recipe: PolicyRecipe, payment: Payment, training_seed: int, device: torch.device
+    recipe: PolicyRecipe, payment: RewardShaping, training_seed: int, device: torch.device
 ) -> PPO:
     """Return plain PPO on plain environments."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
         return gymnasium.make(tril.game.env.ENV_ID, reward="none")
 
-    games = SubprocVecEnv([make_env] * recipe.n_games)
+    games = SubprocVecEnv([make_env] * recipe.n_envs)
     return PPO(
         "CnnPolicy",
         LearnedReward(games, payment),
         learning_rate=recipe.learning_rate,
-        n_steps=recipe.rollout_steps,
-        batch_size=recipe.n_games * recipe.rollout_steps // recipe.minibatches,
-        n_epochs=recipe.epochs,
-        gamma=recipe.discount,
-        gae_lambda=recipe.gae,
-        clip_range=recipe.clip,
-        ent_coef=recipe.entropy,
-        vf_coef=recipe.value,
-        max_grad_norm=recipe.gradient_norm,
+        n_steps=recipe.n_steps,
+        batch_size=recipe.n_envs * recipe.n_steps // recipe.n_minibatches,
+        n_epochs=recipe.n_epochs,
+        gamma=recipe.gamma,
+        gae_lambda=recipe.gae_lambda,
+        clip_range=recipe.clip_range,
+        ent_coef=recipe.ent_coef,
+        vf_coef=recipe.vf_coef,
+        max_grad_norm=recipe.max_grad_norm,
         seed=training_seed,
         device=device,
         policy_kwargs={
@@ -173,7 +173,7 @@ def make_plain(
     )
 
 
-def make_atari_defaults(payment: Payment, training_seed: int, device: torch.device) -> PPO:
+def make_atari_defaults(payment: RewardShaping, training_seed: int, device: torch.device) -> PPO:
     """Return plain PPO with stable-baselines3's settings for Atari: NatureCNN, 8 x 128."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
@@ -196,13 +196,13 @@ def make_atari_defaults(payment: Payment, training_seed: int, device: torch.devi
 
 def make_ours(
     recipe: PolicyRecipe,
-    payment: Payment,
+    payment: RewardShaping,
     training_seed: int,
     precision: Precision,
     device: torch.device,
 ) -> ImitationPPO:
     """Return our PPO on our games."""
-    games = TimedGames(recipe.n_games, TrainingStarts(), training_seed=training_seed)
+    games = TimedGames(recipe.n_envs, TrainingStarts(), training_seed=training_seed)
     model = payment.model
     timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
     env = TrilVecEnv(games, replace(payment, model=timed))
@@ -222,12 +222,10 @@ def measure(
     name: str, rounds: int, rollouts: int, precision: Precision, device: torch.device
 ) -> dict[str, float]:
     """Measure a recipe's PPO in turns with plain PPO, print a table and return the figures."""
-    recipe = replace(
-        RECIPES[name].policy, start_policy_pull=0.0, critic_warm_up_steps=0, reward="level"
-    )
+    recipe = replace(RECIPES[name].policy, kl_coef=0.0, critic_warm_up_steps=0, reward="level")
     network = new_network(np.random.default_rng(0))
-    payment = Payment.of(RewardModel((network,), (0.0,), (1.0,)).on(device), recipe)
-    steps = recipe.n_games * recipe.rollout_steps * rollouts
+    payment = RewardShaping.of(RewardModel((network,), (0.0,), (1.0,)).on(device), recipe)
+    steps = recipe.n_envs * recipe.n_steps * rollouts
     ours = make_ours(recipe, payment, 0, precision, device)
     plain = make_plain(recipe, payment, 0, device)
     defaults = make_atari_defaults(payment, 0, device)
@@ -247,7 +245,7 @@ def measure(
     shares = {part: seconds[part] / whole for part in ("emulator", "acting", "reward", "learning")}
     shares["rest"] = 1.0 - sum(shares.values())
     print(
-        f"recipe {name}: network {recipe.network}, {recipe.n_games} x {recipe.rollout_steps},"
+        f"recipe {name}: network {recipe.network}, {recipe.n_envs} x {recipe.n_steps},"
         f" ours in {precision}, all on {device}"
     )
     print(f"  ours                                      {result['ours_per_s']:>6.0f} steps/s")

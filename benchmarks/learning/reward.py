@@ -17,12 +17,12 @@ from typing import TypeVar
 import numpy as np
 import torch
 
-from trainer.progress import Unobserved
+from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
-from trainer.reward.perturbation import disturbed_copies
+from trainer.reward.perturbation import perturbed_copies
 from trainer.reward.preference_dataset import PerfectGames
-from trainer.reward.reward_trainer import train_reward
-from tril.behaviours import READY_MADE
+from trainer.reward.reward_trainer import train_reward_model
+from tril.behaviours import BUILT_IN
 from tril.demonstrator.example import make_example
 from tril.game.console import Console
 from tril.recipes import RECIPES
@@ -40,7 +40,7 @@ def timed(work: Callable[[], Made]) -> tuple[Made, float, float]:
 
 def main() -> None:
     """Measure and print."""
-    behaviours = {behaviour.slug: behaviour for behaviour in READY_MADE}
+    behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--behaviour", choices=list(behaviours), default="column-1")
     parser.add_argument("--recipe", choices=list(RECIPES), default="fast")
@@ -54,17 +54,19 @@ def main() -> None:
     best = [d.recording for d in shown if d.perfect]
     copies, copies_s, copies_cpu_s = timed(
         lambda: (
-            disturbed_copies(best, recipe.disturbed_copies, np.random.default_rng(0), lambda: None)
-            if recipe.disturbed_share
+            perturbed_copies(best, recipe.perturbed_copies, np.random.default_rng(0), lambda: None)
+            if recipe.perturbed_share
             else []
         )
     )
     perfect = PerfectGames([trajectory(one, console) for one in best], [None] * len(best), copies)
     model, train_s, train_cpu_s = timed(
-        lambda: train_reward(trajectories, tiers, recipe, 0, Unobserved(), perfect=perfect)
+        lambda: train_reward_model(trajectories, tiers, recipe, 0, NullProgress(), perfect=perfect)
     )
     check, check_s, check_cpu_s = timed(
-        lambda: check_ranking(model, trajectories, tiers, recipe, 0, Unobserved(), perfect=perfect)
+        lambda: check_ranking(
+            model, trajectories, tiers, recipe, 0, NullProgress(), perfect=perfect
+        )
     )
     assert check.held_out_accuracy is not None
     together_s, together_cpu_s = (
@@ -87,7 +89,7 @@ def main() -> None:
     print(f"{'check and its folds':<22}{check_s:>9.1f}{check_cpu_s:>11.1f}")
     print(f"{'together':<22}{together_s:>9.1f}{together_cpu_s:>11.1f}")
     print(
-        f"tau {check.tau:.3f}, snippet pairs {check.pair_accuracy:.1%},"
+        f"tau {check.tau:.3f}, fragment pairs {check.pair_accuracy:.1%},"
         f" left-out pairs {check.held_out_accuracy:.1%}"
     )
     threads = torch.get_num_threads()

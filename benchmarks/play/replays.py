@@ -23,7 +23,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.cores import core_count
 from tril.demonstrator import example_plans
 from tril.demonstrator.manner import HUMAN
@@ -68,9 +68,9 @@ def _hold_random_keys(recorder: Recorder, rng: np.random.Generator) -> None:
 
 
 def _play_as_a_person(recorder: Recorder, number: int, rng: np.random.Generator) -> None:
-    behaviour = READY_MADE[number % len(READY_MADE)]
+    behaviour = BUILT_IN[number % len(BUILT_IN)]
     plans = example_plans(behaviour)
-    plan = plans[number // len(READY_MADE) % len(plans)]
+    plan = plans[number // len(BUILT_IN) % len(plans)]
     PersonLikePlayer(recorder, draw_hits(plan, rng), Style(), HUMAN, rng).play()
 
 

@@ -31,7 +31,7 @@ from server.play.session.session import PlaySession
 from server.play.wire.codec import FrameEncoder, Screen
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import Episode, Start
@@ -140,7 +140,7 @@ async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
         session = PlaySession(
             str(number),
             number,
-            READY_MADE[0],
+            BUILT_IN[0],
             recorder,
             1,
             PlayConditions(),

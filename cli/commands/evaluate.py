@@ -28,7 +28,7 @@ class Policy(StrEnum):
     CLONE = "clone"
 
 
-class Choice(StrEnum):
+class ActionSelection(StrEnum):
     """How it chooses actions."""
 
     GREEDY = "greedy"
@@ -39,14 +39,16 @@ class Choice(StrEnum):
 def evaluate(
     run_id: Annotated[str, typer.Argument(help="A run whose policies are trained.")],
     policy: Annotated[Policy, typer.Option(help="Which policy plays.")] = Policy.IMITATOR,
-    choice: Annotated[Choice, typer.Option(help="How it chooses actions.")] = Choice.GREEDY,
+    action_selection: Annotated[
+        ActionSelection, typer.Option(help="How it chooses actions.")
+    ] = ActionSelection.GREEDY,
     starts: Annotated[str, typer.Option(help="Evaluation starts, e.g. 0,1,2 or 0-31.")] = "0-22",
     sticky: Annotated[
         float | None,
         typer.Option(
             min=0,
             max=1,
-            help="Chance of repeating the last frame's action; else 0.25 where the choice is"
+            help="Chance of repeating the last frame's action; else 0.25 where the selection is"
             " sticky.",
         ),
     ] = None,
@@ -56,7 +58,9 @@ def evaluate(
     """Let a trained policy play one game from each evaluation start; nothing is stored."""
     with open_workspace() as workspace:
         numbers = _numbers(starts)
-        behaviour, games = _play(workspace, run_id, policy, choice, numbers, sticky, sampling_seed)
+        behaviour, games = _play(
+            workspace, run_id, policy, action_selection, numbers, sticky, sampling_seed
+        )
         figures = [_figures(behaviour, game) for game in games]
         if as_json:
             for number, game in zip(numbers, figures, strict=True):
@@ -77,7 +81,7 @@ def _play(
     workspace: Workspace,
     run_id: str,
     policy: Policy,
-    choice: Choice,
+    action_selection: ActionSelection,
     numbers: list[int],
     sticky: float | None,
     sampling_seed: int,
@@ -101,7 +105,7 @@ def _play(
         games = play(
             actor,
             [evaluation_start(number) for number in numbers],
-            choice.value,
+            action_selection.value,
             model=model,
             ending=Ending(recipe_from_dict(run.recipe).ending),
             sampling_seed=sampling_seed,
@@ -118,7 +122,7 @@ def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
         strays=result.strays if result else None,
         order_errors=result.order_errors if result else None,
         steps=game.recording.n_steps,
-        is_hit=game.end == "hit",
+        died=game.end == "hit",
         predicted_return=game.predicted_return,
     )
 
@@ -128,7 +132,7 @@ def _say_means(figures: list[GameFigures]) -> None:
     for name, value in (
         ("targets", summary.targets),
         ("strays", summary.strays),
-        ("share lost to a bomb", summary.hit_share),
+        ("share lost to a bomb", summary.death_rate),
     ):
         if value is not None:
             console.print(

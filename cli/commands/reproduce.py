@@ -14,7 +14,7 @@ from cli.follow import worker_at_hand
 from cli.output import console, errors
 from cli.progress import progress_bar
 from cli.workspace import Workspace, open_workspace
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.demonstrator import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
@@ -89,11 +89,11 @@ def reproduce(
 
     chosen = chosen_recipe(recipe, value)
     chosen_steps = steps or chosen.default_steps
-    slugs = behaviour or [one.slug for one in READY_MADE]
-    if unknown := [slug for slug in slugs if slug not in {one.slug for one in READY_MADE}]:
+    slugs = behaviour or [one.slug for one in BUILT_IN]
+    if unknown := [slug for slug in slugs if slug not in {one.slug for one in BUILT_IN}]:
         raise typer.BadParameter(
             f"There is no scripted example of {', '.join(unknown)}; choose among"
-            f" {', '.join(one.slug for one in READY_MADE)}."
+            f" {', '.join(one.slug for one in BUILT_IN)}."
         )
     with open_workspace() as workspace:
         kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]

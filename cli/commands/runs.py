@@ -182,14 +182,18 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
     with workspace.database.reading() as session:
         of = behaviours.get(session, row.behaviour_id)
         games = evaluations.listing(session, row.id)
-    table = Table("start", "policy", "choice", "end", title=of.name, box=None, title_justify="left")
+    table = Table(
+        "start", "policy", "actions", "end", title=of.name, box=None, title_justify="left"
+    )
     for title in ("targets", "strays", "predicted return"):
         table.add_column(title, justify="right")
     for game in games:
         name = str(game.start_number) + ("" if game.held_out else " (seen)")
         numbers = ("" if n is None else str(n) for n in (game.targets, game.strays))
         returned = "" if game.predicted_return is None else f"{game.predicted_return:.1f}"
-        table.add_row(name, game.policy, game.choice, game.recording.end or "", *numbers, returned)
+        table.add_row(
+            name, game.policy, game.action_selection, game.recording.end or "", *numbers, returned
+        )
     console.print(table if games else "No evaluation games yet.")
     _print_means(evaluations.summaries(games))
 
@@ -199,15 +203,15 @@ def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
     if not summaries:
         return
     title = "Means over held-out starts, with 95% intervals"
-    table = Table("policy", "choice", title=title, box=None, title_justify="left")
+    table = Table("policy", "actions", title=title, box=None, title_justify="left")
     for heading in ("games", "targets", "strays", "lost to a bomb"):
         table.add_column(heading, justify="right")
-    for (policy, choice), one in summaries.items():
+    for (policy, action_selection), one in summaries.items():
         cells = (
             "" if value is None else f"{value.mean:.2f} ({value.low:.2f} to {value.high:.2f})"
-            for value in (one.targets, one.strays, one.hit_share)
+            for value in (one.targets, one.strays, one.death_rate)
         )
-        table.add_row(policy, choice, str(one.steps.n), *cells)
+        table.add_row(policy, action_selection, str(one.steps.n), *cells)
     console.print(table)
 
 

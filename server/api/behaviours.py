@@ -126,7 +126,7 @@ def _shown(row: BehaviourRow, counts: behaviours.Counts) -> Behaviour:
         description=row.description,
         target=None if target is None else list(target),
         ordered=row.ordered,
-        ready_made=row.ready_made,
+        built_in=row.built_in,
         **asdict(counts),
     )
 

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.explain.occlusion import PATCH, MaskedOutputs
-from trainer.progress import Progress, Unobserved
+from trainer.explain.occlusion import PATCH, OccludedOutputs
+from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.game.observation import OBSERVATION_SHAPE
 from tril.game.space_invaders import BACKGROUND
@@ -79,8 +79,8 @@ def attention_map(
     """Return the attention of the reward model in one state.
 
     Only patches that change something are tried, and only what they change of the first two layers
-    is computed anew, see MaskedOutputs. The result equals trying every position by brute force, up
-    to rounding.
+    is computed anew (see OccludedOutputs). Up to rounding, the result equals trying every position
+    by brute force.
 
     Args:
         model: The reward model; its raw R is used.
@@ -100,7 +100,7 @@ def attention_map(
             f" {observation.shape}."
         )
     positions = changing_positions(observation)
-    return spread(positions, changes_at(model, observation, positions, progress or Unobserved()))
+    return spread(positions, changes_at(model, observation, positions, progress or NullProgress()))
 
 
 def changes_at(
@@ -113,7 +113,7 @@ def changes_at(
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
         pixels = torch.from_numpy(observation.astype(np.float32))
-        members = [MaskedOutputs(member, pixels) for member in model.members]
+        members = [OccludedOutputs(member, pixels) for member in model.members]
         plain = model.combine([member.plain for member in members])
         for begin in range(0, len(positions), BATCH):
             part = positions[begin : begin + BATCH]

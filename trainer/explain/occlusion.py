@@ -35,7 +35,7 @@ the last output of the first layer unseen.
 """
 
 
-class MaskedOutputs:
+class OccludedOutputs:
     """A network's outputs for one observation, parts of which are hidden.
 
     Args:

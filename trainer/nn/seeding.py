@@ -11,7 +11,7 @@ import torch
 Made = TypeVar("Made")
 
 
-def drawn_from(rng: np.random.Generator, make: Callable[[], Made]) -> Made:
+def torch_generator_from(rng: np.random.Generator, make: Callable[[], Made]) -> Made:
     """Call ``make`` while PyTorch's generator follows ``rng``, and leave it as it was after."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(int(rng.integers(2**63)))

@@ -108,7 +108,7 @@ def clone(
     if not any(trajectory.n_steps for trajectory in trajectories):
         raise Invalid("A clone needs at least one perfect demonstration to learn from.")
     rng = np.random.default_rng(training_seed)
-    learned, left_out = _split(trajectories, recipe.left_out_share, rng)
+    learned, left_out = _split(trajectories, recipe.validation_share, rng)
     examples = Examples.of(learned).on(device)
     held = Examples.of(left_out).on(device) if left_out else None
     policy = new_policy(recipe.network, recipe.learning_rate, rng, device)

@@ -38,7 +38,7 @@ from trainer.policy.imitator import (
     judge,
 )
 from trainer.policy.networks import Policy, load_policy, save_policy
-from trainer.policy.reward_shaping import DEATHS, Payment
+from trainer.policy.reward_shaping import DEATHS, RewardShaping
 from trainer.progress import Progress, Ticking
 from tril.demonstrator import Expert
 from tril.errors import Invalid
@@ -168,7 +168,7 @@ class _Training:
         self._device = device
         self._expert = Expert(task.behaviour, Console())
         self._game = AgentGame(Console())
-        self._payment = Payment.of(task.model, task.recipe.policy)
+        self._payment = RewardShaping.of(task.model, task.recipe.policy)
         self._games: list[LabelledGame] = []
         self._learned_from = 0
         self.snapshots: list[SnapshotScore] = []

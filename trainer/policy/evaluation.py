@@ -9,17 +9,17 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from trainer.progress import Progress, Unobserved
+from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.game import space_invaders as game
 from tril.game.episode import Ending, EndReason, Hit
 from tril.game.starts import Start
 from tril.game.vector.vector_game import FinishedGame, FixedStarts, VectorGame
 from tril.recording import Recording
-from tril.store.training.evaluations import Choice
+from tril.store.training.evaluations import ActionSelection
 
 STICKY_ACTION_PROBABILITY = 0.25
-"""Of the choice "sticky", as Machado et al. 2018, section 5.1, propose."""
+"""Of the action selection "sticky", as Machado et al. 2018, section 5.1, propose."""
 
 
 class Actor(Protocol):
@@ -63,7 +63,7 @@ class PlayedGame:
 def play(
     actor: Actor,
     starts: Sequence[Start],
-    choice: Choice,
+    action_selection: ActionSelection,
     *,
     model: RewardModel | None = None,
     ending: Ending = Ending.HIT,
@@ -77,23 +77,23 @@ def play(
     Args:
         actor: The policy.
         starts: Where the games begin.
-        choice: "greedy" takes the likeliest action, "sampled" draws by the probabilities,
+        action_selection: "greedy" takes the likeliest action, "sampled" draws by the probabilities,
             "sticky" takes the likeliest one while actions stick.
         model: Scores the states that the policy reaches.
         ending: Which rule for the player's death ends a game.
         sampling_seed: Of the draws; each game has generators of its own, so that a game does not
             depend on which others are played beside it.
         sticky_action_probability: Of repeating the action of the frame before; the recordings
-            hold what was executed. None means that of the choice.
+            hold what was executed. None means that of the action selection.
         n_processes: As of VectorGame.
         progress: Told about steps, of the most that a game can have.
 
     Returns:
         The games in the order of the starts.
     """
-    progress = progress or Unobserved()
+    progress = progress or NullProgress()
     if sticky_action_probability is None:
-        sticky_action_probability = stickiness(choice)
+        sticky_action_probability = stickiness(action_selection)
     generators = [
         np.random.default_rng((sampling_seed, start.idle_frames, start.difficulty))
         for start in starts
@@ -114,7 +114,9 @@ def play(
         while len(playing):
             actions = np.zeros(len(starts), np.int64)
             probabilities = actor.probabilities(observations[playing])
-            actions[playing] = _choose(probabilities, choice, [generators[i] for i in playing])
+            actions[playing] = _choose(
+                probabilities, action_selection, [generators[i] for i in playing]
+            )
             step = games.step(actions)
             ended = step.ended[:, None, None, None]
             reached = np.where(ended, step.terminal_observations, step.observations)
@@ -130,17 +132,17 @@ def play(
     ]
 
 
-def stickiness(choice: Choice) -> float:
-    """Return the probability with which games of a choice repeat the action of the frame before."""
-    return STICKY_ACTION_PROBABILITY if choice == "sticky" else 0.0
+def stickiness(action_selection: ActionSelection) -> float:
+    """Return the probability with which games repeat the action of the frame before."""
+    return STICKY_ACTION_PROBABILITY if action_selection == "sticky" else 0.0
 
 
 def _choose(
     probabilities: npt.NDArray[np.float32],
-    choice: Choice,
+    action_selection: ActionSelection,
     generators: Sequence[np.random.Generator],
 ) -> npt.NDArray[np.int64]:
-    if choice != "sampled":
+    if action_selection != "sampled":
         best: npt.NDArray[np.int64] = probabilities.argmax(1)
         return best
     draws = np.array([rng.random() for rng in generators])

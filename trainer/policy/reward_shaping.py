@@ -18,7 +18,7 @@ DEATHS = frozenset({EndReason.HIT, EndReason.LIVES})
 
 
 @dataclass(frozen=True)
-class Payment:
+class RewardShaping:
     """The reward of a step, from R of the states before and after it.
 
     "sigmoid" is the thesis's (section 5.1). It pays about as much for being alive as for the
@@ -42,7 +42,7 @@ class Payment:
     scale: float = 1.0
 
     @classmethod
-    def of(cls, model: RewardModel, recipe: PolicyRecipe) -> Payment:
+    def of(cls, model: RewardModel, recipe: PolicyRecipe) -> RewardShaping:
         """The payment that a recipe asks for."""
         return cls(model, recipe.reward, recipe.death_penalty, recipe.reward_scale)
 

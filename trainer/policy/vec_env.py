@@ -12,7 +12,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from trainer.nn.screens import channels_last_screens
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
-from trainer.policy.reward_shaping import DEATHS, Payment, Rewards
+from trainer.policy.reward_shaping import DEATHS, Rewards, RewardShaping
 from tril.game.episode import EndReason
 from tril.game.observation import SIZE, STACK
 from tril.game.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
@@ -64,7 +64,7 @@ class TrilVecEnv(VecEnv):
         payment: What the policy is paid.
     """
 
-    def __init__(self, games: VectorGame, payment: Payment) -> None:
+    def __init__(self, games: VectorGame, payment: RewardShaping) -> None:
         self.games = games
         self.payment = payment
         self._before: Rewards = np.zeros(games.n_games, np.float32)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from trainer.reporting.ledger import Entry, recipe_digest
 from trainer.reporting.result_groups import ResultGroup, group_results
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.recipes import ABLATIONS, FAST
 
@@ -89,7 +89,7 @@ def ablation_lines(entries: Sequence[Entry]) -> list[str]:
             ]
         ),
         key=lambda group: (
-            READY_MADE.index(group.behaviour),
+            BUILT_IN.index(group.behaviour),
             group.steps,
             order.index(group.entries[0].cell.digest),
         ),
@@ -134,7 +134,7 @@ def _learned(entry: Entry) -> tuple[str, str, str, int]:
 
 def _place(group: ResultGroup) -> tuple[int, str, str, int]:
     cell = group.entries[0].cell
-    return READY_MADE.index(group.behaviour), cell.recipe, cell.digest, cell.steps
+    return BUILT_IN.index(group.behaviour), cell.recipe, cell.digest, cell.steps
 
 
 def _imitator(group: ResultGroup) -> tuple[str, ...]:

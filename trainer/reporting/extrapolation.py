@@ -27,7 +27,7 @@ from trainer.policy.networks import Policy, ScreenPolicy, policy_arguments
 from trainer.progress import Part, Progress
 from trainer.reporting.figures import ReturnsGroup, returns_scatter
 from trainer.reward.model import predicted_return
-from trainer.reward.reward_trainer import train_reward
+from trainer.reward.reward_trainer import train_reward_model
 from tril.errors import Invalid
 from tril.game.env import points_of
 from tril.game.starts import spread_starts
@@ -155,7 +155,7 @@ def extrapolate(
             " training steps before they differ."
         )
     seen = [trajectory(game.recording) for _, game in played]
-    model = train_reward(
+    model = train_reward_model(
         [seen[index] for index in chosen], tiers, recipe, training_seed, Part(progress, 0.5, 1.0)
     )
     return Extrapolation(

@@ -90,7 +90,7 @@ class LedgerGame:
 
     Attributes:
         policy: "imitator" or "clone".
-        choice: How it chose its actions.
+        action_selection: How it chose its actions.
         start: Number of the evaluation start.
         held_out: Whether no demonstration began from that start.
         hits: The aliens hit as (row from the bottom, column from the left), in order of time.
@@ -98,7 +98,7 @@ class LedgerGame:
     """
 
     policy: str
-    choice: str
+    action_selection: str
     start: int
     held_out: bool
     hits: tuple[tuple[int, int], ...]
@@ -138,19 +138,23 @@ class Entry:
     versions: dict[str, str]
     changes: dict[str, Any] = field(default_factory=dict)
 
-    def headline(self, policy: str, choice: str = "greedy") -> PolicySummary | None:
+    def headline(self, policy: str, action_selection: str = "greedy") -> PolicySummary | None:
         """Return the means over the held-out games of a policy; None if there are none."""
         found = [
             game.figures
             for game in self.games
-            if (game.policy, game.choice) == (policy, choice) and game.held_out
+            if (game.policy, game.action_selection) == (policy, action_selection) and game.held_out
         ]
         return summarise(found) if found else None
 
-    def game(self, policy: str, start: int, choice: str = "greedy") -> LedgerGame | None:
+    def game(self, policy: str, start: int, action_selection: str = "greedy") -> LedgerGame | None:
         """Return one game; None if it was not played."""
         for game in self.games:
-            if (game.policy, game.choice, game.start) == (policy, choice, start):
+            if (game.policy, game.action_selection, game.start) == (
+                policy,
+                action_selection,
+                start,
+            ):
                 return game
         return None
 
@@ -263,7 +267,7 @@ def read_entry(database: Database, run_id: str) -> Entry:
             games=tuple(
                 LedgerGame(
                     policy=row.policy,
-                    choice=row.choice,
+                    action_selection=row.action_selection,
                     start=row.start_number,
                     held_out=row.held_out,
                     hits=_cells(row.recording.hits),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trainer.reporting.ledger import Entry, recipe_digest
 from tril.analysis.summary import Interval, interval
-from tril.behaviours import READY_MADE, Behaviour
+from tril.behaviours import BUILT_IN, Behaviour
 from tril.errors import Invalid
 from tril.recipes import RECIPES, with_values
 
@@ -51,20 +51,20 @@ class ResultGroup:
         """The training seeds, for a table."""
         return ", ".join(str(entry.cell.training_seed) for entry in self.entries)
 
-    def mean(self, policy: str, choice: str, name: str) -> Interval | None:
+    def mean(self, policy: str, action_selection: str, name: str) -> Interval | None:
         """Return the mean of a figure over the held-out games of all training seeds."""
         values = [
             float(value)
             for entry in self.entries
             for game in entry.games
-            if (game.policy, game.choice) == (policy, choice) and game.held_out
+            if (game.policy, game.action_selection) == (policy, action_selection) and game.held_out
             if (value := getattr(game.figures, name)) is not None
         ]
         return interval(values) if values else None
 
-    def shown(self, policy: str, choice: str, name: str, form: str = ".2f") -> str:
+    def shown(self, policy: str, action_selection: str, name: str, form: str = ".2f") -> str:
         """Return the mean and its interval for a table; nothing where games have no such figure."""
-        value = self.mean(policy, choice, name)
+        value = self.mean(policy, action_selection, name)
         if value is None:
             return ""
         return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"
@@ -87,7 +87,7 @@ def _still_makes(entry: Entry) -> bool:
 
 def group_results(entries: Sequence[Entry]) -> list[ResultGroup]:
     """Return the entries as groups, by behaviour as these come ready, then by steps."""
-    known = {behaviour.slug: place for place, behaviour in enumerate(READY_MADE)}
+    known = {behaviour.slug: place for place, behaviour in enumerate(BUILT_IN)}
     found: dict[tuple[int, int, str, str, str], list[Entry]] = {}
     for entry in entries:
         cell = entry.cell
@@ -95,4 +95,4 @@ def group_results(entries: Sequence[Entry]) -> list[ResultGroup]:
             place = known[cell.behaviour]
             key = (place, cell.steps, cell.recipe, cell.digest, cell.demonstrations)
             found.setdefault(key, []).append(entry)
-    return [ResultGroup(READY_MADE[key[0]], tuple(found[key])) for key in sorted(found)]
+    return [ResultGroup(BUILT_IN[key[0]], tuple(found[key])) for key in sorted(found)]

@@ -11,7 +11,7 @@ from trainer.reporting.ledger import DEVICE, PRECISION, Entry, Ledger, LedgerGam
 from trainer.reporting.result_groups import ResultGroup, group_results
 from trainer.reporting.table_figures import AliensRow, ReturnsPanel, aliens_table, returns_table
 from tril.analysis.summary import winner
-from tril.behaviours import READY_MADE, Behaviour, score
+from tril.behaviours import BUILT_IN, Behaviour, score
 from tril.demonstrator import SCRIPTED
 from tril.files.artifact_store import write_whole
 from tril.recipes import RECIPES, EvaluationRecipe
@@ -128,7 +128,7 @@ def _remark(entry: Entry) -> str:
 
 def _own_starts(entries: Sequence[Entry]) -> list[str]:
     """The published protocol's table: each start's game by the policies trained on that start."""
-    known = {behaviour.slug: behaviour for behaviour in READY_MADE}
+    known = {behaviour.slug: behaviour for behaviour in BUILT_IN}
     found: dict[tuple[int, str, int, int], dict[int, Entry]] = {}
     for entry in entries:
         cell = entry.cell
@@ -148,7 +148,7 @@ def _own_starts(entries: Sequence[Entry]) -> list[str]:
         *_hits_head("behaviour | recipe | steps | seed", "---|---|---:|---:"),
     ]
     for (place, recipe, steps, seed), by_start in sorted(found.items()):
-        behaviour = READY_MADE[place]
+        behaviour = BUILT_IN[place]
         head = f"| {behaviour.name} | {recipe} | {steps:,} | {seed} | "
         lines.append(head + _hits_row({n: by_start.get(n) for n in STARTS}))
     links = [
@@ -173,7 +173,7 @@ def _means(groups: Sequence[ResultGroup]) -> list[str]:
                 group.shown(policy, "greedy", "targets"),
                 group.shown(policy, "greedy", "strays"),
                 group.shown(policy, "greedy", "order_errors") if group.behaviour.ordered else "",
-                group.shown(policy, "greedy", "is_hit", ".0%"),
+                group.shown(policy, "greedy", "died", ".0%"),
                 group.shown(policy, "sampled", "targets"),
             ]
             if policy == "imitator":
@@ -268,7 +268,7 @@ def _game(game: LedgerGame | None) -> str:
     if game is None:
         return ""
     figures = game.figures
-    return f"{figures.targets} + {figures.strays}{' ✗' if figures.is_hit else ''}"
+    return f"{figures.targets} + {figures.strays}{' ✗' if figures.died else ''}"
 
 
 def _counted(behaviour: Behaviour, hits: tuple[tuple[int, int], ...]) -> str:

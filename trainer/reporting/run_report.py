@@ -63,7 +63,11 @@ class _Facts:
     def game(self, policy: str, start_number: int) -> EvaluationRow | None:
         """The greedy game of a policy from a start."""
         for row in self.games:
-            if (row.policy, row.start_number, row.choice) == (policy, start_number, "greedy"):
+            if (row.policy, row.start_number, row.action_selection) == (
+                policy,
+                start_number,
+                "greedy",
+            ):
                 return row
         return None
 
@@ -162,7 +166,7 @@ def _pictures(facts: _Facts) -> dict[str, bytes]:
             [tier for tier, _, _ in returns], [value for _, _, value in returns], check["tau"]
         )
     points = facts.curves.get("imitator", {})
-    shown = ("predicted_return", "hits", "strays", "hit_share")
+    shown = ("predicted_return", "hits", "strays", "death_rate")
     labels = ("predicted return", "targets hit", "strays", "games lost")
     curves = [
         (label, COLOURS["imitator"], points[name])
@@ -258,8 +262,8 @@ def _means(facts: _Facts) -> list[str]:
         "| policy | actions | games | targets | strays | lost to a bomb | steps |",
         "|---|---|---:|---:|---:|---:|---:|",
     ]
-    for (policy, choice), summary in evaluations.summaries(facts.games).items():
-        lines.append(f"| {policy} | {choice} | {summary.steps.n} | {_summary(summary)} |")
+    for (policy, action_selection), summary in evaluations.summaries(facts.games).items():
+        lines.append(f"| {policy} | {action_selection} | {summary.steps.n} | {_summary(summary)} |")
     return [*lines, ""]
 
 
@@ -271,7 +275,7 @@ def _ranking(facts: _Facts) -> list[str]:
     lines = [
         "## What the reward model makes of the ranking",
         "",
-        f"Kendall's tau {check['tau']:.3f}; snippet pairs ordered as ranked"
+        f"Kendall's tau {check['tau']:.3f}; fragment pairs ordered as ranked"
         f" {check['pair_accuracy']:.1%}; pairs of demonstrations that were left out of learning"
         f" {'not measured' if held_out is None else f'{held_out:.1%}'}.",
         "",
@@ -342,7 +346,7 @@ def _summary(summary: PolicySummary) -> str:
     parts: Sequence[str] = (
         cell(summary.targets),
         cell(summary.strays),
-        cell(summary.hit_share, ".0%"),
+        cell(summary.death_rate, ".0%"),
         cell(summary.steps, ".0f"),
     )
     return " | ".join(parts)

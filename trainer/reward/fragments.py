@@ -1,4 +1,4 @@
-"""Snippets of ranked trajectories: what a reward model is trained and checked on."""
+"""Fragments of ranked trajectories: what a reward model is trained and checked on."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from tril.recipes import RewardRecipe
 
 Indices = npt.NDArray[np.int64]
 
-SnippetStarts = Literal["later", "same", "any"]
-"""Where the snippets of a pair start: the better one no earlier than the worse one (T-REX,
+FragmentStarts = Literal["later", "same", "any"]
+"""Where the fragments of a pair start: the better one no earlier than the worse one (T-REX,
 published code), both at the same step, or each anywhere."""
 
 
 @dataclass(frozen=True)
-class SnippetPairs:
-    """Pairs of equally long snippets, the first of each from the better trajectory.
+class FragmentPairs:
+    """Pairs of equally long fragments, the first of each from the better trajectory.
 
     Attributes:
         better: Index of the better trajectory, int64 (P,).
         worse: Index of the worse trajectory, int64 (P,).
-        better_start: First observation of the better snippet, int64 (P,).
-        worse_start: First observation of the worse snippet, int64 (P,).
+        better_start: First observation of the better fragment, int64 (P,).
+        worse_start: First observation of the worse fragment, int64 (P,).
         length: Observations of each of the two, at least 1, int64 (P,).
     """
 
@@ -44,29 +44,29 @@ class SnippetPairs:
 
 
 @dataclass(frozen=True)
-class SnippetRule:
-    """Which snippets of two trajectories are compared.
+class FragmentRule:
+    """Which fragments of two trajectories are compared.
 
     Attributes:
-        shortest: Shortest snippet, in observations; a game that is shorter is taken whole.
-        longest: Longest snippet, in observations, cut at the shorter game of each pair. T-REX
+        shortest: Shortest fragment, in observations; a game that is shorter is taken whole.
+        longest: Longest fragment, in observations, cut at the shorter game of each pair. T-REX
             cuts all pairs at the shortest game of all, and fails where that is below ``shortest``.
-        starts: Where the two snippets start.
+        starts: Where the two fragments start.
     """
 
     shortest: int
     longest: int
-    starts: SnippetStarts
+    starts: FragmentStarts
 
     @classmethod
-    def of(cls, recipe: RewardRecipe) -> SnippetRule:
+    def of(cls, recipe: RewardRecipe) -> FragmentRule:
         """How a recipe compares ranked games, apart from the pairs that start freely."""
-        starts: SnippetStarts = "same" if recipe.aligned else "later"
-        return cls(recipe.snippet_min_steps, recipe.snippet_max_steps, starts)
+        starts: FragmentStarts = "same" if recipe.aligned else "later"
+        return cls(recipe.fragment_min_steps, recipe.fragment_max_steps, starts)
 
-    def every(self, stride: int) -> SnippetRule:
+    def every(self, stride: int) -> FragmentRule:
         """The same rule in units of every ``stride``-th observation."""
-        return SnippetRule(
+        return FragmentRule(
             max(1, self.shortest // stride), max(1, self.longest // stride), self.starts
         )
 
@@ -86,24 +86,24 @@ def preference_pairs(tiers: Sequence[Sequence[int]]) -> list[Pair]:
     return pairs
 
 
-def draw_snippets(
+def draw_fragments(
     pairs: Sequence[Pair],
     n_observations: Sequence[int],
-    rule: SnippetRule,
+    rule: FragmentRule,
     count: int,
     rng: np.random.Generator,
     first: Sequence[int] | None = None,
-) -> SnippetPairs:
-    """Draw snippet pairs: preference pair, length and starts each evenly among those allowed.
+) -> FragmentPairs:
+    """Draw fragment pairs: preference pair, length and starts each evenly among those allowed.
 
     Args:
         pairs: Preference pairs of trajectory indices.
         n_observations: Where each trajectory's observations end: their number, at least 1, if they
             begin at 0.
-        rule: Which snippets are compared.
+        rule: Which fragments are compared.
         count: How many pairs are drawn.
         rng: Where the draws come from.
-        first: Where each trajectory's observations begin; by default all at 0. Both snippets of a
+        first: Where each trajectory's observations begin; by default all at 0. Both fragments of a
             pair start where both trajectories have begun.
     """
     ends = np.asarray(n_observations, np.int64)
@@ -118,16 +118,16 @@ def draw_snippets(
     if rule.starts == "any":
         better_start = rng.integers(begin, ends[better] - length, endpoint=True)
         worse_start = rng.integers(begin, ends[worse] - length, endpoint=True)
-        return SnippetPairs(better, worse, better_start, worse_start, length)
-    # Never later in the worse game than a snippet of this length can still start in both.
+        return FragmentPairs(better, worse, better_start, worse_start, length)
+    # Never later in the worse game than a fragment of this length can still start in both.
     worse_start = rng.integers(begin, begin + shorter - length, endpoint=True)
     better_start = worse_start
     if rule.starts == "later":
         better_start = rng.integers(worse_start, ends[better] - length, endpoint=True)
-    return SnippetPairs(better, worse, better_start, worse_start, length)
+    return FragmentPairs(better, worse, better_start, worse_start, length)
 
 
-def snippet_sums(
+def fragment_sums(
     values: npt.NDArray[np.float32], starts: Indices, lengths: Indices
 ) -> npt.NDArray[np.float64]:
     """Return the sums of ``values[start : start + length]``, float64 (P,), of one row (N,)."""

@@ -85,7 +85,7 @@ class RewardNetwork(nn.Module):
 class RewardModel:
     """R(observation), the mean of one or more networks.
 
-    Preferences between equally long snippets identify a network's output up to an offset, and its
+    Preferences between equally long fragments identify a network's output up to an offset, and its
     scale grows as long as training goes on. So the members of an ensemble are made comparable:
     each counts as ``(output - offset) / scale``.
 

@@ -1,4 +1,4 @@
-"""Disturbed copies of perfect games: what worse looks like next to the very best.
+"""Perturbed demonstrations of perfect games: what worse looks like next to the very best.
 
 A ranking of a dozen games says little about aliens that nobody shot: the network takes them for
 targets. A perfect game that is disturbed for some steps and then goes on as recorded, now out of
@@ -31,7 +31,7 @@ SHORTEST_COPY = 20
 """Steps after the first disturbance; what is lost sooner says nothing but that it was lost."""
 
 LONGEST_COPY = 120
-"""Steps after the first disturbance: a snippet is at most 100 steps long."""
+"""Steps after the first disturbance: a fragment is at most 100 steps long."""
 
 _NO_KEY = Keys(0)
 
@@ -58,7 +58,7 @@ the column beside the right one."""
 
 
 @dataclass(frozen=True)
-class DisturbedCopy:
+class PerturbedDemonstration:
     """A game from its first disturbance on.
 
     Attributes:
@@ -72,12 +72,12 @@ class DisturbedCopy:
     observations: npt.NDArray[np.uint8]
 
 
-def disturbed_copies(
+def perturbed_copies(
     recordings: Sequence[Recording],
     copies: int,
     rng: np.random.Generator,
     tick: Callable[[], None],
-) -> list[DisturbedCopy]:
+) -> list[PerturbedDemonstration]:
     """Disturb games at drawn steps, several times each.
 
     Args:
@@ -99,7 +99,7 @@ def disturbed_copies(
         for step, state in _states(played, recording, wanted, tick):
             observations = _disturb(disturbed, recording, step, state, rng, tick)
             if len(observations) > SHORTEST_COPY:
-                found.append(DisturbedCopy(original, step, observations))
+                found.append(PerturbedDemonstration(original, step, observations))
     return found
 
 

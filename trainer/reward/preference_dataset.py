@@ -9,8 +9,8 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from trainer.reward.fragments import SnippetRule, SnippetStarts, preference_pairs
-from trainer.reward.perturbation import DisturbedCopy
+from trainer.reward.fragments import FragmentRule, FragmentStarts, preference_pairs
+from trainer.reward.perturbation import PerturbedDemonstration
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -21,7 +21,7 @@ PERFECT_PER_UPDATE = 6
 """Perfect games that one update looks at; all of them would make it twice as slow."""
 
 COPIES_PER_PERFECT = 2
-"""Disturbed copies of each of these that one update looks at."""
+"""Perturbed demonstrations of each of these that one update looks at."""
 
 
 @dataclass(frozen=True)
@@ -38,29 +38,30 @@ class Game:
 
 
 @dataclass(frozen=True)
-class PairGroup:
+class PreferenceGroup:
     """Preference pairs that are drawn from alike.
 
     Attributes:
         pairs: Indices of games, the better one first.
-        share: Of an update's snippet pairs, 0 to 1.
-        starts: Where the two snippets of a pair start.
+        share: Of an update's fragment pairs, 0 to 1.
+        starts: Where the two fragments of a pair start.
     """
 
     pairs: tuple[Pair, ...]
     share: float
-    starts: SnippetStarts
+    starts: FragmentStarts
 
 
 @dataclass(frozen=True)
-class Comparisons:
+class PreferenceDataset:
     """Games and what is known of their order.
 
     Attributes:
         games: All games; the ranked ones stand where they stand among the run's trajectories.
         tiers: Indices of the ranked games, best tier first.
         perfect: Indices of the perfect games; such a game may be ranked too.
-        copies: Of disturbed copies, the index of the original, a perfect game, and the copy's.
+        copies: For each perturbed demonstration, the index of the perfect game it was made from and
+            its own.
         recipe: How much each counts.
     """
 
@@ -94,7 +95,7 @@ class Comparisons:
         ranked = set(self.ranked)
         return tuple(index for index in self.perfect if index not in ranked)
 
-    def without(self, left_out: Collection[int]) -> Comparisons:
+    def without(self, left_out: Collection[int]) -> PreferenceDataset:
         """Return what is left without some games: no pair, copy or tier has one of them."""
         tiers = (tuple(i for i in tier if i not in left_out) for tier in self.tiers)
         return replace(
@@ -104,7 +105,7 @@ class Comparisons:
             copies=tuple(pair for pair in self.copies if pair[0] not in left_out),
         )
 
-    def groups(self, rng: np.random.Generator) -> list[PairGroup]:
+    def groups(self, rng: np.random.Generator) -> list[PreferenceGroup]:
         """Return the pairs of one update: all of the ranking, and of some perfect games.
 
         Perfect games that are not ranked are better than all but the first tier; whether they are
@@ -120,14 +121,14 @@ class Comparisons:
             for pair in _some([p for p in self.copies if p[0] == index], COPIES_PER_PERFECT, rng)
         ]
         perfect_share = recipe.perfect_share if perfect else 0.0
-        copies_share = recipe.disturbed_share if copies else 0.0
+        copies_share = recipe.perturbed_share if copies else 0.0
         own = 1.0 - perfect_share - copies_share
         pairs = tuple(self.pairs)
         wanted = [
-            PairGroup(pairs, own * (1.0 - recipe.free_share), SnippetRule.of(recipe).starts),
-            PairGroup(pairs, own * recipe.free_share, "any"),
-            PairGroup(tuple(perfect), perfect_share, "any"),
-            PairGroup(tuple(copies), copies_share, "same"),
+            PreferenceGroup(pairs, own * (1.0 - recipe.free_share), FragmentRule.of(recipe).starts),
+            PreferenceGroup(pairs, own * recipe.free_share, "any"),
+            PreferenceGroup(tuple(perfect), perfect_share, "any"),
+            PreferenceGroup(tuple(copies), copies_share, "same"),
         ]
         return [group for group in wanted if group.share > 0.0]
 
@@ -139,12 +140,12 @@ class PerfectGames:
     Attributes:
         trajectories: What an agent would have seen and done in them.
         ranked_as: For each, its index among the ranked games if it is one of them, else None.
-        copies: Disturbed copies of them.
+        copies: Perturbed demonstrations of them.
     """
 
     trajectories: Sequence[Trajectory] = ()
     ranked_as: Sequence[int | None] = ()
-    copies: Sequence[DisturbedCopy] = ()
+    copies: Sequence[PerturbedDemonstration] = ()
 
 
 NO_PERFECT_GAMES = PerfectGames()
@@ -155,7 +156,7 @@ def compare(
     tiers: Sequence[Sequence[int]],
     recipe: RewardRecipe,
     perfect: PerfectGames = NO_PERFECT_GAMES,
-) -> Comparisons:
+) -> PreferenceDataset:
     """Put together what a reward model is learned from.
 
     Args:
@@ -163,21 +164,21 @@ def compare(
         tiers: Indices into ``trajectories``, best tier first.
         recipe: How much each kind of pair counts; perfect games that count for nothing are left
             out.
-        perfect: The perfect demonstrations and their disturbed copies.
+        perfect: The perfect demonstrations and their perturbed demonstrations.
     """
     games = [Game(trajectory.observations) for trajectory in trajectories]
     places = []
-    if recipe.perfect_share or recipe.disturbed_share:
+    if recipe.perfect_share or recipe.perturbed_share:
         for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
             if ranked_as is None:
                 games.append(Game(trajectory.observations))
             places.append(len(games) - 1 if ranked_as is None else ranked_as)
     copies = []
-    if recipe.disturbed_share:
+    if recipe.perturbed_share:
         for copy in perfect.copies:
             copies.append((places[copy.original], len(games)))
             games.append(Game(copy.observations, copy.first_step))
-    return Comparisons(
+    return PreferenceDataset(
         tuple(games), tuple(tuple(tier) for tier in tiers), recipe, tuple(places), tuple(copies)
     )
 

@@ -1,7 +1,7 @@
 """Learning a reward model from ranked trajectories (T-REX, Brown et al. 2019, section 4).
 
-The loss is the thesis's and T-REX's: of two snippets the better one is to have the higher sum of
-R, by cross entropy on the two sums (Bradley-Terry). Two ways to draw and score the snippets are
+The loss is the thesis's and T-REX's: of two fragments the better one is to have the higher sum of
+R, by cross entropy on the two sums (Bradley-Terry). Two ways to draw and score the fragments are
 described at _PaperLogits and _FastLogits.
 """
 
@@ -25,11 +25,16 @@ from torch.nn import functional as F
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.optimizers import optimizer_tensors, restore_optimizer
 from trainer.nn.screens import channels_last_screens
-from trainer.nn.seeding import drawn_from
+from trainer.nn.seeding import torch_generator_from
 from trainer.progress import Progress, Section
-from trainer.reward.fragments import SnippetRule, draw_snippets
+from trainer.reward.fragments import FragmentRule, draw_fragments
 from trainer.reward.model import RewardModel, RewardNetwork
-from trainer.reward.preference_dataset import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
+from trainer.reward.preference_dataset import (
+    NO_PERFECT_GAMES,
+    PerfectGames,
+    PreferenceDataset,
+    compare,
+)
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
 from tril.game.observation import Observations
@@ -52,7 +57,7 @@ Seed = tuple[int, ...]
 _WEIGHTS, _SNIPPETS, _PASS = range(3)
 
 
-def train_reward(
+def train_reward_model(
     trajectories: Sequence[Trajectory],
     tiers: Sequence[Sequence[int]],
     recipe: RewardRecipe,
@@ -83,7 +88,7 @@ def train_reward(
     comparisons = compare(trajectories, tiers, recipe, perfect)
     networks = []
     for member in range(recipe.ensemble):
-        job = NetworkTraining(
+        job = RewardTrainer(
             comparisons,
             recipe.updates,
             (training_seed, member),
@@ -95,7 +100,7 @@ def train_reward(
     return calibrate(networks, comparisons, standardise=recipe.method == "fast").on(CPU)
 
 
-class NetworkTraining:
+class RewardTrainer:
     """The training of one network.
 
     Everything that is drawn for an update depends on the seed and the update's number alone, so
@@ -111,7 +116,7 @@ class NetworkTraining:
 
     def __init__(
         self,
-        comparisons: Comparisons,
+        comparisons: PreferenceDataset,
         updates: int,
         seed: Seed,
         checkpoint: Path | None = None,
@@ -184,13 +189,13 @@ class NetworkTraining:
 
 
 class _PaperLogits:
-    """The logits of an update as T-REX has them: the sums of R of its own few snippet pairs.
+    """The logits of an update as T-REX has them: the sums of R of its own few fragment pairs.
 
-    Snippet pairs are drawn once and gone through in several passes, every ``observation_stride``-th
-    observation of a snippet counts, and the logit is the sum (not the mean) of R of the better
-    snippet minus that of the worse.
+    Fragment pairs are drawn once and gone through in several passes, every
+    ``observation_stride``-th observation of a fragment counts, and the logit is the sum (not the
+    mean) of R of the better fragment minus that of the worse.
 
-    Differences from T-REX: snippets are cut at the shorter game of each pair instead of at the
+    Differences from T-REX: fragments are cut at the shorter game of each pair instead of at the
     shortest of all, each pass takes the pairs in a new order, and games of equal rank form no
     pair, where T-REX gives them a strict label.
     """
@@ -198,7 +203,7 @@ class _PaperLogits:
     def __init__(
         self,
         network: RewardNetwork,
-        comparisons: Comparisons,
+        comparisons: PreferenceDataset,
         updates: int,
         seed: Seed,
     ) -> None:
@@ -208,9 +213,9 @@ class _PaperLogits:
         self._recipe = recipe = comparisons.recipe
         self._seed = seed
         sizes = [len(game.observations) for game in self._games]
-        count = recipe.snippet_pairs or updates * recipe.pairs_per_update
-        rule = SnippetRule.of(recipe)
-        self._drawn = draw_snippets(comparisons.pairs, sizes, rule, count, _rng(seed, _SNIPPETS))
+        count = recipe.fragment_pairs or updates * recipe.pairs_per_update
+        rule = FragmentRule.of(recipe)
+        self._drawn = draw_fragments(comparisons.pairs, sizes, rule, count, _rng(seed, _SNIPPETS))
         self._order = cache(self._drawn_order)
 
     def __call__(self, update: int) -> Tensor:
@@ -219,19 +224,19 @@ class _PaperLogits:
         places = range(first, first + self._recipe.pairs_per_update)
         count = len(self._drawn)
         chosen = [int(self._order(place // count)[place % count]) for place in places]
-        snippets = [self._observations(index) for index in chosen]
-        screens = channels_last_screens(np.concatenate(snippets))
+        fragments = [self._observations(index) for index in chosen]
+        screens = channels_last_screens(np.concatenate(fragments))
         values = self._network(screens.to(self._device))
-        halves = [half for pair in snippets for half in [len(pair) // 2] * 2]
+        halves = [half for pair in fragments for half in [len(pair) // 2] * 2]
         sums = torch.stack([part.sum() for part in values.split_with_sizes(halves)])
         return sums[0::2] - sums[1::2]
 
     def _drawn_order(self, number: int) -> npt.NDArray[np.int64]:
-        """Return the order of the snippet pairs in a pass."""
+        """Return the order of the fragment pairs in a pass."""
         return _rng(self._seed, _PASS, number).permutation(len(self._drawn))
 
     def _observations(self, index: int) -> npt.NDArray[np.uint8]:
-        """Return the better snippet, then the worse one, uint8 (2 L, 4, 84, 84)."""
+        """Return the better fragment, then the worse one, uint8 (2 L, 4, 84, 84)."""
         drawn, parts = self._drawn, []
         for which, starts in (
             (drawn.better, drawn.better_start),
@@ -247,7 +252,7 @@ class _FastLogits:
     """The logits of an update from one pass over the games.
 
     Every update scores each game once, at every ``observation_stride``-th step from an offset
-    drawn anew, and takes the sums of many snippets from the prefix sums of those scores.
+    drawn anew, and takes the sums of many fragments from the prefix sums of those scores.
     Neighbouring observations share three of four screens, so that the stride costs little of what
     there is to learn and saves most of the time.
     """
@@ -255,7 +260,7 @@ class _FastLogits:
     def __init__(
         self,
         network: RewardNetwork,
-        comparisons: Comparisons,
+        comparisons: PreferenceDataset,
         updates: int,
         seed: Seed,
     ) -> None:
@@ -282,8 +287,8 @@ class _FastLogits:
         logits = []
         for group, count in zip(groups, counts, strict=True):
             pairs = [(row[better], row[worse]) for better, worse in group.pairs]
-            rule = replace(SnippetRule.of(recipe), starts=group.starts).every(stride)
-            drawn = draw_snippets(pairs, ends, rule, count, rng, first)
+            rule = replace(FragmentRule.of(recipe), starts=group.starts).every(stride)
+            drawn = draw_fragments(pairs, ends, rule, count, rng, first)
             better = _sums(table, drawn.better, drawn.better_start, drawn.length)
             logits.append(better - _sums(table, drawn.worse, drawn.worse_start, drawn.length))
         return torch.cat(logits)
@@ -332,7 +337,7 @@ def _rng(seed: Seed, *place: int) -> np.random.Generator:
 
 
 def calibrate(
-    networks: Sequence[RewardNetwork], comparisons: Comparisons, *, standardise: bool
+    networks: Sequence[RewardNetwork], comparisons: PreferenceDataset, *, standardise: bool
 ) -> RewardModel:
     """Make a reward model of trained networks.
 
@@ -373,10 +378,10 @@ def calibrate(
 
 def new_network(rng: np.random.Generator) -> RewardNetwork:
     """Make a network with PyTorch's own initialisation, drawn from this generator alone."""
-    return drawn_from(rng, RewardNetwork)
+    return torch_generator_from(rng, RewardNetwork)
 
 
 def _scores(
-    model: RewardModel, comparisons: Comparisons, games: Iterable[int]
+    model: RewardModel, comparisons: PreferenceDataset, games: Iterable[int]
 ) -> dict[int, npt.NDArray[np.float32]]:
     return {index: model.score(comparisons.games[index].observations) for index in games}

@@ -16,18 +16,18 @@ import torch
 
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
-from trainer.runtime.throttle import Courtesy
+from trainer.runtime.throttle import Throttle
 from tril.behaviours import Behaviour
 from tril.demonstrator import SCRIPTED
 from tril.files.artifact_store import ArtifactStore
-from tril.jobs import Forecast
+from tril.jobs import RunEta
 from tril.recipes import Recipe
 from tril.settings import Settings
 from tril.store import games
 from tril.store.database import Database
 from tril.store.training import artifacts as artifact_rows
 from tril.store.training import leases, metrics
-from tril.store.training.leases import Claim
+from tril.store.training.leases import Lease
 
 log = logging.getLogger(__name__)
 
@@ -68,7 +68,7 @@ class RunContext:
         example_kind: Name of the kind of an example's demonstrations.
     """
 
-    claim: Claim
+    claim: Lease
     behaviour_id: int
     behaviour: Behaviour
     recipe: Recipe
@@ -82,8 +82,8 @@ class RunContext:
     artifacts: ArtifactStore
     folder: Path
     settings: Settings
-    forecast: Forecast
-    courtesy: Courtesy
+    forecast: RunEta
+    courtesy: Throttle
     stopping: threading.Event
     example_kind: str = SCRIPTED.name
     _looked_at: float = field(default=-1e9, init=False)
@@ -104,7 +104,7 @@ class RunContext:
         Raises:
             RunCancelled: The run was cancelled.
             WorkerStopping: The worker is being stopped.
-            RunLost: The run has passed to another worker.
+            LeaseLost: The run has passed to another worker.
         """
         if self.stopping.is_set():
             raise WorkerStopping

@@ -23,18 +23,18 @@ from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages import STAGE_WORK
-from trainer.runtime.throttle import Courtesy, learning_threads
+from trainer.runtime.throttle import Throttle, learning_threads
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
 from tril.files.artifact_store import DISK_FULL, ArtifactStore
-from tril.jobs import Forecast, stages_of
+from tril.jobs import RunEta, stages_of
 from tril.recipes import recipe_from_dict
 from tril.settings import Settings
 from tril.store import behaviours
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import leases, runs
-from tril.store.training.leases import Claim, RunLost
+from tril.store.training.leases import Lease, LeaseLost
 
 log = logging.getLogger(__name__)
 
@@ -66,7 +66,7 @@ class Pipeline:
         self._worker = worker
         self._stopping = stopping
         self._artifacts = ArtifactStore(settings.artifact_root)
-        self._courtesy = Courtesy(learning_threads(settings.learning_threads))
+        self._courtesy = Throttle(learning_threads(settings.learning_threads))
         self._at_work: dict[str, RunData] = {}
 
     @property
@@ -90,7 +90,7 @@ class Pipeline:
             shutil.rmtree(folders / run_id, ignore_errors=True)
 
     def train(self, run_id: str, perform: Perform) -> str:
-        """Claim a run and take it through its stages.
+        """Lease a run and take it through its stages.
 
         Args:
             run_id: The run.
@@ -144,7 +144,7 @@ class Pipeline:
             if stage == "check":
                 stop_if_confused(data.context)
             return FINISHED
-        except RunLost:
+        except LeaseLost:
             # The queue's record of this stage will be refused, too, and end the job here.
             log.info("Run %s: %s.", run_id, TAKEN_OVER)
             return TAKEN_OVER
@@ -172,12 +172,12 @@ class Pipeline:
         context.finish_stage(stage, seconds, outcome)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
-    def _prepare(self, claim: Claim) -> tuple[RunData, tuple[str, ...]]:
+    def _prepare(self, claim: Lease) -> tuple[RunData, tuple[str, ...]]:
         with self._database.reading() as session:
             row = runs.get(session, claim.run_id)
             return RunData(self._context(session, row, claim)), stages_of(row)
 
-    def _context(self, session: Session, row: RunRow, claim: Claim) -> RunContext:
+    def _context(self, session: Session, row: RunRow, claim: Lease) -> RunContext:
         return RunContext(
             claim=claim,
             behaviour_id=row.behaviour_id,
@@ -193,23 +193,23 @@ class Pipeline:
             artifacts=self._artifacts,
             folder=take_over_folder(scratch_folder(self._settings, row.id), claim.epoch),
             settings=self._settings,
-            forecast=Forecast.of(session, row),
+            forecast=RunEta.of(session, row),
             courtesy=self._courtesy,
             stopping=self._stopping,
             example_kind=row.example_kind,
         )
 
-    def _end(self, claim: Claim, status: RunStatus, message: str) -> str:
-        def end(session: Session, claim: Claim) -> None:
+    def _end(self, claim: Lease, status: RunStatus, message: str) -> str:
+        def end(session: Session, claim: Lease) -> None:
             leases.end(session, claim, status, message)
 
         return self._leave(claim, end, str(status))
 
-    def _leave(self, claim: Claim, write: Callable[[Session, Claim], None], how: str) -> str:
+    def _leave(self, claim: Lease, write: Callable[[Session, Lease], None], how: str) -> str:
         try:
             with self._database.writing() as session:
                 write(session, claim)
-        except RunLost:
+        except LeaseLost:
             return TAKEN_OVER
         return how
 

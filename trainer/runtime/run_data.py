@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from trainer.policy.networks import Policy, load_policy
-from trainer.progress import Progress, Unobserved
+from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from trainer.reward.perturbation import DisturbedCopy, disturbed_copies
+from trainer.reward.perturbation import PerturbedDemonstration, perturbed_copies
 from trainer.reward.preference_dataset import PerfectGames
 from trainer.runtime.artifact_files import stored_file
 from trainer.runtime.context import RunContext
@@ -25,7 +25,7 @@ REWARD_MODEL = "reward-model.safetensors"
 NETWORK = "application/octet-stream"
 
 _COPIES_STREAM = 1_000_033
-"""Keeps the draws of disturbed copies apart from others of the same training seed."""
+"""Keeps the draws of perturbed demonstrations apart from others of the same training seed."""
 
 
 class RunData:
@@ -43,7 +43,7 @@ class RunData:
         self._trajectories: dict[int, Trajectory] = {}
         self._recordings: dict[int, Recording] = {}
         self._reward_model: RewardModel | None = None
-        self._copies: list[DisturbedCopy] | None = None
+        self._copies: list[PerturbedDemonstration] | None = None
 
     @property
     def tiers(self) -> list[list[int]]:
@@ -78,26 +78,26 @@ class RunData:
 
     @property
     def perfect_games(self) -> PerfectGames:
-        """The perfect demonstrations and, where the recipe learns from them, disturbed copies."""
+        """The perfect demonstrations, and perturbed ones where the recipe learns from them."""
         place = {number: index for index, number in enumerate(self.ranked)}
         ranked_as = [place.get(number) for number in self.perfect]
-        return PerfectGames(self.perfect_trajectories, ranked_as, self._disturbed_copies)
+        return PerfectGames(self.perfect_trajectories, ranked_as, self._perturbed_copies)
 
     def forget_copies(self) -> None:
-        """Free the disturbed copies' memory, 250 MB, once the reward is learned and checked."""
+        """Free the perturbed demonstrations (250 MB) once the reward is learned and checked."""
         self._copies = None
 
     @property
-    def _disturbed_copies(self) -> list[DisturbedCopy]:
+    def _perturbed_copies(self) -> list[PerturbedDemonstration]:
         context, recipe = self.context, self.context.recipe.reward
-        if not recipe.disturbed_share:
+        if not recipe.perturbed_share:
             return []
         if self._copies is None:
             found = self.recordings(self.perfect)
             rng = np.random.default_rng([context.training_seed, _COPIES_STREAM])
-            self._copies = disturbed_copies(
+            self._copies = perturbed_copies(
                 [found[number] for number in self.perfect],
-                recipe.disturbed_copies,
+                recipe.perturbed_copies,
                 rng,
                 context.check_cancelled,
             )
@@ -131,7 +131,7 @@ class RunData:
         Raises:
             Invalid: A recording no longer replays to what was recorded.
         """
-        progress = progress or Unobserved()
+        progress = progress or NullProgress()
         console: Console | None = None
         wanted = self.recordings(ids)
         for count, (number, recording) in enumerate(wanted.items(), start=1):

@@ -16,7 +16,7 @@ AUTOGROUP = Path("/proc/self/autogroup")
 LONGEST_REST_S = 0.25
 
 
-class Courtesy:
+class Throttle:
     """How much of the machine learning takes.
 
     The worker and the processes it starts always run at low priority, which is what keeps the

@@ -22,7 +22,7 @@ class GameFigures:
         strays: Hits outside the target.
         order_errors: Target hits out of order.
         steps: How many steps it lasted.
-        is_hit: Whether it ended by a hit on the player.
+        died: Whether it ended by a hit on the player.
         predicted_return: Sum of R over its observations, if it was computed.
     """
 
@@ -30,7 +30,7 @@ class GameFigures:
     strays: int | None
     order_errors: int | None
     steps: int
-    is_hit: bool
+    died: bool
     predicted_return: float | None
 
 
@@ -52,7 +52,7 @@ class PolicySummary:
     strays: Interval | None
     order_errors: Interval | None
     steps: Interval
-    hit_share: Interval
+    death_rate: Interval
     predicted_return: Interval | None
 
     def to_dict(self) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def summarise(games: Sequence[GameFigures]) -> PolicySummary:
         strays=mean_of(lambda game: game.strays),
         order_errors=mean_of(lambda game: game.order_errors),
         steps=interval([game.steps for game in games]),
-        hit_share=interval([float(game.is_hit) for game in games]),
+        death_rate=interval([float(game.died) for game in games]),
         predicted_return=mean_of(lambda game: game.predicted_return),
     )
 

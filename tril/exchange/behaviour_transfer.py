@@ -115,7 +115,7 @@ def import_whole(database: Database, content: bytes, name: str | None = None) ->
     given = parse_behaviour(content)
     replayed = _replayed(given)
     with database.writing() as session:
-        found = None if name is not None else _empty_ready_made(session, given)
+        found = None if name is not None else _empty_built_in(session, given)
         row = found or behaviours.create(
             session, name or given.name, given.description, _about(given).target, given.ordered
         )
@@ -196,7 +196,7 @@ def _replayed(given: BehaviourObject) -> dict[int, Exchanged]:
     return replayed
 
 
-def _empty_ready_made(session: Session, given: BehaviourObject) -> BehaviourRow | None:
+def _empty_built_in(session: Session, given: BehaviourObject) -> BehaviourRow | None:
     wanted = _about(given)
     for row in behaviours.listing(session):
         present = behaviours.as_behaviour(row)
@@ -205,7 +205,7 @@ def _empty_ready_made(session: Session, given: BehaviourObject) -> BehaviourRow 
             wanted.target,
             wanted.ordered,
         )
-        if not (row.ready_made and is_same):
+        if not (row.built_in and is_same):
             continue
         is_empty = not recordings.has_any(session, row.id) and not rankings.history(session, row.id)
         return row if is_empty else None

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.demonstrator import N_PERFECT, Demonstration, make_example
 from tril.exchange.formats import to_exchange
 
@@ -34,7 +34,7 @@ def demonstration_object(demonstration: Demonstration, tier: int | None = None) 
 
 def main() -> None:
     """Make the demonstrations of a ready-made behaviour and print each when it is done."""
-    behaviours = {behaviour.slug: behaviour for behaviour in READY_MADE}
+    behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("behaviour", choices=list(behaviours))
     parser.add_argument("--perfect", type=int, default=N_PERFECT, help="how many perfect ones")

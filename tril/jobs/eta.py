@@ -57,7 +57,7 @@ def _measured(recipe: Recipe, steps: int, last: RunRow) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class Forecast:
+class RunEta:
     """What the stages of one run will take.
 
     Attributes:
@@ -67,8 +67,8 @@ class Forecast:
     seconds: Mapping[str, float]
 
     @classmethod
-    def of(cls, session: Session, run: RunRow) -> Forecast:
-        """Forecast a run by the newest finished one of its recipe, or by typical rates."""
+    def of(cls, session: Session, run: RunRow) -> RunEta:
+        """RunEta a run by the newest finished one of its recipe, or by typical rates."""
         recipe = recipe_from_dict(run.recipe)
         last = runs.latest_done(session, run.recipe_name)
         seconds = (

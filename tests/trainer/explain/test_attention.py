@@ -15,7 +15,7 @@ from trainer.explain.attention import (
     pick_states,
 )
 from trainer.explain.occlusion import PATCH
-from trainer.progress import Unobserved
+from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.game.console import Console
 from tril.game.observation import AgentView
@@ -73,7 +73,7 @@ def test_patches_anywhere_change_what_masking_changes(n_members: int) -> None:
     ]
     positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
     expected = _masked_changes(model, noise, positions)
-    found = changes_at(model, noise, positions, Unobserved())
+    found = changes_at(model, noise, positions, NullProgress())
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
 
 

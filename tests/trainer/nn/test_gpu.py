@@ -19,9 +19,9 @@ from trainer.policy import imitator
 from trainer.policy.gail import train_by_gail
 from trainer.policy.imitator import ImitationTask, train_imitator
 from trainer.policy.networks import load_policy, new_policy, save_policy
-from trainer.progress import RunCancelled, Unobserved
-from trainer.reward.reward_trainer import train_reward
-from tril.behaviours import READY_MADE
+from trainer.progress import NullProgress, RunCancelled
+from trainer.reward.reward_trainer import train_reward_model
+from tril.behaviours import BUILT_IN
 from tril.recipes import GailRecipe
 
 DEVICES = list(dict.fromkeys([CPU, learning_device("auto")]))
@@ -38,7 +38,7 @@ def task(tmp_path: Path) -> ImitationTask:
         recipe=tiny_recipe(),
         steps=STEPS,
         training_seed=11,
-        behaviour=READY_MADE[0],
+        behaviour=BUILT_IN[0],
         perfect=[short_recording()],
         clone=clone,
     )
@@ -95,6 +95,6 @@ def test_a_reward_model_learned_anywhere_is_on_the_processor(
     kind: str, device: torch.device
 ) -> None:
     recipe = replace(RECIPES[kind], updates=2)
-    model = train_reward(TRAJECTORIES, TIERS, recipe, 7, Unobserved(), device=device)
+    model = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress(), device=device)
     assert device_of(model.members[0]) == CPU
     assert np.isfinite(model.score(observations(3))).all()

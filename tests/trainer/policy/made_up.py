@@ -16,10 +16,10 @@ ELSEWHERE = torch.device("meta")
 
 TINY = replace(
     FAST.policy,
-    n_games=4,
-    rollout_steps=8,
-    minibatches=2,
-    epochs=2,
+    n_envs=4,
+    n_steps=8,
+    n_minibatches=2,
+    n_epochs=2,
     critic_warm_up_steps=32,
     snapshot_steps=(64, 10_000),
     snapshot_episodes=1,

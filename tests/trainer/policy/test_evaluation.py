@@ -100,6 +100,6 @@ def test_sticky_games_follow_their_start_and_not_the_games_beside_them() -> None
     assert twins[0].recording.actions == together[0].recording.actions
 
 
-def test_the_stickiness_asked_for_counts_more_than_the_choice() -> None:
+def test_the_stickiness_asked_for_counts_more_than_the_action_selection() -> None:
     (game,) = play(_Turning(), STARTS[:1], "sticky", sticky_action_probability=1.0)
     assert set(game.recording.actions) == {Action.NOOP}

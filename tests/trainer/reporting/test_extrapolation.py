@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.workplace import TINY
-from trainer.progress import Unobserved
+from trainer.progress import NullProgress
 from trainer.reporting.extrapolation import (
     Extrapolation,
     SkilledGame,
@@ -32,7 +32,7 @@ PLAN = SkillPlan(
 
 @pytest.fixture(scope="module")
 def found() -> Extrapolation:
-    return extrapolate("shots", TINY.reward, 3, Unobserved(), PLAN)
+    return extrapolate("shots", TINY.reward, 3, NullProgress(), PLAN)
 
 
 def test_the_demonstrations_are_of_the_less_skilled_players_games(found: Extrapolation) -> None:
@@ -45,13 +45,13 @@ def test_the_demonstrations_are_of_the_less_skilled_players_games(found: Extrapo
 
 
 def test_the_same_training_seed_gives_the_same_games_and_returns(found: Extrapolation) -> None:
-    assert extrapolate("shots", TINY.reward, 3, Unobserved(), PLAN) == found
+    assert extrapolate("shots", TINY.reward, 3, NullProgress(), PLAN) == found
 
 
 def test_games_that_are_all_worth_the_same_are_refused() -> None:
     plan = replace(PLAN, games=1, demonstrations=1)
     with pytest.raises(Invalid, match="more training steps"):
-        extrapolate("points", TINY.reward, 3, Unobserved(), plan)
+        extrapolate("points", TINY.reward, 3, NullProgress(), plan)
 
 
 def test_demonstrations_are_spread_over_their_worths() -> None:

@@ -21,7 +21,7 @@ from trainer.reporting.figures import (
     returns_figure,
 )
 from tril.analysis.extrapolation import JudgedGame, JudgedGames, Player
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 
 
 def _pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -56,7 +56,7 @@ def test_a_frame_keeps_its_pixels() -> None:
 
 
 def test_strays_are_drawn_in_a_colour_of_their_own() -> None:
-    column_1 = READY_MADE[0]
+    column_1 = BUILT_IN[0]
     clean = PlayedColumn("imitator", "Imitator", (tuple(column_1.target or ()),))
     stray = PlayedColumn("imitator", "Imitator", (((0, 3),),))
 
@@ -100,6 +100,6 @@ def test_all_who_played_are_in_the_figure_in_their_colours() -> None:
 
 def test_figures_with_missing_parts_are_drawn() -> None:
     column = PlayedColumn("clone", "Clone", (None, ()))
-    assert _pixels(comparison_figure(READY_MADE[6], ["0", "1"], [column])).ndim == 3
+    assert _pixels(comparison_figure(BUILT_IN[6], ["0", "1"], [column])).ndim == 3
     assert _pixels(returns_figure([1, 2, 2], [3.0, 1.0, -2.0], 0.8)).ndim == 3
     assert _pixels(curves_figure([("return", COLOURS["imitator"], [])], "steps")).ndim == 3

@@ -104,7 +104,7 @@ def test_the_headline_is_of_held_out_games() -> None:
     assert summary.targets is not None
     assert summary.targets.mean == 3.5
     assert summary.targets.n == 2
-    assert summary.hit_share.mean == 0.5
+    assert summary.death_rate.mean == 0.5
     assert entry().headline("imitator", "sampled") is None
 
 

@@ -35,8 +35,8 @@ def page_of(workplace: Workplace, training: Training, warning: str | None = WARN
     curves = training.curves()
     with workplace.database.writing() as session:
         runs.get(session, run_id).outcome = {"check": check}
-        for choice, targets in (("greedy", 5), ("sampled", 4), ("sticky", 2)):
-            key = EvaluationKey("imitator", choice, 0)
+        for action_selection, targets in (("greedy", 5), ("sampled", 4), ("sticky", 2)):
+            key = EvaluationKey("imitator", action_selection, 0)
             score = Score(targets, 1, 0)
             evaluations.add(session, run_id, key, workplace.ranked[0], True, 640.0, score)
         for place, (step, _) in enumerate(curves["hits"]):
@@ -61,7 +61,7 @@ def test_the_page_warns_of_a_return_that_rises_alone_and_of_tiers_that_are_not_t
     assert "Warning" not in page_of(workplace, HONEST["both rise"], warning=None)
 
 
-def test_the_page_has_a_line_for_every_choice_and_what_games_were_worth(
+def test_the_page_has_a_line_for_every_action_selection_and_what_games_were_worth(
     workplace: Workplace,
 ) -> None:
     page = page_of(workplace, HONEST["both rise"])

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.reward.fragments import (
-    SnippetRule,
-    SnippetStarts,
-    draw_snippets,
+    FragmentRule,
+    FragmentStarts,
+    draw_fragments,
+    fragment_sums,
     preference_pairs,
-    snippet_sums,
 )
 from tril.errors import Invalid
 
@@ -19,15 +19,15 @@ from tril.errors import Invalid
     sizes=st.lists(st.integers(1, 301), min_size=2, max_size=6),
     shortest=st.integers(1, 80),
     extra=st.integers(0, 60),
-    starts=st.sampled_from(get_args(SnippetStarts)),
+    starts=st.sampled_from(get_args(FragmentStarts)),
     seed=st.integers(0, 99),
 )
-def test_snippets_lie_within_their_games_and_are_equally_long(
-    sizes: list[int], shortest: int, extra: int, starts: SnippetStarts, seed: int
+def test_fragments_lie_within_their_games_and_are_equally_long(
+    sizes: list[int], shortest: int, extra: int, starts: FragmentStarts, seed: int
 ) -> None:
     pairs = preference_pairs([[i] for i in range(len(sizes))])
-    rule = SnippetRule(shortest, shortest + extra, starts)
-    drawn = draw_snippets(pairs, sizes, rule, 200, np.random.default_rng(seed))
+    rule = FragmentRule(shortest, shortest + extra, starts)
+    drawn = draw_fragments(pairs, sizes, rule, 200, np.random.default_rng(seed))
     size = np.asarray(sizes)
     assert (drawn.better < drawn.worse).all()
     assert (drawn.length >= 1).all()
@@ -43,26 +43,26 @@ def test_snippets_lie_within_their_games_and_are_equally_long(
         assert (drawn.better_start >= drawn.worse_start).all()
 
 
-def test_free_snippets_start_before_and_after_each_other() -> None:
-    rule = SnippetRule(5, 10, "any")
-    drawn = draw_snippets([(0, 1)], [100, 100], rule, 500, np.random.default_rng(0))
+def test_free_fragments_start_before_and_after_each_other() -> None:
+    rule = FragmentRule(5, 10, "any")
+    drawn = draw_fragments([(0, 1)], [100, 100], rule, 500, np.random.default_rng(0))
     earlier = np.mean(drawn.better_start < drawn.worse_start)
     assert 0.4 < earlier < 0.6
 
 
-@pytest.mark.parametrize("starts", get_args(SnippetStarts))
-def test_snippets_start_where_both_games_have_begun(starts: SnippetStarts) -> None:
-    rule = SnippetRule(5, 50, starts)
-    drawn = draw_snippets([(0, 1)], [100, 90], rule, 500, np.random.default_rng(0), first=[0, 70])
+@pytest.mark.parametrize("starts", get_args(FragmentStarts))
+def test_fragments_start_where_both_games_have_begun(starts: FragmentStarts) -> None:
+    rule = FragmentRule(5, 50, starts)
+    drawn = draw_fragments([(0, 1)], [100, 90], rule, 500, np.random.default_rng(0), first=[0, 70])
     assert drawn.worse_start.min() == 70
     assert drawn.better_start.min() == 70
     assert (drawn.worse_start + drawn.length).max() == 90
 
 
 def test_a_short_game_limits_its_own_pairs_only() -> None:
-    rule = SnippetRule(50, 100, "same")
+    rule = FragmentRule(50, 100, "same")
     pairs = preference_pairs([[0], [1], [2]])
-    drawn = draw_snippets(pairs, [301, 20, 301], rule, 2000, np.random.default_rng(0))
+    drawn = draw_fragments(pairs, [301, 20, 301], rule, 2000, np.random.default_rng(0))
     with_short = (drawn.better == 1) | (drawn.worse == 1)
     assert set(drawn.length[with_short]) == {20}
     assert drawn.length[~with_short].min() >= 50
@@ -78,7 +78,7 @@ def test_one_tier_teaches_nothing() -> None:
         preference_pairs([[0, 1, 2]])
 
 
-def test_snippet_sums_are_sums() -> None:
+def test_fragment_sums_are_sums() -> None:
     values = np.arange(10, dtype=np.float32)
-    sums = snippet_sums(values, np.array([0, 3, 9]), np.array([10, 2, 1]))
+    sums = fragment_sums(values, np.array([0, 3, 9]), np.array([10, 2, 1]))
     assert sums.tolist() == [45.0, 7.0, 9.0]

@@ -5,7 +5,7 @@ import pytest
 
 from trainer.progress import RunCancelled
 from trainer.reward import perturbation
-from trainer.reward.perturbation import LONGEST_COPY, SHORTEST_COPY, disturbed_copies
+from trainer.reward.perturbation import LONGEST_COPY, SHORTEST_COPY, perturbed_copies
 from tril.game.agent import AgentGame
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for, keys_for
@@ -31,7 +31,7 @@ def recording() -> Recording:
 
 def test_copies_begin_in_the_game_and_leave_it(recording: Recording) -> None:
     original = trajectory(recording).observations
-    copies = disturbed_copies([recording] * 2, 5, np.random.default_rng(0), lambda: None)
+    copies = perturbed_copies([recording] * 2, 5, np.random.default_rng(0), lambda: None)
     assert {copy.original for copy in copies} == {0, 1}
     differ = []
     for copy in copies:
@@ -49,7 +49,7 @@ def test_some_copies_go_on_without_a_key(
 ) -> None:
     monkeypatch.setattr(perturbation, "_MISSING_SHARE", 1.0)
     monkeypatch.setattr(perturbation, "_MISSING_KEYS", {Keys.FIRE: 1})
-    (copy,) = disturbed_copies([recording], 1, np.random.default_rng(0), lambda: None)
+    (copy,) = perturbed_copies([recording], 1, np.random.default_rng(0), lambda: None)
     game = AgentGame(Console())
     game.reset(recording.start)
     expected = [game.observation]
@@ -70,14 +70,14 @@ def test_a_key_that_is_not_pressed_again_is_not_the_missing_one(
     monkeypatch.setattr(perturbation, "_MISSING_SHARE", 1.0)
     still = replace(recording, actions=bytes([Action.NOOP]) * 4 * STEPS, ram_hashes=())
     original = trajectory(still).observations
-    for copy in disturbed_copies([still], 5, np.random.default_rng(0), lambda: None):
+    for copy in perturbed_copies([still], 5, np.random.default_rng(0), lambda: None):
         first, n = copy.first_step, len(copy.observations)
         assert not np.array_equal(copy.observations, original[first : first + n])
 
 
 def test_the_same_draws_give_the_same_copies(recording: Recording) -> None:
     one, other = (
-        disturbed_copies([recording], 3, np.random.default_rng(1), lambda: None) for _ in range(2)
+        perturbed_copies([recording], 3, np.random.default_rng(1), lambda: None) for _ in range(2)
     )
     assert [copy.first_step for copy in one] == [copy.first_step for copy in other]
     for a, b in zip(one, other, strict=True):
@@ -86,7 +86,7 @@ def test_the_same_draws_give_the_same_copies(recording: Recording) -> None:
 
 def test_a_game_too_short_to_be_disturbed_has_no_copies(recording: Recording) -> None:
     short = Recording(recording.start, recording.actions[: 4 * SHORTEST_COPY])
-    assert disturbed_copies([short], 3, np.random.default_rng(1), lambda: None) == []
+    assert perturbed_copies([short], 3, np.random.default_rng(1), lambda: None) == []
 
 
 def test_it_stops_when_told_to(recording: Recording) -> None:
@@ -94,4 +94,4 @@ def test_it_stops_when_told_to(recording: Recording) -> None:
         raise RunCancelled
 
     with pytest.raises(RunCancelled):
-        disturbed_copies([recording], 3, np.random.default_rng(1), stop)
+        perturbed_copies([recording], 3, np.random.default_rng(1), stop)

@@ -5,17 +5,17 @@ import pytest
 import torch
 
 from tests.trainer.planted import planted_trajectories, planted_trajectory
-from trainer.progress import Unobserved
-from trainer.reward.perturbation import DisturbedCopy
+from trainer.progress import NullProgress
+from trainer.reward.perturbation import PerturbedDemonstration
 from trainer.reward.preference_dataset import PerfectGames, compare
-from trainer.reward.reward_trainer import NetworkTraining, train_reward
+from trainer.reward.reward_trainer import RewardTrainer, train_reward_model
 from tril.recipes import FAST, PAPER
 from tril.recording import Trajectory
 
 TRAJECTORIES = planted_trajectories()
 TIERS = [[0], [1], [2, 3], [4], [5]]
 RECIPE = replace(
-    FAST.reward, updates=25, observation_stride=5, snippet_min_steps=5, pairs_per_update=64
+    FAST.reward, updates=25, observation_stride=5, fragment_min_steps=5, pairs_per_update=64
 )
 
 
@@ -24,7 +24,9 @@ def perfect() -> PerfectGames:
     """Two perfect games, the second of them ranked second; of each a copy that stays dark."""
     rng = np.random.default_rng(8)
     dark = [planted_trajectory(rng, 0, 30).observations for _ in range(2)]
-    copies = [DisturbedCopy(number, 7, observations) for number, observations in enumerate(dark)]
+    copies = [
+        PerturbedDemonstration(number, 7, observations) for number, observations in enumerate(dark)
+    ]
     return PerfectGames([planted_trajectory(rng, 5, 40), TRAJECTORIES[1]], [None, 1], copies)
 
 
@@ -39,7 +41,7 @@ def test_all_that_is_known_becomes_pairs(perfect: PerfectGames) -> None:
     groups = (ranked, free, better, copies)
     assert [group.starts for group in groups] == ["same", "any", "any", "same"]
     assert sum(group.share for group in groups) == pytest.approx(1.0)
-    assert copies.share == RECIPE.disturbed_share
+    assert copies.share == RECIPE.perturbed_share
 
 
 def test_without_perfect_games_the_ranking_is_all(perfect: PerfectGames) -> None:
@@ -59,17 +61,17 @@ def test_what_is_left_out_is_left_out_everywhere(perfect: PerfectGames) -> None:
     assert not {1, 3, 8} & {index for pair in pairs for index in pair}
 
 
-def test_the_logits_are_sums_over_snippets_of_the_games(perfect: PerfectGames) -> None:
+def test_the_logits_are_sums_over_fragments_of_the_games(perfect: PerfectGames) -> None:
     """Against plain sums, with a network that reads a game's number and step off its screens."""
     games = [_marked(number, 40, 0) for number in range(6)]
     marked = PerfectGames(
         [Trajectory(_marked(6, 40, 0), np.zeros(40, np.int64))],
         [None],
-        [DisturbedCopy(0, 7, _marked(7, 30, 7))],
+        [PerturbedDemonstration(0, 7, _marked(7, 30, 7))],
     )
     trajectories = [Trajectory(one, np.zeros(40, np.int64)) for one in games]
-    recipe = replace(RECIPE, free_share=0.0, perfect_share=0.0, disturbed_share=1.0)
-    training = NetworkTraining(compare(trajectories, TIERS, recipe, marked), 1, (0,))
+    recipe = replace(RECIPE, free_share=0.0, perfect_share=0.0, perturbed_share=1.0)
+    training = RewardTrainer(compare(trajectories, TIERS, recipe, marked), 1, (0,))
     training._logits._network = lambda inputs: (  # type: ignore[assignment]
         100.0 * inputs[:, 0, 0, 0].float() + inputs[:, 0, 0, 1].float()
     )
@@ -90,19 +92,19 @@ def _marked(
     return observations
 
 
-def test_disturbed_copies_teach_what_the_ranking_leaves_open() -> None:
+def test_perturbed_copies_teach_what_the_ranking_leaves_open() -> None:
     """A bright spot that only copies show is bad, and stays so in another game."""
     rng = np.random.default_rng(4)
     originals = [planted_trajectory(rng, 5, 40) for _ in range(4)]
     spotted = [trajectory.observations.copy() for trajectory in originals]
     for observations in spotted:
         observations[:, :, :12, :12] = 250
-    copies = [DisturbedCopy(number, 0, one) for number, one in enumerate(spotted[:3])]
+    copies = [PerturbedDemonstration(number, 0, one) for number, one in enumerate(spotted[:3])]
     perfect = PerfectGames(originals[:3], [None] * 3, copies)
     recipe = replace(RECIPE, updates=90)
     gaps = []
     for known in (PerfectGames(originals[:3], [None] * 3), perfect):
-        model = train_reward(TRAJECTORIES, TIERS, recipe, 7, Unobserved(), perfect=known)
+        model = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress(), perfect=known)
         clean = model.level(model.score(originals[3].observations))
         gaps.append(float((clean - model.level(model.score(spotted[3]))).mean()))
     untaught, taught = gaps

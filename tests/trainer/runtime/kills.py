@@ -121,7 +121,7 @@ def flaws(workplace: Workplace, run_id: str, untouched: str) -> list[str]:
                 )
     with workplace.database.reading() as session:
         games = {
-            (game.policy, game.choice, game.start_number)
+            (game.policy, game.action_selection, game.start_number)
             for game in evaluations.listing(session, run_id)
         }
         if len(evaluations.listing(session, run_id)) != len(games) or len(games) != len(

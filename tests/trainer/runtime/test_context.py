@@ -9,14 +9,14 @@ import pytest
 from tests.workplace import Workplace
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
-from trainer.runtime.throttle import Courtesy
+from trainer.runtime.throttle import Throttle
 from tril.files.artifact_store import ArtifactStore
 from tril.game.starts import Start
-from tril.jobs import Forecast
+from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, games
 from tril.store.training import leases, metrics, runs
-from tril.store.training.leases import RunLost
+from tril.store.training.leases import LeaseLost
 
 STAGE = "imitator"
 
@@ -56,8 +56,8 @@ def claimed(workplace: Workplace, run_id: str) -> RunContext:
             artifacts=ArtifactStore(workplace.settings.artifact_root),
             folder=workplace.settings.data / "runs" / run_id,
             settings=workplace.settings,
-            forecast=Forecast({"reward": 50.0, STAGE: 100.0, "evaluation": 30.0}),
-            courtesy=Courtesy(1),
+            forecast=RunEta({"reward": 50.0, STAGE: 100.0, "evaluation": 30.0}),
+            courtesy=Throttle(1),
             stopping=threading.Event(),
         )
 
@@ -158,11 +158,11 @@ def test_a_worker_that_lost_its_run_writes_nothing_more(workplace: Workplace, ru
     progress = StageProgress(lost, STAGE)
     progress.advance(100, 1000, {"kl": 1.0})
     claimed(workplace, run_id)
-    with pytest.raises(RunLost):
+    with pytest.raises(LeaseLost):
         StageProgress(lost, STAGE).advance(500, 1000, {"kl": 9.0})
-    with pytest.raises(RunLost):
+    with pytest.raises(LeaseLost):
         lost.save_artifact("figure", "x.png", "image/png", b"")
-    with pytest.raises(RunLost):
+    with pytest.raises(LeaseLost):
         lost.finish_stage(STAGE, 1.0)
     assert curve(workplace, run_id) == [(100, 1.0)]
     assert not lost.artifacts.exists(f"runs/{run_id}/x.png")
@@ -186,7 +186,7 @@ def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> No
 
 
 def test_learning_makes_way_while_somebody_plays() -> None:
-    courtesy = Courtesy(4)
+    courtesy = Throttle(4)
     courtesy.begin()
     import torch
 

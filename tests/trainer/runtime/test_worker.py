@@ -85,15 +85,15 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
         files = {file.name: file for file in artifacts.listing(session, row.id)}
         _, curves = metrics.series(session, row.id)
         library = recordings.listing(session, workplace.behaviour_id)
-    assert {(game.policy, game.choice, game.start_number) for game in games} == {
-        (policy, choice, 0) for policy in evaluations.POLICIES for choice in evaluations.CHOICES
+    assert {(game.policy, game.action_selection, game.start_number) for game in games} == {
+        (policy, how, 0) for policy in evaluations.POLICIES for how in evaluations.ACTION_SELECTIONS
     }
     assert len(games) == 6
     for game in games:
         assert game.recording.conditions == {
             "policy": game.policy,
-            "choice": game.choice,
-            **({"sticky_action_probability": 0.25} if game.choice == "sticky" else {}),
+            "action_selection": game.action_selection,
+            **({"sticky_action_probability": 0.25} if game.action_selection == "sticky" else {}),
         }
         assert game.held_out
         assert game.recording.run_id == row.id
@@ -124,7 +124,7 @@ NEVER_ENDING: dict[str, dict[str, Any]] = {
     "clone": {
         "cloning.epochs": ENDLESS,
         "cloning.patience": ENDLESS,
-        "cloning.left_out_share": 0.0,
+        "cloning.validation_share": 0.0,
     },
     "imitator": {},
 }

@@ -12,7 +12,7 @@ from tests.trainer.runtime.worker_zygote import Zygote
 from tests.workplace import TINY, Workplace
 from tril.jobs import Jobs
 from tril.store import recordings
-from tril.store.training.evaluations import CHOICES, POLICIES
+from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
 N_KILLS = 20
 LONGEST_LIFE = 0.6
@@ -40,5 +40,5 @@ def test_20_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole
     with workplace.database.reading() as session:
         played = recordings.listing(session, workplace.behaviour_id, with_policies=True)
     of_runs = Counter(row.run_id for row in played if row.run_id is not None)
-    games = len(POLICIES) * len(CHOICES) * len(TINY.evaluation.start_numbers)
+    games = len(POLICIES) * len(ACTION_SELECTIONS) * len(TINY.evaluation.start_numbers)
     assert set(of_runs.values()) == {games}, "A killed evaluation left a game twice."

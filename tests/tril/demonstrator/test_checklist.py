@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tril.behaviours import READY_MADE, ROW_1, Behaviour, Cell
+from tril.behaviours import BUILT_IN, ROW_1, Behaviour, Cell
 from tril.demonstrator import DemonstrationPlan, PlayedGame, example_plans, shows, tick
 from tril.demonstrator.plans import draw_hits
 from tril.game.episode import EndReason
@@ -24,7 +24,7 @@ def played(
     return PlayedGame(tuple(hits), end, n_frames)
 
 
-@pytest.mark.parametrize("behaviour", READY_MADE, ids=lambda behaviour: behaviour.slug)
+@pytest.mark.parametrize("behaviour", BUILT_IN, ids=lambda behaviour: behaviour.slug)
 def test_games_that_carry_out_all_plans_tick_all_of_them(behaviour: Behaviour) -> None:
     plans = example_plans(behaviour)
     rng = np.random.default_rng(1)
@@ -44,7 +44,7 @@ def test_row_1_out_of_order_is_not_a_perfect_sweep() -> None:
 
 
 def test_without_games_all_are_missing() -> None:
-    plans = example_plans(READY_MADE[0])
+    plans = example_plans(BUILT_IN[0])
     assert set(tick(plans, {}).values()) == {None}
     # The game that hits nothing shows that nothing is hit, whatever else is missing.
     assert [n for n, game in tick(plans, {5: played([])}).items() if game] == [7]
@@ -57,7 +57,7 @@ def test_without_games_all_are_missing() -> None:
 def test_a_game_that_was_not_survived_to_its_end_shows_nothing(
     end: EndReason | None, n_frames: int
 ) -> None:
-    plans = example_plans(READY_MADE[0])
+    plans = example_plans(BUILT_IN[0])
     column = [(row, 0) for row in range(6)]
     games = {5: played([], end, n_frames), 6: played(column, end, n_frames)}
     assert set(tick(plans, games).values()) == {None}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tril.behaviours import READY_MADE, Behaviour, Cell, score
+from tril.behaviours import BUILT_IN, Behaviour, Cell, score
 from tril.demonstrator import (
     Demonstration,
     DemonstrationFailed,
@@ -29,7 +29,7 @@ from tril.game.space_invaders import MAX_FRAMES
 from tril.recording import verify
 
 DATA = Path(__file__).parents[2] / "data"
-BY_SLUG = {behaviour.slug: behaviour for behaviour in READY_MADE}
+BY_SLUG = {behaviour.slug: behaviour for behaviour in BUILT_IN}
 WHOLE = ("column-6", "row-1")
 """All twelve are played of the two hardest; of the others the best and the worst."""
 
@@ -58,7 +58,7 @@ def rng() -> np.random.Generator:
 # Plans
 
 
-@pytest.mark.parametrize("behaviour", READY_MADE, ids=lambda behaviour: behaviour.slug)
+@pytest.mark.parametrize("behaviour", BUILT_IN, ids=lambda behaviour: behaviour.slug)
 def test_the_best_six_hit_fewer_and_fewer_targets_and_the_seventh_none(
     behaviour: Behaviour, rng: np.random.Generator
 ) -> None:
@@ -105,7 +105,7 @@ def test_the_worst_five_of_row_1_are_as_published(rng: np.random.Generator) -> N
                 assert len(set(rows)) >= (3 if plan.number == 12 else 2)
 
 
-@pytest.mark.parametrize("behaviour", READY_MADE, ids=lambda behaviour: behaviour.slug)
+@pytest.mark.parametrize("behaviour", BUILT_IN, ids=lambda behaviour: behaviour.slug)
 def test_drawn_hits_can_be_shot_in_their_order(
     behaviour: Behaviour, rng: np.random.Generator
 ) -> None:

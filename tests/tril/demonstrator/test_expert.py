@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tril.behaviours import READY_MADE, Behaviour, Cell
+from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.demonstrator import EXPERT_STYLE, Expert, check_expert
 from tril.demonstrator.player import ScriptedPlayer
 from tril.errors import Invalid
@@ -14,7 +14,7 @@ from tril.game.episode import EndReason, Episode, Start
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.recording import Recorder
 
-BY_SLUG = {behaviour.slug: behaviour for behaviour in READY_MADE}
+BY_SLUG = {behaviour.slug: behaviour for behaviour in BUILT_IN}
 START = Start(50)
 
 
@@ -113,7 +113,7 @@ def test_a_new_game_is_planned_anew(console: Console, lookahead: Console) -> Non
 
 
 def test_only_what_the_demonstrator_can_show_has_an_expert(lookahead: Console) -> None:
-    for behaviour in READY_MADE:
+    for behaviour in BUILT_IN:
         check_expert(behaviour)
     free = Behaviour("free", "Play nicely", "")
     with pytest.raises(Invalid, match="Play nicely has no target cells"):

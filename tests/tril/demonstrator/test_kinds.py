@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tril.behaviours import READY_MADE, score
+from tril.behaviours import BUILT_IN, score
 from tril.demonstrator import (
     HUMAN,
     KINDS,
@@ -37,7 +37,7 @@ from tril.game.space_invaders import MAX_FRAMES, Action
 from tril.ranking import Ranking, contradictions, normalise
 from tril.recording import Recorder, verify
 
-BY_SLUG = {behaviour.slug: behaviour for behaviour in READY_MADE}
+BY_SLUG = {behaviour.slug: behaviour for behaviour in BUILT_IN}
 HUMAN_KIND = kind_named("human")
 
 
@@ -198,7 +198,7 @@ def test_the_same_seed_gives_the_same_human_games(human: list[Demonstration]) ->
 
 
 def test_every_behaviour_has_human_games_near_the_best_and_the_worst_plan() -> None:
-    for behaviour in READY_MADE:
+    for behaviour in BUILT_IN:
         tasks = example_tasks(behaviour, np.random.default_rng(2), 0, HUMAN_KIND)
         best, worst = (made.shown.hits for made in carry_out([tasks[0], tasks[11]]))
         found = score(behaviour, best)

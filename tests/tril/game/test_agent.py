@@ -61,7 +61,7 @@ def test_what_sticky_actions_executed_replays_to_the_same_game(console: Console)
     np.testing.assert_array_equal(replay.observation, game.observation)
 
 
-def test_the_chance_is_drawn_from_the_given_generator_only(console: Console) -> None:
+def test_the_chance_is_torch_generator_from_the_given_generator_only(console: Console) -> None:
     def executed(seed: int) -> bytes:
         game = AgentGame(console, sticky=StickyActions(0.5, np.random.default_rng(seed)))
         game.reset(Start(70))

@@ -63,7 +63,7 @@ def test_the_reward_can_be_left_to_a_learned_one() -> None:
     assert {env.step(1)[1] for _ in range(90)} == {0.0}
 
 
-def test_starts_are_drawn_from_the_training_starts_by_the_seed() -> None:
+def test_starts_are_torch_generator_from_the_training_starts_by_the_seed() -> None:
     env = SpaceInvadersEnv()
     starts = [env.reset(seed=seed)[1]["start"] for seed in range(20)]
     assert starts == [env.reset(seed=seed)[1]["start"] for seed in range(20)]

@@ -16,7 +16,7 @@ from tril.store.training import leases
 
 
 def main(folder: str, name: str) -> None:
-    """Claim runs as the worker ``name`` of the data folder; prints each claimed run's id."""
+    """Lease runs as the worker ``name`` of the data folder; prints each claimed run's id."""
     settings = Settings(data=Path(folder))
     database = create_database(settings.application_url)
 

@@ -140,13 +140,13 @@ def test_the_run_of_a_worker_that_is_gone_passes_to_another(
     with claiming_worker(workplace, "worker-0") as process:
         assert said(process) == f"claimed {run_id}"
         row = workplace.run(run_id)
-        old = leases.Claim(run_id, "worker-0", row.epoch)
+        old = leases.Lease(run_id, "worker-0", row.epoch)
     with claiming_worker(workplace, "worker-1") as process:
         jobs.reconcile()
         assert workplace.run(run_id).worker == "worker-0"
         until(jobs, lambda: workplace.run(run_id).worker == "worker-1")
         assert said(process) == f"claimed {run_id}"
-    with pytest.raises(leases.RunLost), workplace.database.writing() as session:
+    with pytest.raises(leases.LeaseLost), workplace.database.writing() as session:
         leases.report(session, old, "reward", 0.5, None)
 
 
@@ -155,7 +155,7 @@ def test_a_worker_that_lives_keeps_its_run(workplace: Workplace, jobs: Jobs) -> 
     jobs.enqueue(run_id)
     with claiming_worker(workplace, "worker-0") as process:
         assert said(process) == f"claimed {run_id}"
-        claim = leases.Claim(run_id, "worker-0", workplace.run(run_id).epoch)
+        claim = leases.Lease(run_id, "worker-0", workplace.run(run_id).epoch)
         end = time.monotonic() + 2.5 * LOST_AFTER_S
         while time.monotonic() < end:
             with workplace.database.writing() as session:

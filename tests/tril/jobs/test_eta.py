@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tests.workplace import TINY, Workplace
-from tril.jobs import STAGES, Forecast, estimate, overall_progress, stages_of
+from tril.jobs import STAGES, RunEta, estimate, overall_progress, stages_of
 from tril.jobs.stages import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe
 from tril.store.models import RunRow, RunStatus
@@ -62,7 +62,7 @@ def test_a_run_of_an_unknown_recipe_still_has_a_progress() -> None:
 
 
 def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
-    forecast = Forecast({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
+    forecast = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
     assert forecast.remaining_s({}, "reward", None) == pytest.approx(130.0)
     # Twice as slow as foreseen so far; the imitator's own rate says 60 s.
     assert forecast.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)

@@ -16,33 +16,38 @@ from tril.recording import verify
 from tril.store import recordings
 from tril.store.models import Source
 from tril.store.training import evaluations, leases
-from tril.store.training.evaluations import CHOICES, POLICIES, Choice, EvaluationKey
+from tril.store.training.evaluations import (
+    ACTION_SELECTIONS,
+    POLICIES,
+    ActionSelection,
+    EvaluationKey,
+)
 
 
 def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
-    """Let both policies play all evaluation starts in every choice, as far as is missing."""
+    """Play the missing evaluation games of both policies, with each action selection."""
     context = data.context
     recipe = context.recipe.evaluation
     numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
     with context.database.reading() as session:
         played = evaluations.played(session, context.run_id)
     console = Console()
-    rounds = [(policy, choice) for policy in POLICIES for choice in CHOICES]
-    for index, (policy, choice) in enumerate(rounds):
-        missing = [n for n in numbers if EvaluationKey(policy, choice, n) not in played]
+    rounds = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
+    for index, (policy, action_selection) in enumerate(rounds):
+        missing = [n for n in numbers if EvaluationKey(policy, action_selection, n) not in played]
         part = Part(progress, index / len(rounds), (index + 1) / len(rounds))
         if missing:
             games = play(
                 data.actor(policy),
                 [evaluation_start(number) for number in missing],
-                choice,
+                action_selection,
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),
                 sampling_seed=context.training_seed,
                 n_processes=min(len(missing), context.courtesy.threads),
                 progress=part,
             )
-            keep_games(data, policy, choice, missing, games, console)
+            keep_games(data, policy, action_selection, missing, games, console)
         part.advance(1, 1)
     return {"headline": headline(data)}
 
@@ -50,7 +55,7 @@ def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
 def keep_games(
     data: RunData,
     policy: str,
-    choice: Choice,
+    action_selection: ActionSelection,
     numbers: Sequence[int],
     games: Sequence[PlayedGame],
     console: Console,
@@ -72,7 +77,7 @@ def keep_games(
                 confirmed.replay,
                 Source.POLICY,
                 run_id=context.run_id,
-                conditions=conditions_of(policy, choice),
+                conditions=conditions_of(policy, action_selection),
             )
             found = score(
                 context.behaviour, tuple((hit.row, hit.column) for hit in confirmed.replay.hits)
@@ -80,7 +85,7 @@ def keep_games(
             evaluations.add(
                 session,
                 context.run_id,
-                EvaluationKey(policy, choice, number),
+                EvaluationKey(policy, action_selection, number),
                 row.id,
                 held_out=number not in seen,
                 predicted_return=game.predicted_return,
@@ -88,10 +93,10 @@ def keep_games(
             )
 
 
-def conditions_of(policy: str, choice: Choice) -> dict[str, Any]:
+def conditions_of(policy: str, action_selection: ActionSelection) -> dict[str, Any]:
     """Return how a policy's game was played, as its recording says it."""
-    sticky = stickiness(choice)
-    return {"policy": policy, "choice": choice} | (
+    sticky = stickiness(action_selection)
+    return {"policy": policy, "action_selection": action_selection} | (
         {"sticky_action_probability": sticky} if sticky else {}
     )
 

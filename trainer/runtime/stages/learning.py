@@ -13,7 +13,7 @@ from trainer.policy.imitator import ImitationTask, train_imitator
 from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
-from trainer.reward.reward_trainer import train_reward
+from trainer.reward.reward_trainer import train_reward_model
 from trainer.runtime.run_data import RunData
 
 TRAINING = {"ppo": train_imitator, "dagger": train_by_dagger, "gail": train_by_gail}
@@ -29,7 +29,7 @@ def replay_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
 def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
     """Learn the reward model from the ranking and keep it."""
     context = data.context
-    model = train_reward(
+    model = train_reward_model(
         data.ranked_trajectories,
         data.index_tiers,
         context.recipe.reward,
@@ -103,7 +103,7 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
             path,
             folder,
             progress,
-            n_processes=min(context.courtesy.threads, context.recipe.policy.n_games),
+            n_processes=min(context.courtesy.threads, context.recipe.policy.n_envs),
             precision=Precision.of(context.settings.learning_precision, context.device),
             device=context.device,
         )

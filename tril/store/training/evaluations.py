@@ -19,8 +19,8 @@ from tril.store.models import EvaluationRow
 
 POLICIES = ("imitator", "clone")
 
-Choice = Literal["greedy", "sampled", "sticky"]
-CHOICES: tuple[Choice, ...] = ("greedy", "sampled", "sticky")
+ActionSelection = Literal["greedy", "sampled", "sticky"]
+ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")
 """How a policy's actions come about: the likeliest one; drawn by their probabilities; the likeliest
 one, repeated at random by the machine. Runs of earlier versions have no sticky games."""
 
@@ -31,12 +31,12 @@ class EvaluationKey:
 
     Attributes:
         policy: One of POLICIES.
-        choice: One of CHOICES.
+        action_selection: One of ACTION_SELECTIONS.
         start_number: The evaluation start.
     """
 
     policy: str
-    choice: str
+    action_selection: str
     start_number: int
 
 
@@ -63,7 +63,7 @@ def add(
     row = EvaluationRow(
         run_id=run_id,
         policy=key.policy,
-        choice=key.choice,
+        action_selection=key.action_selection,
         start_number=key.start_number,
         held_out=held_out,
         recording_id=recording_id,
@@ -80,9 +80,11 @@ def add(
 
 def played(session: Session, run_id: str) -> set[EvaluationKey]:
     """Return which games of a run have been played."""
-    query = select(EvaluationRow.policy, EvaluationRow.choice, EvaluationRow.start_number)
+    query = select(EvaluationRow.policy, EvaluationRow.action_selection, EvaluationRow.start_number)
     rows = session.execute(query.where(EvaluationRow.run_id == run_id))
-    return {EvaluationKey(policy, choice, number) for policy, choice, number in rows}
+    return {
+        EvaluationKey(policy, action_selection, number) for policy, action_selection, number in rows
+    }
 
 
 def listing(session: Session, run_id: str) -> list[EvaluationRow]:
@@ -91,7 +93,7 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
         select(EvaluationRow)
         .where(EvaluationRow.run_id == run_id)
         .options(joinedload(EvaluationRow.recording))
-        .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.choice)
+        .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.action_selection)
     )
     return list(session.scalars(query))
 
@@ -103,13 +105,13 @@ def figures_of(row: EvaluationRow) -> GameFigures:
         strays=row.strays,
         order_errors=row.order_errors,
         steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
-        is_hit=row.recording.end == EndReason.HIT,
+        died=row.recording.end == EndReason.HIT,
         predicted_return=row.predicted_return,
     )
 
 
 def summaries(games: Sequence[EvaluationRow]) -> dict[tuple[str, str], PolicySummary]:
-    """Return means over the games from held-out starts, by (policy, choice), the headline first.
+    """Return means over the games from held-out starts, by policy and action selection.
 
     Args:
         games: A run's evaluation games, loaded with their recordings.
@@ -117,6 +119,6 @@ def summaries(games: Sequence[EvaluationRow]) -> dict[tuple[str, str], PolicySum
     groups: dict[tuple[str, str], list[GameFigures]] = defaultdict(list)
     for row in games:
         if row.held_out:
-            groups[row.policy, row.choice].append(figures_of(row))
-    order = [(policy, choice) for policy in POLICIES for choice in CHOICES]
+            groups[row.policy, row.action_selection].append(figures_of(row))
+    order = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
     return {key: summarise(groups[key]) for key in order if key in groups}

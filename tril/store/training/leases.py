@@ -23,7 +23,7 @@ RELEASED_MESSAGE = "Its worker was stopped; it goes on from the last checkpoint.
 LOST_MESSAGE = "Its worker was lost; it goes on from the last checkpoint."
 
 
-class RunLost(Conflict):
+class LeaseLost(Conflict):
     """The run is another worker's now, or nobody's: this claim's work is no longer wanted."""
 
     def __init__(self, run_id: str) -> None:
@@ -31,7 +31,7 @@ class RunLost(Conflict):
 
 
 @dataclass(frozen=True)
-class Claim:
+class Lease:
     """The right to work on a run, until somebody claims it again.
 
     Attributes:
@@ -45,8 +45,8 @@ class Claim:
     epoch: int
 
 
-def claim(session: Session, run_id: str, worker: str, versions: Mapping[str, str]) -> Claim | None:
-    """Claim a run for a worker.
+def claim(session: Session, run_id: str, worker: str, versions: Mapping[str, str]) -> Lease | None:
+    """Lease a run for a worker.
 
     Args:
         session: The transaction.
@@ -71,27 +71,27 @@ def claim(session: Session, run_id: str, worker: str, versions: Mapping[str, str
     row.status, row.worker, row.versions = RunStatus.RUNNING, worker, dict(versions)
     row.heartbeat_at, row.message = now(), ""
     row.started_at = row.started_at or now()
-    return Claim(run_id, worker, row.epoch)
+    return Lease(run_id, worker, row.epoch)
 
 
-def owned(session: Session, claim: Claim) -> RunRow:
-    """Return the run for writing; raises RunLost unless the claim still holds."""
+def owned(session: Session, claim: Lease) -> RunRow:
+    """Return the run for writing; raises LeaseLost unless the claim still holds."""
     row = session.get(RunRow, claim.run_id, with_for_update=True, populate_existing=True)
     if row is None or row.epoch != claim.epoch or RunStatus(row.status).is_over:
-        raise RunLost(claim.run_id)
+        raise LeaseLost(claim.run_id)
     note_change(session, "run", claim.run_id)
     return row
 
 
-def is_cancelling(session: Session, claim: Claim) -> bool:
-    """Whether the run's worker is asked to stop; raises RunLost unless the claim still holds."""
+def is_cancelling(session: Session, claim: Lease) -> bool:
+    """Whether the run's worker is asked to stop; raises LeaseLost unless the claim still holds."""
     row = session.get(RunRow, claim.run_id, populate_existing=True)
     if row is None or row.epoch != claim.epoch or RunStatus(row.status).is_over:
-        raise RunLost(claim.run_id)
+        raise LeaseLost(claim.run_id)
     return row.status == RunStatus.CANCELLING
 
 
-def beat(session: Session, claim: Claim) -> bool:
+def beat(session: Session, claim: Lease) -> bool:
     """Note that the run's worker lives; returns whether the claim still holds."""
     result = session.execute(
         update(RunRow)
@@ -103,7 +103,7 @@ def beat(session: Session, claim: Claim) -> bool:
 
 
 def report(
-    session: Session, claim: Claim, stage: str, done: float, remaining_s: float | None
+    session: Session, claim: Lease, stage: str, done: float, remaining_s: float | None
 ) -> None:
     """Note how far the run is.
 
@@ -119,7 +119,7 @@ def report(
     row.heartbeat_at = now()
 
 
-def finish_stage(session: Session, claim: Claim, stage: str, seconds: float) -> RunRow:
+def finish_stage(session: Session, claim: Lease, stage: str, seconds: float) -> RunRow:
     """Note, in the transaction that writes a stage's results, that the stage is finished."""
     row = owned(session, claim)
     row.finished_stages = {**row.finished_stages, stage: round(seconds, 3)}
@@ -127,7 +127,7 @@ def finish_stage(session: Session, claim: Claim, stage: str, seconds: float) -> 
     return row
 
 
-def end(session: Session, claim: Claim, status: RunStatus, message: str = "") -> None:
+def end(session: Session, claim: Lease, status: RunStatus, message: str = "") -> None:
     """End the run: done, stopped, failed or cancelled, with a message for people."""
     if not status.is_over:
         raise ValueError(f"Expected a status in which a run is over, got {status}.")
@@ -142,7 +142,7 @@ def _end(row: RunRow, status: RunStatus, message: str) -> None:
     row.finished_at, row.remaining_s = now(), None
 
 
-def release(session: Session, claim: Claim) -> None:
+def release(session: Session, claim: Lease) -> None:
     """Give the run back to the queue in good order, e.g. because the worker is being stopped."""
     _give_back(owned(session, claim), RELEASED_MESSAGE)
 

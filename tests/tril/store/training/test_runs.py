@@ -13,7 +13,7 @@ from tril.errors import Conflict, Invalid, NotFound
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.models import RunRow, RunStatus, now
 from tril.store.training import leases, runs
-from tril.store.training.leases import RunLost
+from tril.store.training.leases import LeaseLost
 
 VERSIONS = {"python": "3.11"}
 
@@ -106,7 +106,7 @@ def test_a_worker_that_comes_back_claims_its_run_again_and_the_old_claim_is_void
     assert old is not None
     assert new is not None
     assert new.epoch == old.epoch + 1
-    with pytest.raises(RunLost), workplace.database.writing() as session:
+    with pytest.raises(LeaseLost), workplace.database.writing() as session:
         leases.report(session, old, "reward", 0.5, None)
     with workplace.database.writing() as session:
         assert not leases.beat(session, old)
@@ -155,7 +155,7 @@ def test_cancelling_asks_a_living_worker_and_does_not_wait_for_a_dead_one(
     let_heartbeat_age(workplace, other)
     with workplace.database.writing() as session:
         assert runs.request_cancel(session, other).status == RunStatus.CANCELLED
-    with pytest.raises(RunLost), workplace.database.writing() as session:
+    with pytest.raises(LeaseLost), workplace.database.writing() as session:
         leases.end(session, lost, RunStatus.DONE)
 
 
@@ -219,5 +219,5 @@ def test_a_run_given_back_waits_again(workplace: Workplace) -> None:
     row = workplace.run(run_id)
     assert row.status == RunStatus.QUEUED
     assert row.finished_stages == {"trajectories": 1.5}
-    with pytest.raises(RunLost), workplace.database.writing() as session:
+    with pytest.raises(LeaseLost), workplace.database.writing() as session:
         leases.finish_stage(session, claim, "reward", 1.0)
