@@ -63,7 +63,7 @@ def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
     for entry in values or []:
         path, equals, text = entry.partition("=")
         if not equals:
-            raise Invalid(f"Expected NAME=VALUE such as policy.epochs=4, got {entry!r}.")
+            raise Invalid(f"Expected NAME=VALUE such as policy.n_epochs=4, got {entry!r}.")
         changes[path] = _value(text)
     return with_values(recipe_named(name), changes)
 

@@ -89,7 +89,7 @@ def test_a_line_that_is_no_result_is_named(tmp_path: Path) -> None:
 
 def test_a_cell_is_another_when_a_value_of_its_recipe_is() -> None:
     assert recipe_digest(FAST) != recipe_digest(PAPER)
-    assert recipe_digest(with_values(FAST, {"policy.epochs": 9})) != recipe_digest(FAST)
+    assert recipe_digest(with_values(FAST, {"policy.n_epochs": 9})) != recipe_digest(FAST)
     reworded = replace(FAST, summary="In other words.", default_steps=1)
     assert recipe_digest(reworded) == recipe_digest(FAST)
 
@@ -179,17 +179,17 @@ def test_what_a_factor_is_worth_stands_beside_the_whole_recipe(tmp_path: Path) -
 
 def test_results_of_other_values_and_other_numbers_are_told_apart(tmp_path: Path) -> None:
     ledger = Ledger(tmp_path)
-    changed = with_values(FAST, {"policy.epochs": 9})
+    changed = with_values(FAST, {"policy.n_epochs": 9})
     other = replace(entry(), cell=Cell.of("column-2", changed, 9000, 0))
     ledger.add(other)
     ledger.add(replace(entry(), versions={PRECISION: "bfloat16", DEVICE: "cpu"}))
     ledger.add(replace(entry(seed=1), versions={PRECISION: "bfloat16", DEVICE: "cuda"}))
     page = write_page(tmp_path, "tril reproduce").read_text()
     assert f"| Column 2 (other values, {other.cell.digest}) | 9,000 | 0 | imitator |" in page
-    ledger.add(replace(other, changes={"policy.epochs": 9}))
+    ledger.add(replace(other, changes={"policy.n_epochs": 9}))
     page = write_page(tmp_path, "tril reproduce").read_text()
-    assert "| Column 2 (policy.epochs 9) | 9,000 | 0 | imitator |" in page
-    for outdated in ({"policy.epochs": 8}, {"policy.forgotten": 9}):
+    assert "| Column 2 (policy.n_epochs 9) | 9,000 | 0 | imitator |" in page
+    for outdated in ({"policy.n_epochs": 8}, {"policy.forgotten": 9}):
         ledger.add(replace(other, changes=outdated))
         page = write_page(tmp_path, "tril reproduce").read_text()
         assert f"| Column 2 (other values, {other.cell.digest}) |" in page
