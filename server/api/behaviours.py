@@ -7,11 +7,11 @@ from dataclasses import asdict
 from fastapi import APIRouter
 from sqlalchemy.orm import Session
 
-from server.api.schemas import (
+from server.api.schemas.base import Cell
+from server.api.schemas.behaviours import (
     Behaviour,
     BehaviourNew,
     BehaviourUpdate,
-    Cell,
     Checklist,
     PlannedDemonstration,
 )

@@ -6,7 +6,7 @@ import numpy as np
 from fastapi import APIRouter, Request
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Game, GameFrom, GameNew
+from server.api.schemas.games import Game, GameFrom, GameNew
 from server.dependencies import GameId, Reading, RecordingId, Writing, services_of
 from server.play.conditions import KEY, PlayConditions
 from server.web.problems import CONFLICT, NOT_FOUND

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Ghost
+from server.api.schemas.behaviours import Ghost
 from server.dependencies import BehaviourId, services_of
 from server.ghosts import cannon_track
 from server.web.problems import NOT_FOUND

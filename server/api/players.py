@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from server.api.schemas import Player, PlayerUpdate
+from server.api.schemas.players import Player, PlayerUpdate
 from server.dependencies import Reading, Writing
 from tril.store import players
 

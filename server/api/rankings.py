@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import JSONResponse, Response
 
-from server.api.schemas import (
+from server.api.schemas.rankings import (
     Ranking,
     RankingConflict,
     RankingRevision,

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from server.api.schemas import (
+from server.api.schemas.recordings import (
     Branch,
     ImportResult,
     MemoryCell,
@@ -21,7 +21,7 @@ from server.api.schemas import (
     RecordingUpdate,
     Refusal,
 )
-from server.api.views import RecordingViews, parent_of
+from server.api.views.recordings import RecordingViews, parent_of
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import Derived, version_of

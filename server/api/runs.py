@@ -6,9 +6,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 
-from server.api.results import run_results
-from server.api.run_schemas import Metrics, Recipe, RewardTrace, Run, RunNew, RunResults
-from server.api.run_views import run_view
+from server.api.schemas.runs import Metrics, Recipe, RewardTrace, Run, RunNew, RunResults
+from server.api.views.results import run_results
+from server.api.views.runs import run_view
 from server.dependencies import MAX_ID, Reading, RecordingId, RunId, Writing, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs

@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from fastapi import APIRouter, Request
 
-from server.api.schemas import Health, ProcessStatus, Storage, System
+from server.api.schemas.system import Health, ProcessStatus, Storage, System
 from server.dependencies import Reading, services_of
 from tril.store import processes
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Branch, Hit, Latency, Recording
+from server.api.schemas.recordings import Branch, Hit, Latency, Recording
 from server.derived import version_of
 from server.play.conditions import PlayConditions
 from tril.behaviours import Behaviour, score
