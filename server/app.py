@@ -16,13 +16,16 @@ from server.api import (
     behaviours,
     events,
     games,
-    ghosts,
+    health,
+    imports,
     players,
     rankings,
     recordings,
+    replays,
     runs,
     system,
 )
+from server.dependencies import under
 from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
@@ -74,20 +77,13 @@ def create_app(
 
 def _api() -> APIRouter:
     api = APIRouter(prefix="/api", responses=problems.PROBLEMS)
-    for resource in (
-        system,
-        players,
-        behaviours,
-        recordings,
-        rankings,
-        games,
-        ghosts,
-        runs,
-        artifacts,
-        events,
-    ):
-        api.include_router(resource.router)
-    api.include_router(stream.router)
+    requests = under(lambda services: services.request_limit)
+    for resource in (system, players, behaviours, recordings, rankings, games, runs, artifacts):
+        api.include_router(resource.router, dependencies=[requests])
+    api.include_router(imports.router, dependencies=[under(lambda services: services.upload_limit)])
+    api.include_router(replays.router, dependencies=[under(lambda services: services.replay_limit)])
+    for unlimited in (health, events, stream):
+        api.include_router(unlimited.router)
     return api
 
 

@@ -1,9 +1,9 @@
-"""What routes are given: the services of this process, and one transaction per request."""
+"""FastAPI dependencies: services, one transaction per request, and a turn under a limit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import AsyncIterator, Callable, Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 from uuid import UUID
 
 from fastapi import Depends, Path
@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from starlette.requests import HTTPConnection
 
 if TYPE_CHECKING:
+    from server.concurrency import ConcurrencyLimit
     from server.services import Services
 
 MAX_ID = 2**31 - 1
@@ -45,3 +46,16 @@ RecordingId = Annotated[int, Path(ge=1, le=MAX_ID)]
 ArtifactId = Annotated[int, Path(ge=1, le=MAX_ID)]
 RunId = Annotated[UUID, Path()]
 GameId = Annotated[UUID, Path()]
+
+
+def under(limit_of: Callable[[Services], ConcurrencyLimit]) -> Any:
+    """Return a dependency that holds a slot of a limit while a request is handled.
+
+    It is entered after the body was read, and left before the answer is sent.
+    """
+
+    async def hold_slot(connection: HTTPConnection) -> AsyncIterator[None]:
+        async with limit_of(services_of(connection)).slot():
+            yield
+
+    return Depends(hold_slot, scope="function")

@@ -3,45 +3,35 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Query
 from sqlalchemy.orm import Session
-from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from server.api.schemas.recordings import (
     Branch,
-    ImportResult,
     MemoryCell,
     Recording,
     RecordingCourse,
     RecordingsChange,
     RecordingUpdate,
-    Refusal,
 )
 from server.api.views.recordings import RecordingViews, parent_of
-from server.clips import MEDIA_TYPES, ClipKind
-from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
-from server.derived import Derived, version_of
+from server.dependencies import BehaviourId, Reading, RecordingId, Writing
+from server.replay_cache import version_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
-from tril.exchange.recording_transfer import Imported, export_behaviour, import_recordings
+from tril.exchange.recording_transfer import export_behaviour
 from tril.exchange.recording_transfer import export_recording as exchanged
 from tril.game.space_invaders import RAM_NAMES
-from tril.recording import Recording as Played
 from tril.store import behaviours, players, recordings
 from tril.store.models import RecordingRow
 
 router = APIRouter(tags=["recordings"])
 
-MAX_IMPORTED = 200
-"""Most recordings in one upload: each is replayed, which takes about 0.1 s."""
-
 JSON_LINES = "application/x-ndjson"
 _LINES = {"schema": {"type": "string"}}
-_FOR_EVER = "private, max-age=31536000, immutable"
 
 
 @router.get("/behaviours/{behaviour_id}/recordings", responses=NOT_FOUND)
@@ -77,51 +67,6 @@ def change_recordings(
             else:
                 recordings.update(session, row, perfect=wanted.change == "mark_perfect")
     return RecordingViews(session).all(rows)
-
-
-@router.post(
-    "/behaviours/{behaviour_id}/recordings/import",
-    responses=NOT_FOUND | CONFLICT,
-    openapi_extra={
-        "requestBody": {
-            "required": True,
-            "description": "Recordings in the exchange format: one object, or JSON Lines.",
-            # Each line is judged on its own, and the answer says which were refused.
-            "content": {JSON_LINES: {"schema": {}}, "application/json": {"schema": {}}},
-        }
-    },
-)
-async def import_recordings_file(
-    request: Request,
-    behaviour_id: BehaviourId,
-    rank: Annotated[bool, Query(description="The order is from best to worst.")] = False,
-    perfect: Annotated[bool, Query(description="All are perfect.")] = False,
-) -> ImportResult:
-    """Verify uploaded recordings and add those that replay; say why others are refused."""
-    content = await request.body()
-    services = services_of(request)
-
-    def add() -> Imported:
-        with services.database.reading() as session:
-            behaviours.get(session, behaviour_id)
-            player_id = players.owner(session).id
-        return import_recordings(
-            services.database,
-            behaviour_id,
-            content,
-            rank=rank,
-            perfect=perfect,
-            player_id=player_id,
-            max_recordings=MAX_IMPORTED,
-        )
-
-    async with services.importing:
-        imported = await run_in_threadpool(add)
-    return ImportResult(
-        imported=list(imported.recording_ids),
-        notices=[Refusal.model_validate(remark) for remark in imported.notices],
-        refusals=[Refusal.model_validate(remark) for remark in imported.refusals],
-    )
 
 
 @router.get(
@@ -194,34 +139,6 @@ def restore_recording(session: Writing, recording_id: RecordingId) -> Recording:
     return RecordingViews(session).one(row)
 
 
-Version = Annotated[str | None, Query(max_length=40, description="Makes the answer cacheable.")]
-
-
-@router.get(
-    "/recordings/{recording_id}/frames",
-    response_class=Response,
-    responses=NOT_FOUND
-    | {200: {"content": {"application/octet-stream": {}}, "description": "docs/protocol.md"}},
-)
-def get_recording_frames(
-    request: Request, recording_id: RecordingId, v: Version = None
-) -> Response:
-    """Return every frame of a recording, as docs/protocol.md describes."""
-    return _derive(request, recording_id, v, Derived.frames, "application/octet-stream")
-
-
-@router.get(
-    "/recordings/{recording_id}/thumbnail.png",
-    response_class=Response,
-    responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
-)
-def get_recording_thumbnail(
-    request: Request, recording_id: RecordingId, v: Version = None
-) -> Response:
-    """Return a picture of the moment after a recording's last hit, else of its last frame."""
-    return _derive(request, recording_id, v, Derived.thumbnail, "image/png")
-
-
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
 def get_recording_course(session: Reading, recording_id: RecordingId) -> RecordingCourse:
     """Return what was done in every frame, and which recordings this one is related to."""
@@ -240,34 +157,6 @@ def get_recording_course(session: Reading, recording_id: RecordingId) -> Recordi
             MemoryCell(address=address, name=name) for address, name in sorted(RAM_NAMES.items())
         ],
     )
-
-
-@router.get(
-    "/recordings/{recording_id}/memory",
-    response_class=Response,
-    responses=NOT_FOUND | {200: {"content": {"application/octet-stream": {}}}},
-)
-def get_recording_memory(
-    request: Request, recording_id: RecordingId, v: Version = None
-) -> Response:
-    """Return the RAM at the start and after every frame of a recording, 128 bytes each."""
-    return _derive(request, recording_id, v, Derived.memory, "application/octet-stream")
-
-
-@router.get(
-    "/recordings/{recording_id}/clip.{kind}",
-    response_class=Response,
-    responses=NOT_FOUND | {200: {"content": {media: {} for media in MEDIA_TYPES.values()}}},
-)
-def get_recording_clip(
-    request: Request, recording_id: RecordingId, kind: ClipKind, v: Version = None
-) -> Response:
-    """Return a recording as a moving picture; making it takes seconds the first time."""
-    answer = _derive(
-        request, recording_id, v, lambda derived, one: derived.clip(one, kind), MEDIA_TYPES[kind]
-    )
-    answer.headers.update(_download(f"recording-{recording_id}.{kind}"))
-    return answer
 
 
 @router.get(
@@ -294,22 +183,6 @@ def _of_behaviour(session: Session, behaviour_id: int, ids: list[int]) -> list[R
         names = ", ".join(str(key) for key in sorted(set(missing)))
         raise NotFound(f"These are no recordings of this behaviour: {names}.")
     return [rows[key] for key in sorted(rows)]
-
-
-def _derive(
-    request: Request,
-    recording_id: int,
-    version: str | None,
-    derive: Callable[[Derived, Played], bytes],
-    media_type: str,
-) -> Response:
-    """Answer with what a recording yields, from the cache where it is there."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, recording_id))
-    content = derive(services.derived, recording)
-    cached = _FOR_EVER if version == version_of(recording) else "private, no-cache"
-    return Response(content, media_type=media_type, headers={"Cache-Control": cached})
 
 
 def _download(name: str) -> dict[str, str]:

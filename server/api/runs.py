@@ -6,14 +6,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 
-from server.api.schemas.runs import Metrics, Recipe, RewardTrace, Run, RunNew, RunResults
+from server.api.schemas.runs import Metrics, Recipe, Run, RunNew, RunResults
 from server.api.views.results import run_results
 from server.api.views.runs import run_view
-from server.dependencies import MAX_ID, Reading, RecordingId, RunId, Writing, services_of
+from server.dependencies import MAX_ID, Reading, RunId, Writing, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
 from tril.recipes import RECIPES, recipe_named, with_values
-from tril.store import behaviours, players, recordings
+from tril.store import behaviours, players
 from tril.store.training import metrics, runs
 
 router = APIRouter(tags=["runs"])
@@ -114,17 +114,6 @@ def get_run_metrics(
 def get_run_results(session: Reading, run_id: RunId) -> RunResults:
     """Return everything that a training has found so far."""
     return run_results(session, runs.get(session, str(run_id)))
-
-
-@router.get("/runs/{run_id}/reward/{recording_id}", responses=NOT_FOUND)
-def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId) -> RewardTrace:
-    """Return what a training's reward model says of every observation of a recording."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        runs.get(session, str(run_id))
-        recording = recordings.as_recording(recordings.get(session, recording_id))
-    rewards = services.rewards_of(str(run_id), recording)
-    return RewardTrace(run_id=str(run_id), recording_id=recording_id, rewards=rewards)
 
 
 def _now(request: Request, run_id: RunId) -> Run:

@@ -8,18 +8,11 @@ from importlib.metadata import version
 
 from fastapi import APIRouter, Request
 
-from server.api.schemas.system import Health, ProcessStatus, Storage, System
+from server.api.schemas.system import ProcessStatus, Storage, System
 from server.dependencies import Reading, services_of
 from tril.store import processes
 
 router = APIRouter(tags=["system"])
-
-
-@router.get("/health")
-def get_health(session: Reading) -> Health:
-    """Say that the server answers and reaches its database. Needs no cookie."""
-    processes.statuses(session)
-    return Health(status="ok")
 
 
 @router.get("/system")

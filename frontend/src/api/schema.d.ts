@@ -377,7 +377,7 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Say that the server answers and reaches its database. Needs no cookie.
+         * @description Say that the server answers, whatever its database is busy with. Needs no cookie.
          */
         get: operations["get_health"];
         put?: never;

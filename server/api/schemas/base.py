@@ -1,8 +1,8 @@
-"""What every schema has in common."""
+"""What all schemas share."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -18,3 +18,9 @@ class Schema(BaseModel):
     """Base: unknown fields are refused, rows can be read by attribute."""
 
     model_config = ConfigDict(extra="forbid", from_attributes=True)
+
+    @classmethod
+    def of(cls, source: object, /, **values: Any) -> Self:
+        """Build one from these values and, for the other fields, an object's attributes."""
+        names = cls.model_fields.keys() - values.keys()
+        return cls.model_validate({name: getattr(source, name) for name in names} | values)

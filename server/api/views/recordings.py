@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from sqlalchemy.orm import Session
 
 from server.api.schemas.recordings import Branch, Hit, Latency, Recording
-from server.derived import version_of
 from server.play.conditions import PlayConditions
+from server.replay_cache import version_of
 from tril.behaviours import Behaviour, score
 from tril.game.episode import evaluation_number
 from tril.game.space_invaders import COLUMNS
