@@ -16,6 +16,7 @@ from fastapi import FastAPI
 from server.app import create_app
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
+from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol
 from server.web.security import MaskToken
 from tril.errors import Unavailable
 from tril.settings import Settings
@@ -104,6 +105,8 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
         app,
         host=settings.host,
         port=settings.port,
+        http=HttpProtocol,
+        h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         log_config=None,
         server_header=False,
         # uvicorn's compression costs seven times what our own codec does (docs/benchmarks.md).
