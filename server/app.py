@@ -1,4 +1,4 @@
-"""The web application: what the page talks to."""
+"""The web application."""
 
 from __future__ import annotations
 
@@ -25,11 +25,12 @@ from server.api import (
     runs,
     system,
 )
-from server.dependencies import under
+from server.dependencies import limited_by
 from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
-from server.web import middleware, problems
+from server.web import problems
+from server.web.middleware import Authentication, BodyLimit, SameOrigin, SecurityHeaders
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
@@ -43,7 +44,7 @@ def create_app(
     """Build the application. Nothing is opened before its lifespan begins.
 
     Args:
-        settings: Where the data is and which hosts may be named.
+        settings: The data folder and the host names that are answered.
         frontend: Folder of the built frontend.
         rules: The times by which games are played and kept.
     """
@@ -63,25 +64,29 @@ def create_app(
         openapi_url="/api/openapi.json",
         generate_unique_id_function=_operation_id,
         middleware=[
-            Middleware(layer, **arguments)
-            for layer, arguments in middleware.layers(settings.host_names)
+            Middleware(SecurityHeaders),
+            Middleware(SameOrigin, host_names=settings.host_names),
+            Middleware(Authentication),
+            Middleware(BodyLimit),
         ],
     )
     problems.install(app)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
     app.include_router(_api())
-    # Only what no route matches goes to the pages, so that a wrong method answers 405.
+    # The pages get only what no route matches, so that a wrong method answers 405.
     app.router.default = Pages(Frontend(frontend))
     return app
 
 
 def _api() -> APIRouter:
     api = APIRouter(prefix="/api", responses=problems.PROBLEMS)
-    requests = under(lambda services: services.request_limit)
+    requests = limited_by(lambda services: services.request_limit)
+    uploads = limited_by(lambda services: services.upload_limit)
+    replaying = limited_by(lambda services: services.replay_limit)
     for resource in (system, players, behaviours, recordings, rankings, games, runs, artifacts):
         api.include_router(resource.router, dependencies=[requests])
-    api.include_router(imports.router, dependencies=[under(lambda services: services.upload_limit)])
-    api.include_router(replays.router, dependencies=[under(lambda services: services.replay_limit)])
+    api.include_router(imports.router, dependencies=[uploads])
+    api.include_router(replays.router, dependencies=[replaying])
     for unlimited in (health, events, stream):
         api.include_router(unlimited.router)
     return api

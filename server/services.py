@@ -1,4 +1,4 @@
-"""What one server process works with, put together once when it starts."""
+"""The services of a server process, built once at its start."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from tril.store.schema import check_schema
 
 @dataclass(frozen=True)
 class Services:
-    """What routes work with.
+    """The services that routes use.
 
     Attributes:
         settings: The process's settings.
@@ -39,19 +39,19 @@ class Services:
         access: Checks tokens and cookies.
         artifacts: The files of trainings.
         jobs: The queue of trainings.
-        inference: Answers for trained networks.
-        consoles: Loaded consoles.
+        inference: Client of the inference process.
+        consoles: Pool of loaded consoles.
         replay_cache: Frames, thumbnails, memory and clips of recordings.
-        limits: How many games may be open.
+        limits: Limits of open games.
         games: The games that are played in this process.
-        changes: Tells pages what changes.
-        storage: Tells how much room the files take.
-        request_limit: Holds for ordinary requests. Fewer work at once than the database has
-            connections (15) and anyio has threads (40): a request that holds a connection gets a
-            thread for its next part without waiting for one that waits for a connection.
-        replay_limit: Holds for requests that replay recordings, make clips or ask a network; they
-            hold a connection for a moment only.
-        upload_limit: Holds for uploads, whose body is read only in their turn.
+        changes: The change stream.
+        storage: Measures disk usage.
+        request_limit: Limits ordinary requests to fewer than the pool has connections (15) and
+            anyio has threads (40). Otherwise all threads wait for connections whose holders wait
+            for a thread, which FastAPI needs to validate their answer.
+        replay_limit: Limits requests that replay recordings, make clips or query a network. They
+            hold a connection only briefly, but a thread for seconds.
+        upload_limit: Limits uploads, whose body is not read before they have a slot.
     """
 
     settings: Settings
@@ -78,13 +78,13 @@ class Services:
 
 
 def process_name() -> str:
-    """Return a name that no other live server process has."""
+    """Return a name that is unique among live server processes."""
     return f"server-{socket.gethostname()[:40]}-{os.getpid()}"
 
 
 @asynccontextmanager
 async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterator[Services]:
-    """Put the services together, run them for the block, and stop them in order.
+    """Build the services, run them for the block and stop them in order.
 
     Raises:
         Unavailable: The database is of another version, or the access token can't be read.

@@ -1,4 +1,4 @@
-"""Whether the server answers."""
+"""The health check."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ router = APIRouter(tags=["system"])
 
 @router.get("/health")
 async def get_health() -> Health:
-    """Say that the server answers, whatever its database is busy with. Needs no cookie."""
+    """Answer that the server runs, without asking the database. Needs no cookie."""
     return Health(status="ok")

@@ -1,4 +1,4 @@
-"""The library of recordings: list, keep, delete, mark, watch, import, export."""
+"""The library of recordings: list, keep, delete, mark and export."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ from server.api.schemas.recordings import (
     RecordingUpdate,
 )
 from server.api.views.recordings import RecordingViews, parent_of
-from server.dependencies import BehaviourId, Reading, RecordingId, Writing
+from server.dependencies import BehaviourId, ReadSession, RecordingId, WriteSession
 from server.replay_cache import version_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
-from tril.exchange.recording_transfer import export_behaviour
-from tril.exchange.recording_transfer import export_recording as exchanged
+from tril.exchange import recording_transfer
 from tril.game.space_invaders import RAM_NAMES
 from tril.store import behaviours, players, recordings
 from tril.store.models import RecordingRow
@@ -36,36 +35,36 @@ _LINES = {"schema": {"type": "string"}}
 
 @router.get("/behaviours/{behaviour_id}/recordings", responses=NOT_FOUND)
 def list_recordings(
-    session: Reading,
+    session: ReadSession,
     behaviour_id: BehaviourId,
     include: Annotated[list[Literal["deleted", "policy"]] | None, Query(max_length=2)] = None,
 ) -> list[Recording]:
     """Return a behaviour's recordings, newest first."""
     behaviours.get(session, behaviour_id)
-    wanted = include or []
+    included = include or []
     rows = recordings.listing(
         session,
         behaviour_id,
-        with_deleted="deleted" in wanted,
-        with_policies="policy" in wanted,
+        with_deleted="deleted" in included,
+        with_policies="policy" in included,
     )
     return RecordingViews(session).all(rows)
 
 
 @router.post("/behaviours/{behaviour_id}/recordings/change", responses=NOT_FOUND | CONFLICT)
 def change_recordings(
-    session: Writing, behaviour_id: BehaviourId, wanted: RecordingsChange
+    session: WriteSession, behaviour_id: BehaviourId, body: RecordingsChange
 ) -> list[Recording]:
     """Delete, restore or mark several recordings, all or none, and return them."""
-    rows = _of_behaviour(session, behaviour_id, wanted.recording_ids)
-    if wanted.change == "delete":
+    rows = _of_behaviour(session, behaviour_id, body.recording_ids)
+    if body.change == "delete":
         recordings.delete_all(session, rows, players.owner(session).id)
     else:
         for row in rows:
-            if wanted.change == "restore":
+            if body.change == "restore":
                 recordings.restore(session, row)
             else:
-                recordings.update(session, row, perfect=wanted.change == "mark_perfect")
+                recordings.update(session, row, perfect=body.change == "mark_perfect")
     return RecordingViews(session).all(rows)
 
 
@@ -75,7 +74,7 @@ def change_recordings(
     responses=NOT_FOUND | {200: {"content": {JSON_LINES: _LINES}}},
 )
 def export_recordings(
-    session: Reading,
+    session: ReadSession,
     behaviour_id: BehaviourId,
     recording: Annotated[
         list[RecordingId] | None, Query(max_length=500, description="Only these.")
@@ -84,23 +83,23 @@ def export_recordings(
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
     row = behaviours.get(session, behaviour_id)
     only = None if recording is None else _of_behaviour(session, behaviour_id, recording)
-    lines = (json.dumps(item) for item in export_behaviour(session, behaviour_id, only))
+    objects = recording_transfer.export_behaviour(session, behaviour_id, only)
     return Response(
-        "".join(f"{line}\n" for line in lines),
+        "".join(f"{json.dumps(item)}\n" for item in objects),
         media_type=JSON_LINES,
         headers=_download(f"{row.slug}.jsonl"),
     )
 
 
 @router.get("/recordings/{recording_id}", responses=NOT_FOUND)
-def get_recording(session: Reading, recording_id: RecordingId) -> Recording:
-    """Return one recording, a deleted one too."""
+def get_recording(session: ReadSession, recording_id: RecordingId) -> Recording:
+    """Return a recording, even a deleted one."""
     return RecordingViews(session).one(recordings.get(session, recording_id))
 
 
 @router.patch("/recordings/{recording_id}", responses=NOT_FOUND)
 def update_recording(
-    session: Writing, recording_id: RecordingId, update: RecordingUpdate
+    session: WriteSession, recording_id: RecordingId, update: RecordingUpdate
 ) -> Recording:
     """Mark a recording as perfect or not, or change its notes."""
     row = recordings.get(session, recording_id)
@@ -109,14 +108,14 @@ def update_recording(
 
 
 @router.delete("/recordings/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_recording(session: Writing, recording_id: RecordingId) -> None:
+def delete_recording(session: WriteSession, recording_id: RecordingId) -> None:
     """Delete a recording; it can be restored."""
     row = recordings.get(session, recording_id)
     recordings.delete(session, row, players.owner(session).id)
 
 
 @router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
-def keep_recording(session: Writing, recording_id: RecordingId) -> Recording:
+def keep_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
     """Put a finished game into the library."""
     row = recordings.get(session, recording_id)
     recordings.keep(session, row)
@@ -124,24 +123,24 @@ def keep_recording(session: Writing, recording_id: RecordingId) -> Recording:
 
 
 @router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)
-def discard_recording(session: Writing, recording_id: RecordingId) -> Recording:
-    """Delete a recording as DELETE does, and return it; it can be restored."""
+def discard_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
+    """Delete a recording and return it; it can be restored."""
     row = recordings.get(session, recording_id)
     recordings.delete(session, row, players.owner(session).id)
     return RecordingViews(session).one(row)
 
 
 @router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
-def restore_recording(session: Writing, recording_id: RecordingId) -> Recording:
-    """Bring a deleted recording back, unranked."""
+def restore_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
+    """Restore a deleted recording, unranked."""
     row = recordings.get(session, recording_id)
     recordings.restore(session, row)
     return RecordingViews(session).one(row)
 
 
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
-def get_recording_course(session: Reading, recording_id: RecordingId) -> RecordingCourse:
-    """Return what was done in every frame, and which recordings this one is related to."""
+def get_recording_course(session: ReadSession, recording_id: RecordingId) -> RecordingCourse:
+    """Return the action of every frame, and the recordings that this one is related to."""
     row = recordings.get(session, recording_id)
     return RecordingCourse(
         actions=list(row.actions),
@@ -153,9 +152,7 @@ def get_recording_course(session: Reading, recording_id: RecordingId) -> Recordi
         ],
         conditions=row.conditions,
         memory_url=f"/api/recordings/{row.id}/memory?v={version_of(recordings.as_recording(row))}",
-        memory_names=[
-            MemoryCell(address=address, name=name) for address, name in sorted(RAM_NAMES.items())
-        ],
+        memory_names=[MemoryCell(address=at, name=name) for at, name in sorted(RAM_NAMES.items())],
     )
 
 
@@ -164,18 +161,18 @@ def get_recording_course(session: Reading, recording_id: RecordingId) -> Recordi
     response_class=Response,
     responses=NOT_FOUND | {200: {"content": {"application/json": {"schema": {"type": "object"}}}}},
 )
-def export_recording(session: Reading, recording_id: RecordingId) -> Response:
-    """Return one recording in the exchange format."""
+def export_recording(session: ReadSession, recording_id: RecordingId) -> Response:
+    """Return a recording in the exchange format."""
     row = recordings.get(session, recording_id)
     return Response(
-        json.dumps(exchanged(session, row), indent=2),
+        json.dumps(recording_transfer.export_recording(session, row), indent=2),
         media_type="application/json",
         headers=_download(f"recording-{row.id}.json"),
     )
 
 
 def _of_behaviour(session: Session, behaviour_id: int, ids: list[int]) -> list[RecordingRow]:
-    """Return recordings of a behaviour in the order of their ids; raises NotFound, naming ids."""
+    """Return recordings of a behaviour, sorted by id; raises NotFound with the ids missing."""
     behaviours.get(session, behaviour_id)
     rows = recordings.by_ids(session, ids)
     missing = [key for key in ids if key not in rows or rows[key].behaviour_id != behaviour_id]

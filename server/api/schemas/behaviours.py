@@ -10,7 +10,7 @@ from server.api.schemas.base import Cell, Schema
 
 
 class Behaviour(Schema):
-    """What is being taught. ``target`` is None where hits do not describe it."""
+    """A behaviour. ``target`` is None if hits do not describe it."""
 
     id: int
     slug: str
@@ -27,7 +27,7 @@ class Behaviour(Schema):
 
 
 class BehaviourNew(Schema):
-    """A behaviour of one's own."""
+    """A behaviour to add."""
 
     name: str = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)
@@ -36,7 +36,7 @@ class BehaviourNew(Schema):
 
 
 class BehaviourUpdate(Schema):
-    """Fields left out stay. A target can't change once runs exist (409)."""
+    """Omitted fields stay. A target can't change once runs exist (409)."""
 
     name: str | None = Field(default=None, min_length=1, max_length=120)
     description: str | None = Field(default=None, max_length=2000)
@@ -47,8 +47,8 @@ class BehaviourUpdate(Schema):
 class PlannedDemonstration(Schema):
     """One of the demonstrations that exemplify a behaviour.
 
-    ``recording_id`` is a recording that hit what it asks for and was survived to its end; None
-    while it is missing.
+    ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
+    None while there is none.
     """
 
     number: int
@@ -57,16 +57,16 @@ class PlannedDemonstration(Schema):
 
 
 class Checklist(Schema):
-    """``planned`` best first; ``note`` says why there are none."""
+    """``planned`` from best to worst; ``note`` says why it is empty."""
 
     planned: list[PlannedDemonstration]
     note: str
 
 
 class Ghost(Schema):
-    """Where the cannon of a recording stood on the screen, in pixels.
+    """The cannon's rectangle in a recording, in pixels of the screen.
 
-    ``lefts`` are its left edges: at the start, then after every frame.
+    ``lefts`` are its left edges at the start and after every frame.
     """
 
     recording_id: int

@@ -8,20 +8,20 @@ from server.api.schemas.base import Id, Schema
 
 
 class GameNew(Schema):
-    """``idle_frames`` None draws a start for play."""
+    """A game to create. Without ``idle_frames`` its start is drawn at random."""
 
     behaviour_id: Id
     idle_frames: int | None = Field(default=None, strict=True, ge=0, le=127)
 
 
 class GameFrom(Schema):
-    """A game that goes on after this frame of a recording."""
+    """The frame of a recording after which a game continues."""
 
     frame: int = Field(strict=True, ge=0, le=1200)
 
 
 class Game(Schema):
-    """``stream_path`` is the WebSocket's path (docs/protocol.md)."""
+    """A game. ``stream_path`` is its WebSocket's path (docs/protocol.md)."""
 
     id: str
     recording_id: int

@@ -1,4 +1,4 @@
-"""The person who plays."""
+"""Players."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from server.api.schemas.base import Schema
 
 
 class Player(Schema):
-    """Who plays."""
+    """A player."""
 
     id: int
     name: str

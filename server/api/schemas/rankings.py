@@ -15,7 +15,7 @@ Tiers = Annotated[
 
 
 class Ranking(Schema):
-    """``tiers`` best first; ``unranked`` the kept, verified recordings in no tier, newest first."""
+    """``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first."""
 
     behaviour_id: int
     revision: int
@@ -27,7 +27,7 @@ class Ranking(Schema):
 
 
 class RankingUpdate(Schema):
-    """``base_revision`` is the revision that was changed; an old one gives 409 RankingConflict."""
+    """``base_revision`` is the revision that was edited; an old one answers 409."""
 
     base_revision: int = Field(strict=True, ge=0, le=2**31 - 1)
     tiers: Tiers
@@ -40,7 +40,7 @@ class RankingStep(Schema):
 
 
 class RankingConflict(Schema):
-    """Somebody saved first: ``current`` is what stands, ``yours`` what was sent."""
+    """Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent."""
 
     detail: str
     current: Ranking
@@ -48,7 +48,7 @@ class RankingConflict(Schema):
 
 
 class RankingRevision(Schema):
-    """What was done to a ranking."""
+    """A revision of a ranking and the change that made it."""
 
     revision: int
     tiers: list[list[int]]

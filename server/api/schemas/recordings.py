@@ -11,7 +11,7 @@ from server.api.schemas.base import Column, Id, Row, Schema
 
 
 class Hit(Schema):
-    """An alien that was shot, after how many frames."""
+    """An alien that was shot, and the frame in which it was hit."""
 
     row: Row
     column: Column
@@ -20,10 +20,10 @@ class Hit(Schema):
 
 
 class Latency(Schema):
-    """How late a game was seen by who played it (server.play.conditions).
+    """The latency that the player of a game experienced (server.play.conditions).
 
-    Milliseconds from the event of a key to the drawing of the first frame executed with it;
-    ``frames_dropped`` were executed and not drawn.
+    Milliseconds from a key's event to the drawing of the first frame executed with it;
+    ``frames_dropped`` were executed but not drawn.
     """
 
     presses: int
@@ -34,7 +34,7 @@ class Latency(Schema):
 
 
 class Branch(Schema):
-    """A recording and the frame at which the other one leaves it."""
+    """A related recording, and the frame at which the two part."""
 
     recording_id: int
     frame: int
@@ -43,11 +43,10 @@ class Branch(Schema):
 class Recording(Schema):
     """``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
 
-    ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
-    ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
-    was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
-    time; both are None where that is not known. ``parent`` is the recording that this one goes on
-    from.
+    ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
+    ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
+    100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
+    if unknown. ``parent`` is the recording that this one continues.
     """
 
     id: int
@@ -83,7 +82,7 @@ class Recording(Schema):
 
 
 class MemoryCell(Schema):
-    """What an address of the console's RAM holds."""
+    """The meaning of an address of the console's RAM."""
 
     address: int
     name: str
@@ -93,9 +92,9 @@ class RecordingCourse(Schema):
     """A recording frame by frame.
 
     ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
-    ``parent`` is the recording that this one goes on from, ``branches`` those that go on from it,
-    oldest first. At ``memory_url`` is the RAM at the start and after every frame, 128 bytes each;
-    ``memory_names`` names what is known of it.
+    ``parent`` is the recording that this one continues, ``branches`` those that continue this one,
+    oldest first. ``memory_url`` yields the RAM at the start and after every frame, 128 bytes each;
+    ``memory_names`` names its known addresses.
     """
 
     actions: list[int]
@@ -107,14 +106,14 @@ class RecordingCourse(Schema):
 
 
 class RecordingUpdate(Schema):
-    """Fields left out stay."""
+    """Omitted fields stay."""
 
     perfect: StrictBool | None = None
     notes: str | None = Field(default=None, max_length=4000)
 
 
 class RecordingsChange(Schema):
-    """Something to do to several recordings of a behaviour, to all or to none."""
+    """A change of several recordings of a behaviour, made to all or to none."""
 
     recording_ids: list[Id] = Field(min_length=1, max_length=500)
     change: Literal["delete", "restore", "mark_perfect", "unmark_perfect"]
@@ -128,7 +127,7 @@ class Refusal(Schema):
 
 
 class ImportResult(Schema):
-    """What became of an uploaded file; ``imported`` are the new recordings."""
+    """The outcome of an upload; ``imported`` are the new recordings."""
 
     imported: list[int]
     notices: list[Refusal]

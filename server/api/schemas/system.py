@@ -1,4 +1,4 @@
-"""Whether Tril is well."""
+"""The processes and the disk usage."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from server.api.schemas.base import Schema
 
 
 class Health(Schema):
-    """The server answers."""
+    """The server runs."""
 
     status: Literal["ok"]
 
 
 class ProcessStatus(Schema):
-    """``alive`` is false when nothing was heard for 15 s."""
+    """``alive`` is false after 15 s without a heartbeat."""
 
     name: str
     kind: Literal["server", "worker", "inference"]
@@ -23,7 +23,7 @@ class ProcessStatus(Schema):
 
 
 class Storage(Schema):
-    """What the data folder holds; the cache never takes more than its limit."""
+    """Disk usage of the data folder by purpose; the cache is kept below its limit."""
 
     databases_bytes: int
     artifacts_bytes: int
@@ -33,7 +33,7 @@ class Storage(Schema):
 
 
 class System(Schema):
-    """Whether Tril is well. ``data_bytes`` is what the parts of ``storage`` take together."""
+    """State of the installation. ``data_bytes`` is the sum of the parts of ``storage``."""
 
     version: str
     processes: list[ProcessStatus]
