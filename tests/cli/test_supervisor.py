@@ -16,7 +16,9 @@ from pathlib import Path
 import psutil
 
 from cli.supervision.supervisor import Child, Supervisor
+from cli.workspace import bring_up_to_date
 from tests.waiting import wait_until
+from tril.settings import Settings
 
 Lines = queue.Queue[tuple[str, str]]
 
@@ -105,6 +107,8 @@ os.kill(os.getpid(), signal.SIGKILL)
 def test_a_child_ends_when_its_supervisor_is_killed_before_the_child_has_imported_anything(
     data_folder: Path,
 ) -> None:
+    bring_up_to_date(Settings())  # without it the worker ends by itself
+    assert data_folder.exists()
     done = subprocess.run(_python(STARTS_AND_DIES), stdout=subprocess.PIPE, text=True)
     child = int(done.stdout)
     wait_until(lambda: not _is_alive(child), 30.0)
