@@ -27,8 +27,7 @@ ENV PATH=/opt/tril/.venv/bin:$PATH \
     PYTHONDONTWRITEBYTECODE=1 \
     PYTHONUNBUFFERED=1 \
     TRIL_DATA=/data \
-    TRIL_HOST=0.0.0.0 \
-    TRIL_PORT=8000
+    TRIL_HOST=0.0.0.0
 COPY --from=build --chown=10001:10001 /data /data
 WORKDIR /opt/tril
 COPY --from=build /opt/tril ./
