@@ -31,10 +31,10 @@ ENV PATH=/opt/tril/.venv/bin:$PATH \
 COPY --from=build --chown=10001:10001 /data /data
 WORKDIR /opt/tril
 COPY --from=build /opt/tril ./
-COPY --from=page /opt/tril/frontend/dist frontend/dist
 COPY migrations migrations
 COPY tril tril
 COPY server server
+COPY --from=page /opt/tril/server/static server/static
 COPY trainer trainer
 COPY cli cli
 USER 10001:10001

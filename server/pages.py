@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import mimetypes
+from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
@@ -16,7 +17,7 @@ from server.problems import problem
 from server.security import COOKIE_LIFETIME_S
 from tril.errors import Unavailable
 
-FRONTEND = Path(__file__).resolve().parent.parent / "frontend" / "dist"
+FRONTEND = Path(str(files("server") / "static"))
 _HASHED = "/assets/"
 """Under which the build puts files whose names change with their content."""
 _FOR_EVER = "public, max-age=31536000, immutable"
