@@ -34,7 +34,7 @@ COPY --from=build /opt/tril ./
 COPY migrations migrations
 COPY tril tril
 COPY server server
-COPY --from=page /opt/tril/server/static server/static
+COPY --from=page /opt/tril/server/web/static server/web/static
 COPY trainer trainer
 COPY cli cli
 USER 10001:10001

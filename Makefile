@@ -11,7 +11,7 @@ NPM := $(abspath $(PY)) $(abspath scripts/node.py) npm
 RUN_STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
 NPM_STAMP := frontend/node_modules/.installed
-PAGE := server/static/index.html
+PAGE := server/web/static/index.html
 
 # Where the distribution goes.
 DIST ?= dist
@@ -84,14 +84,14 @@ wheel: $(DEV_STAMP) frontend ## the distribution to install elsewhere, with the 
 	$(PY) -m build --no-isolation --outdir $(DIST)
 
 bench: $(DEV_STAMP) ## every benchmark, one after the other
-	@for file in benchmarks/[a-z]*.py; do \
-		name=$${file%.py}; name=$${name##*/}; \
-		printf '\n%s\n' "benchmarks.$$name"; \
-		$(PY) -m "benchmarks.$$name" || exit 1; \
+	@for file in benchmarks/*/[a-z]*.py; do \
+		name=$$(echo $${file%.py} | tr / .); \
+		printf '\n%s\n' "$$name"; \
+		$(PY) -m "$$name" || exit 1; \
 	done
 
 clean: ## remove what make built; the data folder stays
-	rm -rf $(VENV) frontend/node_modules server/static $(DIST)
+	rm -rf $(VENV) frontend/node_modules server/web/static $(DIST)
 	rm -rf .import_linter_cache .hypothesis .mypy_cache .pytest_cache .ruff_cache test-results
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -18,7 +18,7 @@ from rich.progress import Task as ProgressTask
 from rich.text import Text
 
 from cli.output import console, errors
-from cli.supervisor import child_environment, tril_command
+from cli.supervision.supervisor import child_environment, tril_command
 from cli.workspace import Workspace
 from tril.jobs import overall_progress
 from tril.store import processes

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from cli.output import plain_errors
-from cli.services import bring_up_to_date
-from tril.jobs import Jobs
+from tril.jobs import Jobs, prepare_queue
 from tril.settings import Settings
 from tril.store import behaviours
 from tril.store.database import Database, create_database
 from tril.store.models import BehaviourRow
+from tril.store.schema import upgrade
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,16 @@ class Workspace:
             yield jobs
         finally:
             jobs.close()
+
+
+def bring_up_to_date(settings: Settings) -> None:
+    """Upgrade the application's database, fill in what comes ready, and set up the queue's."""
+    database = create_database(settings.application_url)
+    try:
+        upgrade(database)
+    finally:
+        database.close()
+    prepare_queue(settings)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import psutil
 
-from cli.supervisor import Child, Supervisor
+from cli.supervision.supervisor import Child, Supervisor
 from tests.waiting import wait_until
 
 Lines = queue.Queue[tuple[str, str]]

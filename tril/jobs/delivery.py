@@ -15,9 +15,9 @@ from sqlalchemy.exc import SQLAlchemyError
 from tril.errors import Unavailable
 from tril.jobs.queue import QUEUE, VERSION, WORKFLOW, open_client
 from tril.settings import Settings
-from tril.store import claims, runs
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
+from tril.store.training import leases, runs
 
 log = logging.getLogger(__name__)
 
@@ -181,10 +181,10 @@ class Jobs:
                 self._take_job_back(row.id, job)
         elif job is not None and job.status == GIVEN_UP:
             with self._database.writing() as session:
-                claims.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
+                leases.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
         elif self._is_stuck(row.id):
             with self._database.writing() as session:
-                waits = claims.take_away(session, row.id, row.epoch)
+                waits = leases.take_away(session, row.id, row.epoch)
             if waits:
                 self._take_job_back(row.id, job)
 
