@@ -43,8 +43,7 @@ test-unit: $(DEV_STAMP) ## every test of the Python part that needs no browser
 
 # One after the other: a game in a browser wants the machine for itself.
 test-e2e: $(DEV_STAMP) frontend ## the tests in a real browser
-	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
-		$(PY) -m pytest -m e2e $(ARGS)
+	$(PY) -m pytest -m e2e $(ARGS)
 
 test-frontend: $(NPM_STAMP) ## the tests of the page's own code
 	cd frontend && $(NPM) test

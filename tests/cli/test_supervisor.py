@@ -16,7 +16,7 @@ from pathlib import Path
 import psutil
 
 from cli.supervision.supervisor import Child, Supervisor
-from tests.waiting import wait_until
+from testsupport.waiting import wait_until
 
 Lines = queue.Queue[tuple[str, str]]
 

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 import os
-import queue
 import re
-import signal
 import subprocess
 import sys
 import sysconfig
-import threading
-import urllib.request
 import venv
-from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+import httpx2
 import pytest
 
+from testsupport.processes import tril_process, whole_tril
+from testsupport.recipes import SMALLEST
+from tril.settings import Settings
+
 ROOT = Path(__file__).resolve().parents[2]
-ADDRESS = re.compile(r"http://\S+\?token=\S+")
-START_TIMEOUT_S = 120
+PACKAGES = ("cli", "migrations", "server", "trainer", "tril")
 
 pytestmark = [pytest.mark.lengthy, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return an environment's folder of programs, where Tril was installed from its wheel alone."""
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the programs of an environment that Tril was installed into, from its wheel alone."""
     dist = tmp_path_factory.mktemp("dist")
     # Pytest may have been started by a make, whose flags must not reach this one.
     environ = {k: v for k, v in os.environ.items() if k not in {"MAKEFLAGS", "MAKELEVEL", "ARGS"}}
@@ -35,92 +35,48 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (wheel,) = dist.glob("*.whl")
 
     environment = tmp_path_factory.mktemp("environment")
-    venv.create(environment, symlinks=True, with_pip=False)
-    packages = Path(sysconfig.get_path("purelib", vars={"base": str(environment)}))
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python"]
+    venv.create(environment)
     python = str(environment / "bin/python")
-    install = ["install", "--quiet", "--no-deps", "--no-index", str(wheel)]
-    subprocess.run([*pip, python, *install], check=True)
-    # Tril's dependencies are those of this environment; installing them anew would take minutes.
-    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib"))
+    pip = [sys.executable, "-m", "pip", "--python", python, "install"]
+    subprocess.run([*pip, "--quiet", "--no-index", "--no-deps", str(wheel)], check=True)
+    # What Tril needs comes from this environment: installing it anew would take minutes.
+    packages = sysconfig.get_path("purelib", "venv", {"base": str(environment)})
+    (Path(packages) / "dependencies.pth").write_text(sysconfig.get_path("purelib"))
     return environment / "bin"
 
 
 @pytest.fixture
-def elsewhere(tmp_path: Path) -> Path:
-    """Return a current folder with modules that are called as Tril's are."""
-    for name in ("cli", "server", "tril", "trainer", "migrations"):
-        (tmp_path / f"{name}.py").write_text("raise ImportError('This is not Tril.')\n")
-    return tmp_path
+def how(programs: Path, tmp_path: Path) -> dict[str, Any]:
+    """Return how to run the installed command: in a folder whose modules have names of Tril's."""
+    for package in PACKAGES:
+        (tmp_path / f"{package}.py").write_text("raise ImportError('This is not Tril.')\n")
+    return {"command": [programs / "tril"], "cwd": tmp_path, "environ": {"PATH": str(programs)}}
 
 
-def environ_of(programs: Path, data: Path) -> dict[str, str]:
-    return {"PATH": str(programs), "TRIL_DATA": str(data), "COLUMNS": "200"}
-
-
-@pytest.fixture
-def address(installed: Path, elsewhere: Path) -> Iterator[str]:
-    """Return the address that ``tril up`` prints."""
-    process = subprocess.Popen(
-        [installed / "tril", "up", "--port", "0", "--no-browser"],
-        cwd=elsewhere,
-        env=environ_of(installed, elsewhere / "data"),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    said: list[str] = []
-    found: queue.Queue[str] = queue.Queue()
-
-    def read() -> None:
-        assert process.stdout is not None
-        with process.stdout:
-            for line in process.stdout:
-                said.append(line)
-                if match := ADDRESS.search(line):
-                    found.put(match.group())
-
-    reader = threading.Thread(target=read)
-    reader.start()
-    try:
-        yield found.get(timeout=START_TIMEOUT_S)
-    except queue.Empty:
-        pytest.fail("tril up printed no address:\n" + "".join(said))
-    finally:
-        process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 0, "".join(said)
-        reader.join()
-
-
-def test_tril_is_imported_from_the_wheel(installed: Path, elsewhere: Path) -> None:
-    program = "import cli, migrations, server, trainer, tril\nprint(tril.__file__)"
+def test_every_package_is_the_wheels(programs: Path) -> None:
+    program = f"import {', '.join(PACKAGES)}\nprint(*(m.__file__ for m in ({', '.join(PACKAGES)})))"
     done = subprocess.run(
-        [installed / "python", "-P", "-c", program],
-        cwd=elsewhere,
-        env=environ_of(installed, elsewhere / "data"),
-        capture_output=True,
-        text=True,
-        check=True,
+        [programs / "python", "-P", "-c", program], capture_output=True, text=True, check=True
     )
-    assert Path(done.stdout.strip()).is_relative_to(installed.parent)
+    for file in done.stdout.split():
+        assert Path(file).is_relative_to(programs.parent)
 
 
-def test_tril_up_serves_the_page(address: str) -> None:
-    opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
-    with opener.open(address) as answer:
-        page = answer.read().decode()
-    (script,) = re.findall(r'src="(/assets/[^"]+\.js)"', page)
-    with opener.open(address.split("/?")[0] + script) as answer:
-        assert "javascript" in answer.headers["Content-Type"]
-        assert len(answer.read()) > 100_000
+def test_tril_up_serves_the_page(how: dict[str, Any], tmp_path: Path) -> None:
+    with (
+        whole_tril(tmp_path / "data", **how) as tril,
+        httpx2.Client(follow_redirects=True) as browser,
+    ):
+        page = browser.get(tril.address).raise_for_status().text
+        (script,) = re.findall(r'src="(/assets/[^"]+\.js)"', page)
+        assert len(browser.get(tril.base_url + script).raise_for_status().text) > 100_000
 
 
-def test_the_demo_ends_with_a_summary(installed: Path, elsewhere: Path) -> None:
-    summary = elsewhere / "summary"
-    subprocess.run(
-        [installed / "tril", "demo", "--steps", "2048", "--output", summary],
-        cwd=elsewhere,
-        env=environ_of(installed, elsewhere / "data"),
-        check=True,
-    )
+def test_the_demo_ends_with_a_summary(how: dict[str, Any], tmp_path: Path) -> None:
+    summary = tmp_path / "summary"
+    arguments = ["demo", "--steps", "2048", "--output", str(summary)]
+    arguments += [word for value in (*SMALLEST, "policy.n_steps=128") for word in ("--set", value)]
+    with tril_process(Settings(data=tmp_path / "data"), *arguments, **how) as demo:
+        status = demo.process.wait()
+    assert status == 0, "".join(demo.output)
     assert "scripted demonstrator" in (summary / "README.md").read_text()
