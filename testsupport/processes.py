@@ -23,7 +23,7 @@ from testsupport.live import TIMEOUT_S, begin_game, cookie
 from testsupport.waiting import wait_until
 from tril.settings import Settings
 
-COMMAND = (sys.executable, "-m", "cli.main")
+COMMAND = (sys.executable, "-m", "cli")
 SERVER_STARTED = "Application startup complete"
 
 

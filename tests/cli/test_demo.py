@@ -23,7 +23,7 @@ from tril.store.training import evaluations, runs
 def _tril(*arguments: str) -> str:
     """Run the command to its end; returns what it printed."""
     done = subprocess.run(
-        [sys.executable, "-m", "cli.main", *arguments],
+        [sys.executable, "-m", "cli", *arguments],
         env={**os.environ, "TRIL_LEARNING_THREADS": "1"},
         capture_output=True,
         text=True,
