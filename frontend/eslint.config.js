@@ -7,7 +7,7 @@ import tseslint from "typescript-eslint";
 const features = ["behaviours", "play", "ranking", "recordings", "results", "training"];
 
 export default tseslint.config(
-  { ignores: ["dist", "node_modules", "src/api/schema.d.ts", "public"] },
+  { ignores: ["node_modules", "src/api/schema.d.ts", "public"] },
   js.configs.recommended,
   ...tseslint.configs.strictTypeChecked,
   ...tseslint.configs.stylisticTypeChecked,

@@ -12,6 +12,9 @@ export default defineConfig({
   plugins: [react()],
   resolve: { alias: { "@": fileURLToPath(new URL("./src", import.meta.url)) } },
   build: {
+    // Inside the package, so that a wheel and a clone have the page in the same place.
+    outDir: "../server/web/static",
+    emptyOutDir: true,
     target: ["chrome123", "firefox128", "safari17.5"],
     // Everything is a file: the server's content security policy allows no data: scripts or styles.
     assetsInlineLimit: 0,

@@ -1,4 +1,4 @@
-"""Kills workers at random moments and looks at what is left: for the test and the benchmark."""
+"""Kill workers at random moments and compare what is left with a run left alone."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.waiting import wait_until
-from tests.workplace import TINY, Workplace
+from testsupport.waiting import wait_until
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import TINY, Workplace
 from tril.jobs import Jobs
 from tril.recipes import Recipe
 from tril.store.models import RunRow, RunStatus

@@ -12,15 +12,14 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from testsupport.waiting import wait_until
 from tril.jobs.delivery import LOST_AFTER_S
 
-PATIENCE_S = 60.0
 PR_SET_PDEATHSIG = 1
 
 
@@ -38,10 +37,7 @@ class WorkerProcess:
     def send(self, number: signal.Signals) -> None:
         """Send a signal to the worker alone and wait until it is gone."""
         os.kill(self.pid, number)
-        deadline = time.monotonic() + PATIENCE_S
-        while self.is_alive:
-            assert time.monotonic() < deadline, f"Worker {self.pid} does not end."
-            time.sleep(0.005)
+        wait_until(lambda: not self.is_alive)
 
     @property
     def is_alive(self) -> bool:
@@ -58,7 +54,7 @@ class Zygote:
 
     def __init__(self) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.trainer.runtime.worker_zygote"],
+            [sys.executable, "-m", "testsupport.worker_zygote"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

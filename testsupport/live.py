@@ -68,10 +68,7 @@ class LiveServer:
 
     def new_game(self, behaviour_id: int = 1, **more: Any) -> dict[str, Any]:
         """Begin a game."""
-        answer = self.http.post("/api/games", json={"behaviour_id": behaviour_id, **more})
-        assert answer.status_code == 201, answer.text
-        game: dict[str, Any] = answer.json()
-        return game
+        return begin_game(self.http, behaviour_id, **more)
 
     @contextmanager
     def play(self, game: dict[str, Any], tab: str | None = None) -> Iterator[Player]:
@@ -91,6 +88,14 @@ def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> It
         max_size=2**20,
     ) as socket:
         yield Player(socket)
+
+
+def begin_game(http: httpx2.Client, behaviour_id: int = 1, **more: Any) -> dict[str, Any]:
+    """Begin a game by a client that is signed in."""
+    answer = http.post("/api/games", json={"behaviour_id": behaviour_id, **more})
+    assert answer.status_code == 201, answer.text
+    game: dict[str, Any] = answer.json()
+    return game
 
 
 def cookie(settings: Settings) -> str:
