@@ -7,6 +7,7 @@ export const COLUMNS = 6;
 export type Cell = readonly [row: number, column: number];
 
 /** One sprite per row of the game, bottom row first; 8 by 8 pixels. */
+// prettier-ignore
 const SPRITES: readonly (readonly string[])[] = [
   [
     "..#..#..",
