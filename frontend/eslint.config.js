@@ -33,7 +33,9 @@ export default tseslint.config(
         "error",
         {
           patterns: [
-            ...features.filter((other) => other !== feature).map((other) => `@/features/${other}/*`),
+            ...features
+              .filter((other) => other !== feature)
+              .map((other) => `@/features/${other}/*`),
             "@/app/*",
           ],
         },

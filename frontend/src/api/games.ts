@@ -7,9 +7,7 @@ export function createGame(behaviourId: number): Promise<Game> {
 }
 
 export function getGame(gameId: string): Promise<Game> {
-  return unwrap(
-    api.GET("/api/games/{game_id}", { params: { path: { game_id: gameId } } }),
-  );
+  return unwrap(api.GET("/api/games/{game_id}", { params: { path: { game_id: gameId } } }));
 }
 
 /** A new game that goes on from a frame of a recording. */

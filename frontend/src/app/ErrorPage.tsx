@@ -13,9 +13,7 @@ export function ErrorPage() {
     <main className={styles.lone} role="alert">
       <Alien row={5} scale={5} />
       <h1>This page has failed</h1>
-      <p>
-        That is a defect in Tril. Nothing that was saved is lost; load the page again to go on.
-      </p>
+      <p>That is a defect in Tril. Nothing that was saved is lost; load the page again to go on.</p>
       <p className={styles.url}>{messageOf(error)}</p>
       <Button kind="primary" icon="restart" onClick={() => location.reload()}>
         Load the page again

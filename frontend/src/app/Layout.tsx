@@ -16,10 +16,7 @@ import { applyTheme, nextTheme, readTheme } from "@/lib/theme";
 
 /** What every page has: the bar at the top, messages about the connection, the page itself. */
 export function Layout() {
-  const { reachable, authorised } = useSyncExternalStore(
-    connection.subscribe,
-    connection.snapshot,
-  );
+  const { reachable, authorised } = useSyncExternalStore(connection.subscribe, connection.snapshot);
   useChanges(authorised);
   useFocusOnNewPage();
   if (!authorised) return <Unauthorised />;

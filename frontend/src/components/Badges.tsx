@@ -110,10 +110,7 @@ export function ColumnBars({
       aria-label={`Hits per column, from the left: ${columns.join(", ")}`}
     >
       {columns.map((hits, column) => (
-        <span
-          key={column}
-          className={classes(styles.bar, wanted.has(column) && styles.wanted)}
-        >
+        <span key={column} className={classes(styles.bar, wanted.has(column) && styles.wanted)}>
           <i>
             {Array.from({ length: ROWS }, (_, row) => (
               <b key={row} data-on={row < hits ? "" : undefined} />

@@ -55,7 +55,14 @@ export function Chart(props: ChartProps) {
     const element = holder.current;
     if (!element) return undefined;
     const chart = new uPlot(
-      optionsOf({ width: element.clientWidth, looks, bounds, xLabels, syncKey, onCursor: setCursor }),
+      optionsOf({
+        width: element.clientWidth,
+        looks,
+        bounds,
+        xLabels,
+        syncKey,
+        onCursor: setCursor,
+      }),
       latest.current,
       element,
     );
@@ -127,14 +134,7 @@ interface Wishes {
   readonly onCursor: (index: number | null) => void;
 }
 
-function optionsOf({
-  width,
-  looks,
-  bounds,
-  xLabels,
-  syncKey,
-  onCursor,
-}: Wishes): uPlot.Options {
+function optionsOf({ width, looks, bounds, xLabels, syncKey, onCursor }: Wishes): uPlot.Options {
   const range = JSON.parse(bounds) as uPlot.Range.MinMax | null;
   const axis: uPlot.Axis = {
     stroke: resolveColour("var(--ink-3)"),

@@ -32,13 +32,6 @@ export function SquareImage({
 }) {
   const side = pixels * scale;
   return (
-    <img
-      className={styles.canvas}
-      src={src}
-      alt={alt}
-      width={side}
-      height={side}
-      loading="lazy"
-    />
+    <img className={styles.canvas} src={src} alt={alt} width={side} height={side} loading="lazy" />
   );
 }

@@ -37,10 +37,7 @@ interface PlayerProps {
 /** Plays a recording, by mouse and keys: any frame, any speed. */
 export function Player(props: PlayerProps) {
   const { frames, hits, rewards, startFrame, screenHeight, children } = props;
-  const playback = useMemo(
-    () => new Playback(frames.last, frames.header.frame_rate_hz),
-    [frames],
-  );
+  const playback = useMemo(() => new Playback(frames.last, frames.header.frame_rate_hz), [frames]);
   const stage = useRef<HTMLDivElement>(null);
   const size = useFittingScreenSize(stage, screenHeight);
   const [painter, setPainter] = useState<ScreenPainter | null>(null);

@@ -40,17 +40,11 @@ export function ScatterPlot({ label, points, range, xTicks, band }: ScatterPlotP
   const values = points.map((point) => point.y);
   const low = Math.min(...values);
   const high = Math.max(...values);
-  const x = (value: number) =>
-    LEFT + ((value - range[0]) / (range[1] - range[0])) * (WIDTH - LEFT);
+  const x = (value: number) => LEFT + ((value - range[0]) / (range[1] - range[0])) * (WIDTH - LEFT);
   const y = (value: number) =>
     TOP + (1 - (value - low) / (high - low || 1)) * (HEIGHT - TOP - BOTTOM);
   return (
-    <svg
-      className={styles.plot}
-      viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
-      role="img"
-      aria-label={label}
-    >
+    <svg className={styles.plot} viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={label}>
       {band && (
         <rect
           className={styles.band}

@@ -37,9 +37,7 @@ export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
         value={frame}
         onChange={(event) => playback.seek(event.currentTarget.valueAsNumber)}
       />
-      {rewards && rewards.length > 1 && (
-        <RewardPlot rewards={rewards} frame={frame} last={last} />
-      )}
+      {rewards && rewards.length > 1 && <RewardPlot rewards={rewards} frame={frame} last={last} />}
     </div>
   );
 }
@@ -48,13 +46,7 @@ export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
 const BAR = "M0 0V10";
 const CROSS = "M-3 2 3 8M3 2-3 8";
 
-const HitMarks = memo(function HitMarks({
-  hits,
-  last,
-}: {
-  hits: readonly Hit[];
-  last: number;
-}) {
+const HitMarks = memo(function HitMarks({ hits, last }: { hits: readonly Hit[]; last: number }) {
   return (
     <svg
       className={`${styles.plot ?? ""} ${styles.marks ?? ""}`}
@@ -139,9 +131,7 @@ const RewardLine = memo(function RewardLine({
   );
   return (
     <>
-      {low < 0 && high > 0 && (
-        <line className={styles.zero} x1={0} x2={last} y1={y(0)} y2={y(0)} />
-      )}
+      {low < 0 && high > 0 && <line className={styles.zero} x1={0} x2={last} y1={y(0)} y2={y(0)} />}
       <path className={styles.line} d={`M${points.join("L")}`} />
     </>
   );

@@ -45,11 +45,7 @@ export function WatchDialog(props: WatchDialogProps) {
             screenHeight={screenHeight}
           />
         ) : frames.error ? (
-          <Failed
-            what="The recording"
-            error={frames.error}
-            onRetry={() => void frames.refetch()}
-          />
+          <Failed what="The recording" error={frames.error} onRetry={() => void frames.refetch()} />
         ) : (
           <Loading what="the recording" rows={1} height="20rem" />
         )}

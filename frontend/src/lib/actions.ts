@@ -1,7 +1,14 @@
 /** The actions of a recording's frames, in words and as spans of time. */
 
 /** As the exchange format counts them; a press of two keys is one action. */
-const ACTION_NAMES = ["nothing", "fire", "right", "left", "right and fire", "left and fire"] as const;
+const ACTION_NAMES = [
+  "nothing",
+  "fire",
+  "right",
+  "left",
+  "right and fire",
+  "left and fire",
+] as const;
 
 const FIRING: ReadonlySet<number> = new Set([1, 4, 5]);
 const RIGHT: ReadonlySet<number> = new Set([2, 4]);

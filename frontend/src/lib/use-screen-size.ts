@@ -47,7 +47,9 @@ export function useFittingScreenSize(
     const measure = () => {
       const width = element.clientWidth;
       const height = heightFor(window.innerHeight);
-      setRoom((room) => (room.width === width && room.height === height ? room : { width, height }));
+      setRoom((room) =>
+        room.width === width && room.height === height ? room : { width, height },
+      );
     };
     measure();
     const observer = new ResizeObserver(measure);

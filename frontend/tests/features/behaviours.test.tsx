@@ -36,7 +36,9 @@ describe("the first page", () => {
     const { router } = show(<HomePage />);
     const play = await screen.findByRole("link", { name: "Play your first game" });
     expect(play).toHaveAttribute("href", "/behaviours/1/play");
-    const example = await screen.findByRole("button", { name: /See a full example \(about 12 min\)/ });
+    const example = await screen.findByRole("button", {
+      name: /See a full example \(about 12 min\)/,
+    });
     await userEvent.click(example);
     await screen.findByText("Another page");
     expect(router.state.location.pathname).toBe("/runs/r1");
@@ -50,7 +52,9 @@ describe("the first page", () => {
 
   it("shows the latest run's headline with its interval afterwards", async () => {
     serve({
-      "GET /api/behaviours": () => [behaviour({ n_recordings: 12, n_ranked: 12, n_perfect: 3, n_runs: 1 })],
+      "GET /api/behaviours": () => [
+        behaviour({ n_recordings: 12, n_ranked: 12, n_perfect: 3, n_runs: 1 }),
+      ],
       "GET /api/runs": () => [
         run({
           status: "done",
@@ -113,9 +117,7 @@ describe("a new behaviour", () => {
     const { dialog, sent } = await open(() => behaviour());
     await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
     expect(dialog.getByLabelText("Name")).toBeInvalid();
-    expect(dialog.getByLabelText("Name")).toHaveAccessibleDescription(
-      "Give the behaviour a name.",
-    );
+    expect(dialog.getByLabelText("Name")).toHaveAccessibleDescription("Give the behaviour a name.");
     expect(sent()).toBeUndefined();
   });
 
@@ -141,7 +143,9 @@ describe("a new behaviour", () => {
     await userEvent.click(dialog.getByLabelText("The order matters"));
     await userEvent.click(dialog.getByRole("button", { name: "Alien in row 2, column 1" }));
     await userEvent.keyboard("{ArrowRight} {ArrowDown}{Enter}");
-    expect(dialog.getByRole("button", { pressed: true, name: /row 1, column 2, 3rd/ })).toHaveFocus();
+    expect(
+      dialog.getByRole("button", { pressed: true, name: /row 1, column 2, 3rd/ }),
+    ).toHaveFocus();
     expect(dialog.getByText("3 aliens chosen")).toBeVisible();
     await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
     expect(sent()).toMatchObject({

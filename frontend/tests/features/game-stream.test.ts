@@ -55,7 +55,9 @@ class FakeSocket extends EventTarget {
   }
 
   get binarySent(): number[][] {
-    return this.sent.filter((one) => typeof one !== "string").map((one) => [...new Uint8Array(one)]);
+    return this.sent
+      .filter((one) => typeof one !== "string")
+      .map((one) => [...new Uint8Array(one)]);
   }
 
   get commandsSent(): string[] {
@@ -282,7 +284,11 @@ describe("a game's stream", () => {
     vi.advanceTimersByTime(300);
     const again = newest();
     expect(again).not.toBe(socket);
-    again.tell({ ...HELLO, resumed: true, hits: [{ row: 0, column: 0, frame: 9, on_target: true }] });
+    again.tell({
+      ...HELLO,
+      resumed: true,
+      hits: [{ row: 0, column: 0, frame: 9, on_target: true }],
+    });
     expect(again.commandsSent).toEqual(["ready"]);
     expect(again.binarySent).toEqual([[1, 4, 0, 0, 2, 0, 0, 0]]);
     expect(stream.snapshot().hits).toHaveLength(1);

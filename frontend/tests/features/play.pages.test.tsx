@@ -38,9 +38,7 @@ class FakeSocket extends EventTarget {
 
 function tell(message: object): void {
   act(() => {
-    FakeSocket.last?.dispatchEvent(
-      new MessageEvent("message", { data: JSON.stringify(message) }),
-    );
+    FakeSocket.last?.dispatchEvent(new MessageEvent("message", { data: JSON.stringify(message) }));
   });
 }
 
@@ -202,9 +200,7 @@ describe("playing", () => {
     await start();
     tell({ type: "hit", row: 0, column: 0, frame: 99, on_target: true, targets: 1, strays: 0 });
     tell({ type: "hit", row: 3, column: 4, frame: 150, on_target: false, targets: 1, strays: 1 });
-    expect(
-      screen.getByRole("img", { name: "1 of 2 target aliens hit, 1 stray" }),
-    ).toBeVisible();
+    expect(screen.getByRole("img", { name: "1 of 2 target aliens hit, 1 stray" })).toBeVisible();
   });
 
   it("pauses and goes on by key", async () => {
@@ -454,11 +450,7 @@ describe("after the end", () => {
     const { asked, did } = await end();
     await userEvent.keyboard("{Backspace}");
     await waitFor(() => expect(FakeSocket.opened).toBe(2));
-    expect(did()).toEqual([
-      "/api/games",
-      "/api/recordings/7/keep",
-      "/api/games/from/7",
-    ]);
+    expect(did()).toEqual(["/api/games", "/api/recordings/7/keep", "/api/games/from/7"]);
     expect(asked.find(({ path }) => path === "/api/games/from/7")?.body).toEqual({ frame: 438 });
   });
 

@@ -111,7 +111,9 @@ describe("ranking by buttons", () => {
   it("keeps the focus on the button that was pressed", async () => {
     await open({ tiers: [[1], [2], [3]], unranked: [4] });
     await press("Tie with the tier above: Recording 3");
-    expect(screen.getByRole("button", { name: "Tie with the tier above: Recording 3" })).toHaveFocus();
+    expect(
+      screen.getByRole("button", { name: "Tie with the tier above: Recording 3" }),
+    ).toHaveFocus();
   });
 
   it("does nothing where there is nothing to do", async () => {

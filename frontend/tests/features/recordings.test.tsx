@@ -101,9 +101,7 @@ describe("the library", () => {
       },
     });
     await userEvent.click(await screen.findByRole("button", { name: "Delete Recording 2" }));
-    await waitFor(() =>
-      expect(screen.queryByRole("article", { name: "Recording 2" })).toBeNull(),
-    );
+    await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 2" })).toBeNull());
     await userEvent.click(await screen.findByRole("button", { name: "Undo" }));
     expect(await screen.findByRole("article", { name: "Recording 2" })).toBeVisible();
     expect(asked.map(({ method }) => method)).toContain("DELETE");
@@ -197,9 +195,7 @@ describe("the library", () => {
     await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
     const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
     await userEvent.click(bar.getByRole("button", { name: "Mark as perfect" }));
-    await userEvent.click(
-      await bar.findByRole("button", { name: "Take the perfect marks off" }),
-    );
+    await userEvent.click(await bar.findByRole("button", { name: "Take the perfect marks off" }));
     await waitFor(() =>
       expect(
         asked

@@ -44,16 +44,22 @@ describe("a run that goes", () => {
     open(run());
     expect(screen.getByText("60 %")).toBeVisible();
     expect(screen.getByText("about 2 min left")).toBeVisible();
-    const stages = screen.getAllByRole("progressbar").map((bar) => bar.getAttribute("aria-valuenow"));
+    const stages = screen
+      .getAllByRole("progressbar")
+      .map((bar) => bar.getAttribute("aria-valuenow"));
     expect(stages).toEqual(["100", "100", "100", "100", "50", "0", "0"]);
     expect(await screen.findByRole("figure", { name: "Aliens hit per game" })).toBeVisible();
   });
 
   it("can be cancelled", async () => {
     const one = run();
-    const asked = open(one, {}, {
-      [`POST /api/runs/${one.id}/cancel`]: () => run({ status: "cancelling" }),
-    });
+    const asked = open(
+      one,
+      {},
+      {
+        [`POST /api/runs/${one.id}/cancel`]: () => run({ status: "cancelling" }),
+      },
+    );
     await userEvent.click(screen.getByRole("button", { name: "Cancel run" }));
     await waitFor(() => expect(asked.some(({ path }) => path.endsWith("/cancel"))).toBe(true));
   });
@@ -87,9 +93,13 @@ describe("a run whose return rises alone", () => {
 describe("a run that ended early", () => {
   it("says why, and can go on", async () => {
     const one = run({ status: "stopped", message: "It confuses tiers 1 and 3." });
-    const asked = open(one, {}, {
-      [`POST /api/runs/${one.id}/resume`]: () => new Refusal(409, { detail: "It is queued." }),
-    });
+    const asked = open(
+      one,
+      {},
+      {
+        [`POST /api/runs/${one.id}/resume`]: () => new Refusal(409, { detail: "It is queued." }),
+      },
+    );
     expect(screen.getByText("It confuses tiers 1 and 3.")).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Go on anyway" }));
     expect(await screen.findByText("It is queued.")).toBeVisible();
@@ -173,7 +183,9 @@ describe("the results", () => {
     const table = within(await screen.findByRole("table", { name: "Imitator and clone" }));
     const row = table.getByRole("row", { name: /Targets hit, of 2/ });
     expect(row).toHaveTextContent("4.73.9 to 5.4–");
-    expect(table.getByRole("row", { name: /ended by a bomb/ })).toHaveTextContent("13 %0 % to 30 %");
+    expect(table.getByRole("row", { name: /ended by a bomb/ })).toHaveTextContent(
+      "13 %0 % to 30 %",
+    );
     expect(screen.getByText(/Means of 23 games/)).toBeVisible();
   });
 
@@ -191,7 +203,9 @@ describe("the results", () => {
     const table = within(
       screen.getByRole("table", { name: "Imitator and clone, with sticky actions" }),
     );
-    expect(table.getByRole("row", { name: /Targets hit, of 2/ })).toHaveTextContent("3.12.5 to 3.7");
+    expect(table.getByRole("row", { name: /Targets hit, of 2/ })).toHaveTextContent(
+      "3.12.5 to 3.7",
+    );
     // An earlier version's run may lack some.
     expect(screen.queryByText("With actions drawn by chance instead")).not.toBeInTheDocument();
   });
@@ -211,7 +225,10 @@ describe("the results", () => {
   it("set predicted returns against tiers and mark what is out of order", async () => {
     open(one, results);
     const table = within(await screen.findByRole("table", { name: "Predicted returns" }));
-    const rows = table.getAllByRole("row").slice(1).map((row) => row.textContent);
+    const rows = table
+      .getAllByRole("row")
+      .slice(1)
+      .map((row) => row.textContent);
     expect(rows).toEqual(["1Recording 12scripted5.00", "2Recording 11Ada7.00 (highest)"]);
     expect(screen.getByText("0.92")).toBeVisible();
     expect(screen.getByText("98.4 %")).toBeVisible();
@@ -254,7 +271,10 @@ describe("the results", () => {
     const plot = await screen.findByRole("img", { name: /Predicted return by targets hit/ });
     expect(plot).toHaveTextContent("Recording 22, worth 5: 300");
     const table = screen.getByRole("table", { name: "Predicted returns and worth of games" });
-    const rows = within(table).getAllByRole("row").slice(1).map((row) => row.textContent);
+    const rows = within(table)
+      .getAllByRole("row")
+      .slice(1)
+      .map((row) => row.textContent);
     expect(rows).toEqual([
       "Demonstratorlearned from2−13 to 6−2.00 to 8600.97",
       "Imitatornever seen25 to 6300 to 900–",

@@ -38,9 +38,7 @@ describe("the further starts", () => {
       game({ start_number: 0 }),
       game({ start_number: 5, choice: "sampled" }),
     ];
-    const shown = [
-      { start_number: 0, held_out: true, imitator: null, clone: null, winner: null },
-    ];
+    const shown = [{ start_number: 0, held_out: true, imitator: null, clone: null, winner: null }];
     const rows = furtherRows(games, shown);
     expect(rows.map((row) => row.start_number)).toEqual([3, 4]);
     expect(rows[1]).toMatchObject({ winner: "tie", clone: { policy: "clone" } });
@@ -90,7 +88,12 @@ describe("returns and worth", () => {
     recording_id: id,
   });
   const judged = [
-    { player: "person" as const, demonstrated: true, tau: 1, games: [game(-4, -1, 1), game(6, 9, 2)] },
+    {
+      player: "person" as const,
+      demonstrated: true,
+      tau: 1,
+      games: [game(-4, -1, 1), game(6, 9, 2)],
+    },
     { player: "clone" as const, demonstrated: false, tau: null, games: [game(6, 12, 3)] },
   ];
 

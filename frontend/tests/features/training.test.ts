@@ -64,7 +64,12 @@ describe("the training form", () => {
 });
 
 describe("a run's standing", () => {
-  const going = { status: "running", stage: "imitator", progress: 0.427, remaining_s: 540 } as const;
+  const going = {
+    status: "running",
+    stage: "imitator",
+    progress: 0.427,
+    remaining_s: 540,
+  } as const;
 
   it("names stage, share and time", () => {
     expect(standing(going)).toBe("Imitator, 42 %, about 9 min left");

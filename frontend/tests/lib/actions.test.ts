@@ -19,7 +19,13 @@ describe("actions", () => {
     expect(lanesOf(actions)).toEqual([
       { name: "left", spans: [{ from: 6, to: 6 }] },
       { name: "right", spans: [{ from: 2, to: 4 }] },
-      { name: "fire", spans: [{ from: 2, to: 3 }, { from: 6, to: 6 }] },
+      {
+        name: "fire",
+        spans: [
+          { from: 2, to: 3 },
+          { from: 6, to: 6 },
+        ],
+      },
     ]);
   });
 });

@@ -88,19 +88,22 @@ describe("frames of the server", () => {
   it("come back from any screens, whichever are key frames", () => {
     const screen = fc.uint8Array({ minLength: 40, maxLength: 40 });
     fc.assert(
-      fc.property(fc.array(fc.tuple(screen, fc.boolean()), { minLength: 1, maxLength: 5 }), (all) => {
-        const decoder = new ScreenDecoder();
-        let before = new Uint8Array(SCREEN_BYTES);
-        all.forEach(([part, wantsKey], index) => {
-          const isKey = wantsKey || index === 0;
-          const now = new Uint8Array(SCREEN_BYTES);
-          now.set(part, index * 40);
-          const sent = isKey ? now : now.map((value, i) => value ^ (before[i] ?? 0));
-          decoder.apply(zlibSync(sent, { level: 1 }), isKey);
-          expect(sha256(decoder.pixels)).toBe(sha256(now));
-          before = now;
-        });
-      }),
+      fc.property(
+        fc.array(fc.tuple(screen, fc.boolean()), { minLength: 1, maxLength: 5 }),
+        (all) => {
+          const decoder = new ScreenDecoder();
+          let before = new Uint8Array(SCREEN_BYTES);
+          all.forEach(([part, wantsKey], index) => {
+            const isKey = wantsKey || index === 0;
+            const now = new Uint8Array(SCREEN_BYTES);
+            now.set(part, index * 40);
+            const sent = isKey ? now : now.map((value, i) => value ^ (before[i] ?? 0));
+            decoder.apply(zlibSync(sent, { level: 1 }), isKey);
+            expect(sha256(decoder.pixels)).toBe(sha256(now));
+            before = now;
+          });
+        },
+      ),
       { numRuns: 20 },
     );
   });

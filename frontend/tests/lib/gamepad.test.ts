@@ -4,7 +4,9 @@ import { newlyPressed, NO_PAD, type Pad, PAD, padState } from "@/lib/gamepad";
 import { FIRE, LEFT, RIGHT } from "@/lib/keys";
 
 function pad(pressed: readonly number[], x = 0): Pad {
-  const buttons = Array.from({ length: 17 }, (_, number) => ({ pressed: pressed.includes(number) }));
+  const buttons = Array.from({ length: 17 }, (_, number) => ({
+    pressed: pressed.includes(number),
+  }));
   return { axes: [x, 0], buttons };
 }
 

@@ -105,8 +105,13 @@ describe("the choice of keys", () => {
   });
 
   it("names keys as they are written", () => {
-    expect(["ArrowLeft", "KeyA", "Digit7", "Space", "Numpad4", "Escape"].map(keyName)).toEqual(
-      ["←", "A", "7", "Space", "Num 4", "Esc"],
-    );
+    expect(["ArrowLeft", "KeyA", "Digit7", "Space", "Numpad4", "Escape"].map(keyName)).toEqual([
+      "←",
+      "A",
+      "7",
+      "Space",
+      "Num 4",
+      "Esc",
+    ]);
   });
 });

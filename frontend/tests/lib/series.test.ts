@@ -10,7 +10,10 @@ const points = fc
 describe("curves", () => {
   it("grow by what comes later", () => {
     const have = { imitator: { hits: [[1, 0.5]] as Points } };
-    const more = { imitator: { hits: [[2, 0.75]] as Points }, reward: { loss: [[1, 3]] as Points } };
+    const more = {
+      imitator: { hits: [[2, 0.75]] as Points },
+      reward: { loss: [[1, 3]] as Points },
+    };
     expect(mergeSeries(have, more)).toEqual({
       imitator: {
         hits: [
@@ -23,7 +26,15 @@ describe("curves", () => {
   });
 
   it("forget what a worker that went on from a checkpoint plays again", () => {
-    const have = { imitator: { hits: [[1, 1], [2, 2], [3, 3]] as Points } };
+    const have = {
+      imitator: {
+        hits: [
+          [1, 1],
+          [2, 2],
+          [3, 3],
+        ] as Points,
+      },
+    };
     const more = { imitator: { hits: [[2, 9]] as Points } };
     expect(mergeSeries(have, more).imitator?.hits).toEqual([
       [1, 1],

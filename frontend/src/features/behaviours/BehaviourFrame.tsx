@@ -116,8 +116,7 @@ function StepLink({
         {step.done ? <Icon name="check" /> : number}
       </span>
       <span className={styles.name}>
-        {step.name}{" "}
-        {step.done && <span className="visually-hidden">(done)</span>}
+        {step.name} {step.done && <span className="visually-hidden">(done)</span>}
         {step.next && <span className="visually-hidden">(next)</span>}
       </span>
       <span className={styles.caption}>

@@ -44,8 +44,8 @@ export function Tip({ behaviour }: { behaviour: Behaviour }) {
   if (n < 2) {
     return (
       <p className={styles.tip}>
-        Two recordings are the least that can be ranked; about a dozen, from perfect to hopeless,
-        is what an agent learns well from.
+        Two recordings are the least that can be ranked; about a dozen, from perfect to hopeless, is
+        what an agent learns well from.
       </p>
     );
   }

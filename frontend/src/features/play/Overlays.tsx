@@ -27,7 +27,9 @@ export function StageOverlay(props: StageOverlayProps) {
     return (
       <Overlay opaque>
         {!gone && <AlienGrid target={target} scale={2} label="" />}
-        <span className={styles.big}>{gone ? "This game is over" : "Twenty seconds, one life"}</span>
+        <span className={styles.big}>
+          {gone ? "This game is over" : "Twenty seconds, one life"}
+        </span>
         <p>
           {error ??
             (gone

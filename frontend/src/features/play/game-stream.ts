@@ -9,13 +9,7 @@ import {
   SPEEDS,
 } from "./messages";
 
-import {
-  type FrameMessage,
-  readFrame,
-  ScreenDecoder,
-  writeAck,
-  writeInput,
-} from "@/lib/codec";
+import { type FrameMessage, readFrame, ScreenDecoder, writeAck, writeInput } from "@/lib/codec";
 import type { AlienGeometry } from "@/lib/formation";
 import type { Palette } from "@/lib/screen";
 

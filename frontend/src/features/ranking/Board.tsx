@@ -81,8 +81,8 @@ function EmptyBoard() {
   return (
     <div ref={setPlace} className={classes(styles.empty, isOver && styles.over)}>
       <p>
-        Drag recordings here, the best to the top. Drop one on another to call it a tie, between
-        two to put it between them.
+        Drag recordings here, the best to the top. Drop one on another to call it a tie, between two
+        to put it between them.
       </p>
     </div>
   );
@@ -90,9 +90,7 @@ function EmptyBoard() {
 
 function Gap({ before }: { before: number }) {
   const { setPlace, isOver } = useDropPlace(gapPlace(before));
-  return (
-    <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />
-  );
+  return <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />;
 }
 
 function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {

@@ -10,12 +10,7 @@ import { useDragItem } from "@/components/DragBoard";
 import { Icon } from "@/components/Icon";
 import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
 import { classes } from "@/lib/classes";
-import {
-  courseInWords,
-  hitCells,
-  recordingName,
-  scoreInWords,
-} from "@/lib/recordings";
+import { courseInWords, hitCells, recordingName, scoreInWords } from "@/lib/recordings";
 
 export type Move = "up" | "down" | "join" | "new" | "tray";
 
@@ -92,7 +87,13 @@ export function CardBody({ recording, behaviour }: { recording: Recording; behav
   );
 }
 
-function Facts({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }): ReactNode {
+function Facts({
+  recording,
+  behaviour,
+}: {
+  recording: Recording;
+  behaviour: Behaviour;
+}): ReactNode {
   return (
     <>
       <AlienGrid hits={hitCells(recording)} target={behaviour.target} label="" />
@@ -134,7 +135,9 @@ function Buttons({
         icon="star"
         filled={recording.perfect}
         className={styles.star}
-        label={recording.perfect ? `${name} is perfect. Take the mark off` : `Mark ${name} as perfect`}
+        label={
+          recording.perfect ? `${name} is perfect. Take the mark off` : `Mark ${name} as perfect`
+        }
         aria-pressed={recording.perfect}
         onClick={onPerfect}
       />

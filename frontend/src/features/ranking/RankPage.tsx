@@ -234,27 +234,16 @@ function Preview({
         aria-label={`Watch ${recordingName(recording)}`}
         onClick={() => setWatching(true)}
       >
-        <RecordingScreen
-          key={recording.id}
-          recording={recording}
-          playing={playing}
-          {...PREVIEW}
-        />
+        <RecordingScreen key={recording.id} recording={recording} playing={playing} {...PREVIEW} />
       </button>
       <p className={styles.caption}>
         <strong>{recordingName(recording)}</strong>
         <span>
-          {playing
-            ? scoreInWords(recording, nTargets)
-            : "Point at a recording and it plays here."}
+          {playing ? scoreInWords(recording, nTargets) : "Point at a recording and it plays here."}
         </span>
       </p>
       {watching && (
-        <WatchDialog
-          recording={recording}
-          nTargets={nTargets}
-          onClose={() => setWatching(false)}
-        />
+        <WatchDialog recording={recording} nTargets={nTargets} onClose={() => setWatching(false)} />
       )}
     </section>
   );

@@ -35,8 +35,7 @@ export function openPairs(
  * beside it; if neither is, both go to the end.
  */
 export function judge(tiers: Tiers, { before, after }: BranchPair, verdict: Verdict): Tiers {
-  const [better, worse] =
-    verdict === "before" ? [before.id, after.id] : [after.id, before.id];
+  const [better, worse] = verdict === "before" ? [before.id, after.id] : [after.id, before.id];
   const withOne =
     tierOf(tiers, better) < 0 && tierOf(tiers, worse) < 0
       ? place(tiers, better, { kind: "gap", before: tiers.length })

@@ -131,7 +131,8 @@ export class RankingSaver {
     } catch (error) {
       const conflict = this.doors.conflictOf(error);
       // There is nothing of one's own to lose: what stands is shown.
-      if (conflict && this.wanted.length === 0) this.update({ saved: conflict, tiers: conflict.tiers });
+      if (conflict && this.wanted.length === 0)
+        this.update({ saved: conflict, tiers: conflict.tiers });
       else this.refused(error);
     }
     this.update({ saving: false });

@@ -3,12 +3,7 @@ import { useEffect, useState, useSyncExternalStore } from "react";
 
 import { RankingSaver, type SaverState } from "./saver";
 
-import {
-  RankingConflictError,
-  rankingQuery,
-  saveRanking,
-  stepRanking,
-} from "@/api/rankings";
+import { RankingConflictError, rankingQuery, saveRanking, stepRanking } from "@/api/rankings";
 import type { Ranking } from "@/api/types";
 
 /** The ranking as it is shown, and what changes it. */

@@ -42,13 +42,7 @@ export function ActionLanes({
   );
 }
 
-const Lanes = memo(function Lanes({
-  actions,
-  last,
-}: {
-  actions: readonly number[];
-  last: number;
-}) {
+const Lanes = memo(function Lanes({ actions, last }: { actions: readonly number[]; last: number }) {
   return lanesOf(actions).map((lane, index) => {
     const y = index * (LANE_HEIGHT + LANE_GAP);
     return (

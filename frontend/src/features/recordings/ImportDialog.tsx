@@ -60,7 +60,7 @@ export function ImportDialog({
         }}
       >
         {/* Dropping is beside the file input, which does the same by key. */}
-        { }
+        {}
         <div
           className={classes(styles.drop, over && styles.over)}
           onDragOver={(event) => {

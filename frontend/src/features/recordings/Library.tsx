@@ -95,9 +95,7 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
       <p className={styles.none}>
         None of the recordings is like that.{" "}
         {isNarrow(filter) && (
-          <Button onClick={() => onClear({ ...EVERYTHING, order: filter.order })}>
-            Show all
-          </Button>
+          <Button onClick={() => onClear({ ...EVERYTHING, order: filter.order })}>Show all</Button>
         )}
       </p>
     );
@@ -108,9 +106,7 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
         behaviour={behaviour}
         shown={shown}
         selected={shown.filter(({ id }) => selected.has(id))}
-        onSelect={(some) =>
-          setSelection({ ids: new Set(some.map(({ id }) => id)), anchor: null })
-        }
+        onSelect={(some) => setSelection({ ids: new Set(some.map(({ id }) => id)), anchor: null })}
       />
       <ul className={styles.cards}>
         {shown.map((recording) => (

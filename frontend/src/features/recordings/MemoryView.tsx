@@ -13,13 +13,7 @@ import type { Playback } from "@/lib/playback";
 const BYTES_PER_LINE = 16;
 
 /** The console's memory at the present frame, folded away until it is asked for. */
-export function MemoryView({
-  playback,
-  course,
-}: {
-  playback: Playback;
-  course: RecordingCourse;
-}) {
+export function MemoryView({ playback, course }: { playback: Playback; course: RecordingCourse }) {
   const [open, setOpen] = useState(false);
   return (
     <details
@@ -48,8 +42,8 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
   return (
     <>
       <p className={styles.hint}>
-        128 bytes at frame {frame}, in hexadecimal. Those that changed in this frame are
-        underlined. Learning never sees them.
+        128 bytes at frame {frame}, in hexadecimal. Those that changed in this frame are underlined.
+        Learning never sees them.
       </p>
       <div className={styles.scroll}>
         <table className={styles.bytes} aria-label={`Memory at frame ${frame}`}>

@@ -5,7 +5,13 @@ import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingCard.module.css";
 
 import type { Behaviour, Recording } from "@/api/types";
-import { ColumnBars, LatencyBadge, PaceBadge, SourceBadge, VerifiedBadge } from "@/components/Badges";
+import {
+  ColumnBars,
+  LatencyBadge,
+  PaceBadge,
+  SourceBadge,
+  VerifiedBadge,
+} from "@/components/Badges";
 import { IconButton } from "@/components/Button";
 import { RecordingScreen, useLookedAt } from "@/components/RecordingScreen";
 import { useRecordingActions } from "@/components/use-recording-actions";
@@ -114,11 +120,7 @@ function Marks({ recording, name }: { recording: Recording; name: string }) {
         label={recording.notes ? "Change the note" : "Write a note"}
         onClick={() => setWriting(true)}
       />
-      <IconButton
-        icon="trash"
-        label={`Delete ${name}`}
-        onClick={() => actions.remove(recording)}
-      />
+      <IconButton icon="trash" label={`Delete ${name}`} onClick={() => actions.remove(recording)} />
       {writing && (
         <NotesDialog
           recording={recording}

@@ -61,31 +61,21 @@ export function RecordingPage({
           >
             {(playback) => (
               <>
-                {course.data && (
-                  <ActionLanes playback={playback} actions={course.data.actions} />
-                )}
+                {course.data && <ActionLanes playback={playback} actions={course.data.actions} />}
                 <Hits playback={playback} recording={recording} />
                 {course.data && <MemoryView playback={playback} course={course.data} />}
               </>
             )}
           </Player>
         ) : frames.error ? (
-          <Failed
-            what="The recording"
-            error={frames.error}
-            onRetry={() => void frames.refetch()}
-          />
+          <Failed what="The recording" error={frames.error} onRetry={() => void frames.refetch()} />
         ) : (
           <Loading what="the recording" rows={1} height="24rem" />
         )}
         <aside className={styles.side} aria-label="About this recording">
           <Facts recording={recording} behaviour={behaviour} />
           {course.error && (
-            <Failed
-              what="Its actions"
-              error={course.error}
-              onRetry={() => void course.refetch()}
-            />
+            <Failed what="Its actions" error={course.error} onRetry={() => void course.refetch()} />
           )}
           {course.data && <Relatives course={course.data} />}
           <section>

@@ -33,7 +33,7 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   if (!data) return <Loading what="the recordings" rows={2} height="18rem" />;
   return (
     // Dropping a file anywhere is beside the Import button, which does the same by key.
-     
+
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
       {data.length === 0 && !asksForDeleted ? (
         <NoRecordings behaviour={behaviour} onImport={() => setImporting({ dropped: null })} />

@@ -87,8 +87,7 @@ const newest: Compare = (a, b) => b.id - a.id;
 const COMPARE: Readonly<Record<Filter["order"], Compare>> = {
   newest,
   oldest: (a, b) => a.id - b.id,
-  targets: (a, b) =>
-    hitsOf(b) - hitsOf(a) || (a.strays ?? 0) - (b.strays ?? 0) || newest(a, b),
+  targets: (a, b) => hitsOf(b) - hitsOf(a) || (a.strays ?? 0) - (b.strays ?? 0) || newest(a, b),
   strays: (a, b) => (a.strays ?? 0) - (b.strays ?? 0) || hitsOf(b) - hitsOf(a) || newest(a, b),
   longest: (a, b) => b.n_frames - a.n_frames || newest(a, b),
   shots: (a, b) => a.shots - b.shots || newest(a, b),

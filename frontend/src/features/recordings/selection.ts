@@ -23,8 +23,7 @@ export function toggled(
   const on = !ids.has(id);
   const from = anchor === null ? -1 : shown.indexOf(anchor);
   const to = shown.indexOf(id);
-  const among =
-    range && from >= 0 ? shown.slice(Math.min(from, to), Math.max(from, to) + 1) : [id];
+  const among = range && from >= 0 ? shown.slice(Math.min(from, to), Math.max(from, to) + 1) : [id];
   for (const one of among) {
     if (on) next.add(one);
     else next.delete(one);

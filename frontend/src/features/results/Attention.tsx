@@ -75,7 +75,12 @@ function MapFigure({
 }) {
   const name = recordingName({ id: map.recording_id });
   const frame = (
-    <ScreenImage src={map.frame_url} alt={`Screen at the ${map.state} of R`} width={252} height={210} />
+    <ScreenImage
+      src={map.frame_url}
+      alt={`Screen at the ${map.state} of R`}
+      width={252}
+      height={210}
+    />
   );
   return (
     <figure className={styles.map} aria-label={`Attention at the ${map.state} of R`}>
@@ -90,9 +95,7 @@ function MapFigure({
           type="button"
           className={styles.frame}
           aria-label={`Watch ${name} from step ${map.step}`}
-          onClick={() =>
-            onWatch({ recording, title: name, frame: map.step * FRAMES_PER_STEP })
-          }
+          onClick={() => onWatch({ recording, title: name, frame: map.step * FRAMES_PER_STEP })}
         >
           {frame}
         </button>

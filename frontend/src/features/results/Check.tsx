@@ -18,9 +18,7 @@ export function Check({ check, behaviour, onWatch }: CheckProps) {
   return (
     <>
       <Numbers check={check} />
-      <p className={styles.verdict}>
-        {verdictOf(check)}
-      </p>
+      <p className={styles.verdict}>{verdictOf(check)}</p>
       {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} onWatch={onWatch} />

@@ -70,7 +70,11 @@ export function RunActions({ run }: { run: Run }) {
         Delete run
       </Button>
       {deleting && (
-        <Dialog title={`Delete ${runName(run).toLowerCase()}?`} onClose={() => setDeleting(false)} width="26rem">
+        <Dialog
+          title={`Delete ${runName(run).toLowerCase()}?`}
+          onClose={() => setDeleting(false)}
+          width="26rem"
+        >
           <p>Its results are no longer shown. Recordings and the ranking stay as they are.</p>
           <br />
           <div className={styles.actions}>

@@ -15,13 +15,7 @@ import { SummaryTable } from "./SummaryTable";
 
 import { resultsQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
-import type {
-  Behaviour,
-  PolicyChoiceSummary,
-  PolicySummary,
-  Run,
-  RunResults,
-} from "@/api/types";
+import type { Behaviour, PolicyChoiceSummary, PolicySummary, Run, RunResults } from "@/api/types";
 import { Ago } from "@/components/Ago";
 import { RunStatus } from "@/components/Badges";
 import { Failed, Loading, Notice } from "@/components/States";
@@ -40,12 +34,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
       <Remarks run={run} />
       {run.status !== "done" && <Stages run={run} />}
       {results ? (
-        <Sections
-          run={run}
-          results={results}
-          behaviour={behaviour}
-          onWatch={setWatched}
-        />
+        <Sections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />
       ) : error ? (
         <Failed what="The results" error={error} onRetry={() => void refetch()} />
       ) : (

@@ -119,7 +119,9 @@ function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
         <>
           <IntervalCell interval={imitator?.targets} />
           <IntervalCell interval={run.headline?.clone?.targets} />
-          <td className={styles.right}>{imitator?.strays ? fixed(imitator.strays.mean, 1) : NONE}</td>
+          <td className={styles.right}>
+            {imitator?.strays ? fixed(imitator.strays.mean, 1) : NONE}
+          </td>
         </>
       )}
       <td className={styles.right}>

@@ -207,13 +207,7 @@ function RecipeChoice({
 }) {
   return (
     <label className={styles.recipe}>
-      <input
-        type="radio"
-        name="recipe"
-        value={recipe.name}
-        checked={checked}
-        onChange={onChoose}
-      />
+      <input type="radio" name="recipe" value={recipe.name} checked={checked} onChange={onChoose} />
       <strong>{recipe.name}</strong>
       <span>{recipe.summary}</span>
     </label>
