@@ -1,10 +1,10 @@
 import { useRouteError } from "react-router";
 
-import styles from "./pages.module.css";
-
 import { messageOf } from "@/api/client";
-import { Alien } from "@/components/AlienGrid";
-import { Button } from "@/components/Button";
+import { Button } from "@/components/controls/Button";
+import { Alien } from "@/components/game/AlienGrid";
+
+import styles from "./pages.module.css";
 
 /** The page itself failed: a defect. */
 export function ErrorPage() {

@@ -1,5 +1,5 @@
-import { ButtonLink } from "@/components/Button";
-import { Empty } from "@/components/States";
+import { ButtonLink } from "@/components/controls/Button";
+import { Empty } from "@/components/feedback/States";
 
 /** No page has this address. */
 export function NotFound() {

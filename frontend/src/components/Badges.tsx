@@ -1,13 +1,13 @@
-import styles from "./Badges.module.css";
-import { Icon } from "./Icon";
-import { ThingMark } from "./ThingMark";
-
 import type { Behaviour, Recording, Run } from "@/api/types";
-import { COLUMNS, ROWS } from "@/lib/aliens";
+import { Icon } from "@/components/controls/Icon";
+import { ThingMark } from "@/components/game/ThingMark";
 import { classes } from "@/lib/classes";
 import { count, fixed, percent } from "@/lib/format";
+import { COLUMNS, ROWS } from "@/lib/game/aliens";
 import { isActive, STATUS_NAMES } from "@/lib/runs";
 import { playedBy, SOURCE_NAMES } from "@/lib/things";
+
+import styles from "./Badges.module.css";
 
 /** Who played a recording. */
 export function SourceBadge({ recording }: { recording: Recording }) {

@@ -2,16 +2,16 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { type SubmitEvent, useState } from "react";
 import { useNavigate } from "react-router";
 
-import styles from "./NewBehaviourDialog.module.css";
-
 import { behavioursQuery, createBehaviour } from "@/api/behaviours";
 import { messageOf } from "@/api/client";
-import { AlienPicker } from "@/components/AlienPicker";
-import { Button } from "@/components/Button";
-import { Dialog } from "@/components/Dialog";
-import { Check, Field } from "@/components/Field";
-import { Notice } from "@/components/States";
-import type { Cell } from "@/lib/aliens";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { Check, Field } from "@/components/controls/Field";
+import { Notice } from "@/components/feedback/States";
+import type { Cell } from "@/lib/game/aliens";
+
+import { AlienPicker } from "./AlienPicker";
+import styles from "./NewBehaviourDialog.module.css";
 
 /** Makes a behaviour of one's own: name, description, and a target if it has one. */
 export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {

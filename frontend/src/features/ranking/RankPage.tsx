@@ -1,30 +1,30 @@
 import { useQuery } from "@tanstack/react-query";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 
-import { applyMove, Board, Tray } from "./Board";
-import { judge, openPairs } from "./branch-pairs";
-import { ConflictDialog } from "./ConflictDialog";
-import { Hints } from "./Hints";
-import { place, tierOf, type Tiers } from "./order";
-import { Pairs } from "./Pairs";
-import { allPlaces, isGap, placeInWords, readPlace } from "./places";
-import { CardBody, type Move } from "./RankCard";
-import styles from "./RankPage.module.css";
-import type { RankingSaver, SaverState } from "./saver";
-import { useRankingSaver } from "./use-ranking";
-
 import { messageOf } from "@/api/client";
-import { rankingQuery } from "@/api/rankings";
 import { recordingsQuery } from "@/api/recordings";
 import type { Behaviour, Ranking, Recording } from "@/api/types";
-import { Button, ButtonLink, IconButton } from "@/components/Button";
-import { DragBoard } from "@/components/DragBoard";
-import { RecordingScreen } from "@/components/RecordingScreen";
-import { Empty, Failed, Loading, Notice } from "@/components/States";
-import { useRecordingActions } from "@/components/use-recording-actions";
-import { WatchDialog } from "@/components/WatchDialog";
+import { Button, ButtonLink, IconButton } from "@/components/controls/Button";
+import { Empty, Failed, Loading, Notice } from "@/components/feedback/States";
+import { RecordingScreen } from "@/components/recording/RecordingScreen";
+import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { WatchDialog } from "@/components/recording/WatchDialog";
+import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
+import { DragBoard } from "@/features/ranking/board/DragBoard";
+import { allPlaces, isGap, placeInWords, readPlace } from "@/features/ranking/board/places";
+import { CardBody, type Move } from "@/features/ranking/board/RankCard";
+import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
+import { place, tierOf, type Tiers } from "@/features/ranking/order/order";
+import { rankingQuery } from "@/features/ranking/order/rankings";
+import type { RankingSaver, SaverState } from "@/features/ranking/order/saver";
+import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { recordingName, scoreInWords } from "@/lib/recordings";
-import { useMedia } from "@/lib/use-media";
+
+import { ConflictDialog } from "./ConflictDialog";
+import { Hints } from "./Hints";
+import { Pairs } from "./Pairs";
+import styles from "./RankPage.module.css";
+import { useMedia } from "./use-media";
 
 /** Puts a behaviour's recordings into tiers from best to worst. */
 export function RankPage({ behaviour }: { behaviour: Behaviour }) {

@@ -1,11 +1,10 @@
 import { useState } from "react";
 
-import styles from "./RecordingCard.module.css";
-
 import type { Recording } from "@/api/types";
-import { Button } from "@/components/Button";
-import { Dialog } from "@/components/Dialog";
-import { Field } from "@/components/Field";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { Field } from "@/components/controls/Field";
+import styles from "@/features/recordings/library/RecordingCard.module.css";
 import { recordingName } from "@/lib/recordings";
 
 const MOST_CHARACTERS = 4000;

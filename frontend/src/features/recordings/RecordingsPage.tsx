@@ -2,15 +2,14 @@ import { useQuery } from "@tanstack/react-query";
 import { type DragEvent, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 
-import { readFilter } from "./filter";
-import { ImportDialog } from "./ImportDialog";
-import { Library } from "./Library";
-
 import { recordingsQuery } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
-import { Button, ButtonLink } from "@/components/Button";
-import { Empty, Failed, Loading } from "@/components/States";
-import { WatchDialog } from "@/components/WatchDialog";
+import { Button, ButtonLink } from "@/components/controls/Button";
+import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { WatchDialog } from "@/components/recording/WatchDialog";
+import { readFilter } from "@/features/recordings/library/filter";
+import { ImportDialog } from "@/features/recordings/library/ImportDialog";
+import { Library } from "@/features/recordings/library/Library";
 
 /** All recordings of a behaviour: watch, mark, note, delete, import, export. */
 export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {

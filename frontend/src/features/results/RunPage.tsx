@@ -1,27 +1,27 @@
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode, useMemo, useState } from "react";
 
-import { Alarms } from "./Alarms";
-import { Attention } from "./Attention";
-import { Check } from "./Check";
-import { Comparison, type Watched } from "./Comparison";
-import { Curves } from "./Curves";
-import { Extrapolation } from "./Extrapolation";
-import { Files, Parameters } from "./Files";
-import { RunActions } from "./RunActions";
-import styles from "./RunPage.module.css";
-import { Stages } from "./Stages";
-import { SummaryTable } from "./SummaryTable";
-
 import { resultsQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, PolicyChoiceSummary, PolicySummary, Run, RunResults } from "@/api/types";
-import { Ago } from "@/components/Ago";
 import { RunStatus } from "@/components/Badges";
-import { Failed, Loading, Notice } from "@/components/States";
-import { WatchDialog } from "@/components/WatchDialog";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { WatchDialog } from "@/components/recording/WatchDialog";
+import { Attention } from "@/features/results/attention/Attention";
+import { Curves } from "@/features/results/curves/Curves";
+import { Comparison, type Watched } from "@/features/results/games/Comparison";
+import { SummaryTable } from "@/features/results/games/SummaryTable";
+import { Extrapolation } from "@/features/results/reward/Extrapolation";
+import { Check } from "@/features/results/reward/RewardCheck";
+import { Alarms } from "@/features/results/run/Alarms";
+import { Files, Parameters } from "@/features/results/run/Files";
+import { RunActions } from "@/features/results/run/RunActions";
+import { Stages } from "@/features/results/run/Stages";
 import { count, shortCount } from "@/lib/format";
 import { isActive, runName } from "@/lib/runs";
+
+import { Ago } from "./Ago";
+import styles from "./RunPage.module.css";
 
 /** One run: how far it is while it goes, and all that came of it. */
 export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {

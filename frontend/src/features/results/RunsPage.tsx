@@ -1,17 +1,17 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "react-router";
 
-import styles from "./RunsPage.module.css";
-
 import { runsQuery } from "@/api/runs";
 import type { Behaviour, Interval, Run } from "@/api/types";
-import { Ago } from "@/components/Ago";
 import { RunStatus } from "@/components/Badges";
-import { ButtonLink } from "@/components/Button";
-import { Empty, Failed, Loading } from "@/components/States";
-import { ThingMark } from "@/components/ThingMark";
+import { ButtonLink } from "@/components/controls/Button";
+import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { ThingMark } from "@/components/game/ThingMark";
 import { bounds, count, duration, fixed, NONE, shortCount } from "@/lib/format";
 import { isActive, runName, standing } from "@/lib/runs";
+
+import { Ago } from "./Ago";
+import styles from "./RunsPage.module.css";
 
 /** A behaviour's runs, side by side with their parameters and results. */
 export function RunsPage({ behaviour }: { behaviour: Behaviour }) {

@@ -2,20 +2,20 @@ import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { type SubmitEvent, useState } from "react";
 import { Link, useNavigate } from "react-router";
 
-import { defaultsOf, errorsIn, type FormErrors, type FormValues, readWhole, runOf } from "./form";
-import styles from "./TrainPage.module.css";
-
 import { messageOf } from "@/api/client";
 import { createRun, recipesQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
-import { Button } from "@/components/Button";
-import { Check, Field } from "@/components/Field";
-import { Failed, Loading, Notice } from "@/components/States";
+import { Button } from "@/components/controls/Button";
+import { Check, Field } from "@/components/controls/Field";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { ValueTable } from "@/components/ValueTable";
 import { shortCount, whole } from "@/lib/format";
 import { valueRows } from "@/lib/recipe-values";
 import { estimateInWords, stageInWords, stageName } from "@/lib/runs";
+
+import { defaultsOf, errorsIn, type FormErrors, type FormValues, readWhole, runOf } from "./form";
+import styles from "./TrainPage.module.css";
 
 /** Starts a run on the ranking as it stands. */
 export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
