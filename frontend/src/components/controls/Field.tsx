@@ -42,8 +42,8 @@ export function Field({
   );
 }
 
-/** A box to tick, with what it means below. */
-export function Check({
+/** A labelled checkbox with a hint. */
+export function Checkbox({
   label,
   hint,
   checked,

@@ -6,7 +6,7 @@ import { behavioursQuery, createBehaviour } from "@/api/behaviours";
 import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { Check, Field } from "@/components/controls/Field";
+import { Checkbox, Field } from "@/components/controls/Field";
 import { Notice } from "@/components/feedback/States";
 import type { Cell } from "@/lib/game/aliens";
 
@@ -73,7 +73,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
           )}
         </Field>
         <div className={styles.target}>
-          <Check
+          <Checkbox
             label="Certain aliens are to be hit"
             hint="Then hits and strays are counted. The agent never sees this: it learns from your ranking alone."
             checked={hasTarget}
@@ -82,7 +82,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
           {hasTarget && (
             <>
               <AlienPicker value={target} onChange={setTarget} ordered={ordered} />
-              <Check
+              <Checkbox
                 label="The order matters"
                 hint="The order in which you pick them is the order in which they are to be hit."
                 checked={ordered}

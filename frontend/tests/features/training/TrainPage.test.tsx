@@ -65,6 +65,21 @@ describe("training", () => {
     });
   });
 
+  it("keeps what was typed when another recipe is chosen; the rest follows the recipe", async () => {
+    open(RANKED);
+    await userEvent.click(await screen.findByText("More settings"));
+    const seed = screen.getByLabelText("Training seed");
+    await userEvent.clear(seed);
+    await userEvent.type(seed, "7");
+    await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
+    expect(seed).toHaveValue("7");
+    expect(screen.getByLabelText("Steps")).toHaveValue("10,000,000");
+    await userEvent.click(screen.getByRole("button", { name: "20 k" }));
+    await userEvent.click(screen.getByRole("radio", { name: /fast/ }));
+    expect(screen.getByLabelText("Steps")).toHaveValue("20,000");
+    expect(seed).toHaveValue("7");
+  });
+
   it("names a number that won't do", async () => {
     open(RANKED);
     const steps = await screen.findByLabelText("Steps");

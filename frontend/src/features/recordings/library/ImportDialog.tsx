@@ -6,7 +6,7 @@ import { importRecordings } from "@/api/recordings";
 import type { ImportResult } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { Check } from "@/components/controls/Field";
+import { Checkbox } from "@/components/controls/Field";
 import { Notice } from "@/components/feedback/States";
 import styles from "@/features/recordings/RecordingsPage.module.css";
 import { classes } from "@/lib/classes";
@@ -83,13 +83,13 @@ export function ImportDialog({
           />
           <span>One JSON object, or one per line, as the export writes them.</span>
         </div>
-        <Check
+        <Checkbox
           label="The order is a ranking, best first"
           hint="They are put on the board in this order, below what is already ranked."
           checked={rank}
           onChange={setRank}
         />
-        <Check
+        <Checkbox
           label="All of them are perfect"
           hint="The clone is learned from perfect recordings."
           checked={perfect}
