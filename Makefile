@@ -77,10 +77,10 @@ api-check: $(RUN_STAMP) $(NPM_STAMP) ## the page's types are those of the HTTP A
 	cd frontend && $(NPM) run generate -- --check
 
 bench: $(DEV_STAMP) ## every benchmark, one after the other
-	@for file in benchmarks/[a-z]*.py; do \
-		name=$${file%.py}; name=$${name##*/}; \
-		printf '\n%s\n' "benchmarks.$$name"; \
-		$(PY) -m "benchmarks.$$name" || exit 1; \
+	@for file in benchmarks/*/[a-z]*.py; do \
+		name=$$(echo $${file%.py} | tr / .); \
+		printf '\n%s\n' "$$name"; \
+		$(PY) -m "$$name" || exit 1; \
 	done
 
 clean: ## remove what make built; the data folder stays

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import typer
 
-from cli import behaviours, recordings, runs, services
-from cli.backup import backup
-from cli.demo import demo
-from cli.evaluate import evaluate
-from cli.reproduce import reproduce
-from cli.up import up
+from cli.commands import behaviours, recordings, runs, services
+from cli.commands.backup import backup
+from cli.commands.demo import demo
+from cli.commands.evaluate import evaluate
+from cli.commands.reproduce import reproduce
+from cli.commands.up import up
 
 app = typer.Typer(
     name="tril",

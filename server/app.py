@@ -11,7 +11,6 @@ from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware import Middleware
 
-from server import guard, problems
 from server.api import (
     artifacts,
     behaviours,
@@ -24,10 +23,11 @@ from server.api import (
     runs,
     system,
 )
-from server.pages import FRONTEND, Frontend, Pages, check_frontend
 from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
+from server.web import middleware, problems
+from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
 
@@ -60,7 +60,8 @@ def create_app(
         openapi_url="/api/openapi.json",
         generate_unique_id_function=_operation_id,
         middleware=[
-            Middleware(layer, **arguments) for layer, arguments in guard.layers(settings.host_names)
+            Middleware(layer, **arguments)
+            for layer, arguments in middleware.layers(settings.host_names)
         ],
     )
     problems.install(app)

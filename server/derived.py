@@ -7,7 +7,7 @@ import threading
 
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, Wanted
-from tril.cache import Cache
+from tril.files.cache import Cache
 from tril.recording import Recording
 
 _FORMAT = 1

@@ -30,7 +30,7 @@ def cannon_track(memory: bytes, difficulty: int) -> CannonTrack:
     """Follow the cannon of a recording.
 
     Args:
-        memory: The RAM at the start and after every frame, as server.memory.memory_file gives it.
+        memory: The RAM at the start and after every frame, see memory_file.
         difficulty: The recording's; the cannon is twice as wide in the second.
     """
     offset, width = game.CANNON_EDGES[difficulty]

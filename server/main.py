@@ -14,9 +14,9 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.app import create_app
-from server.play.protocol import MAX_MESSAGE_BYTES
-from server.security import MaskToken
+from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
+from server.web.security import MaskToken
 from tril.errors import Unavailable
 from tril.settings import Settings
 from tril.store.database import create_database

@@ -9,17 +9,17 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
+from server.change_stream import ChangeStream
 from server.derived import Derived
-from server.feed import ChangeFeed
 from server.play.consoles import ConsolePool
 from server.play.hub import N_SPARE_CONSOLES, PlayHub
 from server.play.limits import GameLimits
 from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
-from server.security import Access
 from server.storage import StorageMeter
-from tril.artifacts import ArtifactStore
-from tril.cache import Cache
+from server.web.security import Access
+from tril.files.artifact_store import ArtifactStore
+from tril.files.cache import Cache
 from tril.heartbeat import Heartbeat
 from tril.inference import InferenceClient
 from tril.jobs import Jobs
@@ -59,7 +59,7 @@ class Services:
     derived: Derived
     limits: GameLimits
     games: PlayHub
-    changes: ChangeFeed
+    changes: ChangeStream
     storage: StorageMeter
     importing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
@@ -101,7 +101,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
         limits=limits,
         games=PlayHub(database, consoles, replays, name, rules, limits),
-        changes=ChangeFeed(database),
+        changes=ChangeStream(database),
         storage=StorageMeter(settings),
     )
     heartbeat = Heartbeat(database, name, "server")

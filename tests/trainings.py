@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tril.reward_alarm import CURVES, Points
+from tril.analysis.reward_alarm import CURVES, Points
 
 Shape = Callable[[float], float]
 """A mean over games, by how much of the training is done, 0 to 1."""

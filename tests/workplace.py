@@ -17,10 +17,11 @@ from tril.jobs import prepare_queue
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recorder, Recording, Replay
 from tril.settings import Settings
-from tril.store import behaviours, rankings, recordings, runs
+from tril.store import behaviours, rankings, recordings
 from tril.store.database import Database, create_database
 from tril.store.models import RunRow, Source
 from tril.store.schema import upgrade
+from tril.store.training import runs
 
 FRAMES = 240
 """Length of the test recordings: 60 steps."""
@@ -33,10 +34,10 @@ TINY = with_values(
         "reward.folds": 0,
         "reward.ensemble": 1,
         "reward.pairs_per_update": 16,
-        "policy.n_games": 2,
-        "policy.rollout_steps": 32,
-        "policy.minibatches": 1,
-        "policy.epochs": 1,
+        "policy.n_envs": 2,
+        "policy.n_steps": 32,
+        "policy.n_minibatches": 1,
+        "policy.n_epochs": 1,
         "policy.critic_warm_up_steps": 0,
         "policy.snapshot_steps": (),
         "policy.snapshot_episodes": 2,

@@ -30,7 +30,7 @@ class Progress(Protocol):
         """
 
 
-class Unobserved:
+class NullProgress:
     """A progress that nobody watches and that never stops."""
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:

@@ -101,5 +101,5 @@ ROW_1 = Behaviour(
     ordered=True,
 )
 
-READY_MADE: tuple[Behaviour, ...] = (*(_column(number) for number in range(1, 7)), ROW_1)
+BUILT_IN: tuple[Behaviour, ...] = (*(_column(number) for number in range(1, 7)), ROW_1)
 """The behaviours of the published work: columns 1 to 6 and row 1."""

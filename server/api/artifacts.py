@@ -6,8 +6,8 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from server.dependencies import ArtifactId, services_of
-from server.problems import NOT_FOUND
-from tril.store import artifacts
+from server.web.problems import NOT_FOUND
+from tril.store.training import artifacts
 
 router = APIRouter(prefix="/artifacts", tags=["artifacts"])
 

@@ -16,7 +16,7 @@ from server.api.schemas import (
     PlannedDemonstration,
 )
 from server.dependencies import BehaviourId, Reading, Writing
-from server.problems import CONFLICT, NOT_FOUND
+from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrator import PlayedGame, example_plans, tick
 from tril.errors import Invalid
 from tril.game.episode import EndReason
@@ -126,7 +126,7 @@ def _shown(row: BehaviourRow, counts: behaviours.Counts) -> Behaviour:
         description=row.description,
         target=None if target is None else list(target),
         ordered=row.ordered,
-        ready_made=row.ready_made,
+        built_in=row.built_in,
         **asdict(counts),
     )
 

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from server.api.schemas import Game, GameFrom, GameNew
 from server.dependencies import GameId, Reading, RecordingId, Writing, services_of
 from server.play.conditions import KEY, PlayConditions
-from server.problems import CONFLICT, NOT_FOUND
+from server.web.problems import CONFLICT, NOT_FOUND
 from tril.game.episode import Start, draw_start
 from tril.game.space_invaders import MAX_FRAMES
 from tril.store import behaviours, games, players, recordings

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from server.api.schemas import Ghost
 from server.dependencies import BehaviourId, services_of
 from server.ghosts import cannon_track
-from server.problems import NOT_FOUND
+from server.web.problems import NOT_FOUND
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RecordingRow
 

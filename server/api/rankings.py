@@ -15,7 +15,7 @@ from server.api.schemas import (
     RankingUpdate,
 )
 from server.dependencies import BehaviourId, Reading, Writing, services_of
-from server.problems import NOT_FOUND
+from server.web.problems import NOT_FOUND
 from tril.store import behaviours, players, rankings
 from tril.store.models import RankingRow
 

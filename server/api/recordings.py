@@ -25,11 +25,11 @@ from server.api.views import RecordingViews, parent_of
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, Reading, RecordingId, Writing, services_of
 from server.derived import Derived, version_of
-from server.problems import CONFLICT, NOT_FOUND
+from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
+from tril.exchange.recording_transfer import Imported, export_behaviour, import_recordings
+from tril.exchange.recording_transfer import export_recording as exchanged
 from tril.game.space_invaders import RAM_NAMES
-from tril.library import Imported, export_behaviour, import_recordings
-from tril.library import export_recording as exchanged
 from tril.recording import Recording as Played
 from tril.store import behaviours, players, recordings
 from tril.store.models import RecordingRow

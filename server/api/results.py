@@ -14,7 +14,7 @@ from server.api.run_schemas import (
     ConfusedTiers,
     EvaluationGame,
     JudgedGames,
-    PolicyChoiceSummary,
+    PolicyGamesSummary,
     PolicySummary,
     RankedReturn,
     RankingCheck,
@@ -24,12 +24,13 @@ from server.api.run_schemas import (
 from server.api.run_views import run_view
 from server.api.schemas import Recording
 from server.api.views import RecordingViews
+from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
-from tril.store import artifacts, evaluations, recordings
-from tril.store.alarms import alarm_of
+from tril.store import recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
-from tril.store.returns import judged_games
-from tril.summary import winner
+from tril.store.training import artifacts, evaluations
+from tril.store.training.alarms import alarm_of
+from tril.store.training.returns import judged_games
 
 _STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
 
@@ -106,7 +107,7 @@ def _check(
 def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:
     return EvaluationGame(
         policy=row.policy,
-        choice=row.choice,
+        action_selection=row.action_selection,
         start_number=row.start_number,
         held_out=row.held_out,
         predicted_return=row.predicted_return,
@@ -119,7 +120,9 @@ def _comparison(
 ) -> list[ComparisonRow]:
     """The thesis' table: greedy games from the headline starts, side by side."""
     starts = recipe_from_dict(run.recipe).evaluation.start_numbers
-    greedy = {(row.start_number, row.policy): row for row in games if row.choice == "greedy"}
+    greedy = {
+        (row.start_number, row.policy): row for row in games if row.action_selection == "greedy"
+    }
     table = []
     for number in starts:
         ours, theirs = (greedy.get((number, policy)) for policy in evaluations.POLICIES)
@@ -139,13 +142,15 @@ def _comparison(
     return table
 
 
-def _summaries(games: list[EvaluationRow]) -> list[PolicyChoiceSummary]:
+def _summaries(games: list[EvaluationRow]) -> list[PolicyGamesSummary]:
     """Means over the games from starts that no demonstration began from."""
     return [
-        PolicyChoiceSummary(
-            policy=policy, choice=choice, summary=PolicySummary.model_validate(summary)
+        PolicyGamesSummary(
+            policy=policy,
+            action_selection=how,
+            summary=PolicySummary.model_validate(summary),
         )
-        for (policy, choice), summary in evaluations.summaries(games).items()
+        for (policy, how), summary in evaluations.summaries(games).items()
     ]
 
 

@@ -8,8 +8,8 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas import Id, Recording, Schema
-from tril.extrapolation import Player
-from tril.store.evaluations import Choice
+from tril.analysis.extrapolation import Player
+from tril.store.training.evaluations import ActionSelection
 
 
 class Recipe(Schema):
@@ -103,7 +103,7 @@ class PolicySummary(Schema):
     strays: Interval | None
     order_errors: Interval | None
     steps: Interval
-    hit_share: Interval
+    death_rate: Interval
     predicted_return: Interval | None
 
 
@@ -170,12 +170,12 @@ class AttentionMap(Schema):
 class EvaluationGame(Schema):
     """One game that a trained policy played.
 
-    ``choice``: "greedy" takes the likeliest action, "sampled" draws by the probabilities, "sticky"
-    takes the likeliest one while the machine repeats a quarter of the actions at random.
+    ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
+    "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
     """
 
     policy: Literal["imitator", "clone"]
-    choice: Choice
+    action_selection: ActionSelection
     start_number: int
     held_out: bool
     predicted_return: float | None
@@ -192,11 +192,11 @@ class ComparisonRow(Schema):
     winner: Literal["imitator", "clone", "tie"] | None
 
 
-class PolicyChoiceSummary(Schema):
+class PolicyGamesSummary(Schema):
     """Means over a policy's games from held-out starts."""
 
     policy: Literal["imitator", "clone"]
-    choice: Choice
+    action_selection: ActionSelection
     summary: PolicySummary
 
 
@@ -239,7 +239,7 @@ class RunResults(Schema):
     check: RankingCheck | None
     comparison: list[ComparisonRow]
     games: list[EvaluationGame]
-    summaries: list[PolicyChoiceSummary]
+    summaries: list[PolicyGamesSummary]
     best_demonstration: Recording | None
     alarm: RewardAlarm | None
     judged: list[JudgedGames]

@@ -10,10 +10,11 @@ from server.api.results import run_results
 from server.api.run_schemas import Metrics, Recipe, RewardTrace, Run, RunNew, RunResults
 from server.api.run_views import run_view
 from server.dependencies import MAX_ID, Reading, RecordingId, RunId, Writing, services_of
-from server.problems import CONFLICT, NOT_FOUND
+from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
 from tril.recipes import RECIPES, recipe_named, with_values
-from tril.store import behaviours, metrics, players, recordings, runs
+from tril.store import behaviours, players, recordings
+from tril.store.training import metrics, runs
 
 router = APIRouter(tags=["runs"])
 

@@ -82,7 +82,7 @@ class Behaviour(Schema):
     description: str
     target: list[Cell] | None
     ordered: bool
-    ready_made: bool
+    built_in: bool
     n_recordings: int
     n_ranked: int
     n_perfect: int

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from enum import StrEnum
 
-from tril.exchange import from_exchange, to_exchange
+from tril.exchange.formats import from_exchange, to_exchange
 from tril.recording import Recording
 
 

@@ -12,18 +12,18 @@ from weakref import WeakValueDictionary
 
 from sqlalchemy.orm import Session
 
-from server.play.checks import Checks
-from server.play.committer import Committer
 from server.play.conditions import PlayConditions
-from server.play.connection import Connection
 from server.play.consoles import ConsolePool
 from server.play.lateness import Complaints, Lateness
 from server.play.limits import GameLimits, TooManyGames
-from server.play.protocol import Paused
 from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
-from server.play.session import Branched, Phase, PlaySession
-from server.play.turns import TURNS, whose_turn
+from server.play.saving.checks import Checks
+from server.play.saving.committer import Committer
+from server.play.saving.save_schedule import TURNS, whose_turn
+from server.play.session.session import Branched, Phase, PlaySession
+from server.play.wire.connection import Connection
+from server.play.wire.protocol import Paused
 from tril.errors import Unavailable
 from tril.game.episode import EpisodeState
 from tril.recording import Recorder, Recording, RecordingRefused

@@ -10,9 +10,9 @@ from fastapi import APIRouter, Query
 from starlette.websockets import WebSocket
 
 from server.dependencies import services_of
-from server.play.connection import Connection
-from server.play.protocol import BadMessage, Close, Command, SpeedMessage, parse_client
-from server.play.session import PlaySession
+from server.play.session.session import PlaySession
+from server.play.wire.connection import Connection
+from server.play.wire.protocol import BadMessage, Close, Command, SpeedMessage, parse_client
 from tril.errors import NotFound, Unavailable
 from tril.store.games import GameOver
 

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
-from server.security import Access
+from server.web.security import Access
 from tril.settings import Settings
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from cli.commands.reproduce import _is_usable
 from cli.main import app
-from cli.reproduce import _is_usable
 from tril.store.models import RunRow, RunStatus
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
@@ -145,7 +145,7 @@ def test_results_are_made_from_examples_that_are_not_lost(
 
 @pytest.mark.usefixtures("data_folder")
 def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path: Path) -> None:
-    for change in (["--recipe", "paper"], ["--set", "policy.epochs=9"]):
+    for change in (["--recipe", "paper"], ["--set", "policy.n_epochs=9"]):
         output = _run("reproduce", "--ablation", *change, "-o", str(tmp_path), status=1)
         assert "known of the recipe fast alone" in output
     for two in (

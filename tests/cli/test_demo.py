@@ -11,22 +11,23 @@ from pathlib import Path
 
 import pytest
 
-from trainer.ledger import read_entry
+from trainer.reporting.ledger import read_entry
 from tril.settings import Settings
-from tril.store import behaviours, evaluations, rankings, recordings, runs
+from tril.store import behaviours, rankings, recordings
 from tril.store.database import create_database
 from tril.store.models import RunStatus
+from tril.store.training import evaluations, runs
 
 SMALLEST = (
     "reward.updates=12",
     "reward.folds=2",
     "reward.fold_updates=3",
-    "reward.disturbed_copies=2",
+    "reward.perturbed_copies=2",
     "cloning.epochs=1",
-    "policy.n_games=4",
-    "policy.rollout_steps=16",
-    "policy.minibatches=2",
-    "policy.epochs=1",
+    "policy.n_envs=4",
+    "policy.n_steps=16",
+    "policy.n_minibatches=2",
+    "policy.n_epochs=1",
     "policy.critic_warm_up_steps=0",
     "policy.snapshot_episodes=1",
     "evaluation.start_numbers=0,",
@@ -71,10 +72,10 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
         tiers = rankings.as_ranking(rankings.current(session, behaviour.id)).tiers
         assert [len(tier) for tier in tiers] == [1] * 12
         games = evaluations.listing(session, run.id)
-        assert {(game.policy, game.choice, game.start_number) for game in games} == {
-            (policy, choice, number)
+        assert {(game.policy, game.action_selection, game.start_number) for game in games} == {
+            (policy, action_selection, number)
             for policy in evaluations.POLICIES
-            for choice in evaluations.CHOICES
+            for action_selection in evaluations.ACTION_SELECTIONS
             for number in (0, 7)
         }
     entry = read_entry(database, run.id)
@@ -87,12 +88,12 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
     database.close()
 
     (again,) = _tril(
-        "evaluate", run.id, "--starts", "7", "--choice", "sticky", "--json"
+        "evaluate", run.id, "--starts", "7", "--action-selection", "sticky", "--json"
     ).splitlines()
     stored = next(
         game
         for game in games
-        if (game.policy, game.choice, game.start_number) == ("imitator", "sticky", 7)
+        if (game.policy, game.action_selection, game.start_number) == ("imitator", "sticky", 7)
     )
     assert json.loads(again)["targets"] == stored.targets
     assert json.loads(again)["predicted_return"] == pytest.approx(stored.predicted_return, rel=1e-3)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from server.pages import FRONTEND
+from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, watched_page
 from tests.e2e.running import BROWSER_ARGUMENTS, RunningTril, start_tril
 from tests.server.live import LiveServer, live_server

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
-from server.pages import FRONTEND
+from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
 from tests.server.live import LiveServer, live_server
 from tests.workplace import FRAMES, Workplace

@@ -18,8 +18,9 @@ from websockets.typing import Origin
 
 from server.app import create_app
 from server.main import Server, bind, server_config
-from server.play.codec import FrameDecoder, Screen
-from server.play.protocol import (
+from server.play.rules import PlayRules
+from server.play.wire.codec import FrameDecoder, Screen
+from server.play.wire.protocol import (
     AckMessage,
     Ended,
     FrameMessage,
@@ -30,9 +31,8 @@ from server.play.protocol import (
     parse_frame,
     parse_server,
 )
-from server.play.rules import PlayRules
-from server.security import Access
 from server.services import Services
+from server.web.security import Access
 from tril.game.controls import Keys
 from tril.settings import Settings
 from tril.store.database import Database, create_database

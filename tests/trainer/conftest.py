@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.trainer.worker_zygote import Zygote
+from tests.trainer.runtime.worker_zygote import Zygote
 from tests.workplace import Workplace
 from tril.jobs import Jobs
 

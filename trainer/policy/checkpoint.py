@@ -17,11 +17,11 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor
 
-from trainer.optimizers import optimizer_tensors, restore_optimizer
+from trainer.nn.optimizers import optimizer_tensors, restore_optimizer
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.vec_env import TrilVecEnv
-from tril.artifacts import write_whole
 from tril.errors import Invalid
+from tril.files.artifact_store import write_whole
 
 FORMAT = "tril-ppo-checkpoint"
 FORMAT_VERSION = 1

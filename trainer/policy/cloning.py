@@ -11,10 +11,10 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.devices import CPU, device_of, forward_batch
+from trainer.nn.devices import CPU, device_of, forward_batch
+from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.networks import ScreenPolicy, new_policy, save_policy
 from trainer.progress import Progress
-from trainer.screens import channels_last_screens, take_screens
 from tril.errors import Invalid
 from tril.game.space_invaders import Action
 from tril.recipes import CloningRecipe
@@ -108,7 +108,7 @@ def clone(
     if not any(trajectory.n_steps for trajectory in trajectories):
         raise Invalid("A clone needs at least one perfect demonstration to learn from.")
     rng = np.random.default_rng(training_seed)
-    learned, left_out = _split(trajectories, recipe.left_out_share, rng)
+    learned, left_out = _split(trajectories, recipe.validation_share, rng)
     examples = Examples.of(learned).on(device)
     held = Examples.of(left_out).on(device) if left_out else None
     policy = new_policy(recipe.network, recipe.learning_rate, rng, device)

@@ -27,7 +27,8 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.devices import CPU
+from trainer.nn.devices import CPU
+from trainer.nn.precision import Precision
 from trainer.policy.cloning import CloneResult, clone
 from trainer.policy.imitator import (
     ImitationTask,
@@ -37,12 +38,11 @@ from trainer.policy.imitator import (
     judge,
 )
 from trainer.policy.networks import Policy, load_policy, save_policy
-from trainer.policy.rewards import DEATHS, Payment
-from trainer.precision import Precision
+from trainer.policy.reward_shaping import DEATHS, RewardShaping
 from trainer.progress import Progress, Ticking
-from tril.artifacts import write_whole
 from tril.demonstrator import Expert
 from tril.errors import Invalid
+from tril.files.artifact_store import write_whole
 from tril.game.agent import AgentGame
 from tril.game.console import Console
 from tril.game.starts import Start, draw_start
@@ -168,7 +168,7 @@ class _Training:
         self._device = device
         self._expert = Expert(task.behaviour, Console())
         self._game = AgentGame(Console())
-        self._payment = Payment.of(task.model, task.recipe.policy)
+        self._payment = RewardShaping.of(task.model, task.recipe.policy)
         self._games: list[LabelledGame] = []
         self._learned_from = 0
         self.snapshots: list[SnapshotScore] = []

@@ -20,11 +20,11 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.devices import CPU
-from trainer.optimizers import optimizer_tensors, restore_optimizer
+from trainer.nn.devices import CPU
+from trainer.nn.optimizers import optimizer_tensors, restore_optimizer
+from trainer.nn.screens import take_screens
 from trainer.reward.model import RewardModel, RewardNetwork
-from trainer.reward.training import new_network
-from trainer.screens import take_screens
+from trainer.reward.reward_trainer import new_network
 from tril.recipes import GailRecipe
 
 _WEIGHTS, _BATCHES = range(2)

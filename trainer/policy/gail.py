@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from trainer.devices import CPU
+from trainer.nn.devices import CPU
+from trainer.nn.precision import Precision
+from trainer.nn.screens import channels_last_screens
 from trainer.policy.discriminator import Discriminator
 from trainer.policy.imitator import ImitationTask, ImitatorResult, train_imitator
-from trainer.precision import Precision
 from trainer.progress import Progress
-from trainer.screens import channels_last_screens
 from tril.errors import Invalid
 from tril.game.console import Console
 from tril.recording import trajectory

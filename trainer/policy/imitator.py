@@ -13,24 +13,24 @@ import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
-from trainer.devices import CPU
-from trainer.evaluation import play
+from trainer.nn.devices import CPU
+from trainer.nn.precision import Precision
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
 from trainer.policy.cloning import best_demonstrations
 from trainer.policy.discriminator import Discriminator
+from trainer.policy.evaluation import play
 from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
 from trainer.policy.ppo import Draws, ImitationPPO
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
-from trainer.precision import Precision
 from trainer.progress import Progress, Ticking
 from trainer.reward.model import RewardModel
-from tril.artifacts import write_whole
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
+from tril.files.artifact_store import write_whole
 from tril.game.episode import Ending, Hit
 from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start, spread_starts
-from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
+from tril.game.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recipes import Recipe
 from tril.recording import Recording
 
@@ -136,9 +136,9 @@ def train_imitator(
         progress_at.tick()
     # The discriminator's own model, which changes with it.
     model = discriminator.model if discriminator else task.model.on(device)
-    payment = Payment.of(model, recipe)
+    payment = RewardShaping.of(model, recipe)
     games = VectorGame(
-        recipe.n_games,
+        recipe.n_envs,
         _training_starts(task),
         n_processes=n_processes,
         ending=Ending(task.recipe.ending),
@@ -295,7 +295,7 @@ class _Training(BaseCallback):
             self._reporter.rate()
         if self._task.recipe.policy.warm_start:
             start = _start_network(self._task).to(ppo.device)
-            if self._task.recipe.policy.start_policy_pull:
+            if self._task.recipe.policy.kl_coef:
                 ppo.start_policy = start
             if not ppo.num_timesteps:
                 ppo.policy.load_state_dict(start.state_dict())
@@ -360,7 +360,7 @@ def game_values(
     behaviour: Behaviour | None, n_steps: int, hits: Sequence[Hit], died: bool
 ) -> dict[str, float]:
     """Return what the curves show of a training game; hits where the behaviour has targets."""
-    values = {"episode_steps": float(n_steps), "hit_share": float(died)}
+    values = {"episode_steps": float(n_steps), "death_rate": float(died)}
     cells = tuple((hit.row, hit.column) for hit in hits)
     scored = score(behaviour, cells) if behaviour else None
     if scored is not None:
@@ -368,7 +368,9 @@ def game_values(
     return values
 
 
-def judge(policy: Policy, payment: Payment, recipe: Recipe, tick: Callable[[], None]) -> float:
+def judge(
+    policy: Policy, payment: RewardShaping, recipe: Recipe, tick: Callable[[], None]
+) -> float:
     """Return the mean of what a policy's greedy games from training starts are paid.
 
     Args:

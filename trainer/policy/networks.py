@@ -25,12 +25,12 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.chance import drawn_from
-from trainer.devices import CPU, device_of, forward_batch
-from trainer.precision import Precision, layer_dtype
-from trainer.screens import channels_last_screens
-from tril.artifacts import write_whole
+from trainer.nn.devices import CPU, device_of, forward_batch
+from trainer.nn.precision import Precision, layer_dtype
+from trainer.nn.screens import channels_last_screens
+from trainer.nn.seeding import torch_generator_from
 from tril.errors import Invalid
+from tril.files.artifact_store import write_whole
 from tril.game.observation import OBSERVATION_SHAPE, check_observations
 from tril.game.space_invaders import Action
 
@@ -121,7 +121,7 @@ def new_policy(
 ) -> ScreenPolicy:
     """Make a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
     arguments = policy_arguments(network)
-    policy = drawn_from(
+    policy = torch_generator_from(
         rng,
         lambda: ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: learning_rate, **arguments),
     )

@@ -22,13 +22,13 @@ from stable_baselines3.common.vec_env import VecEnv
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.chance import drawn_from
-from trainer.devices import CPU, device_of, forward_batch
+from trainer.nn.devices import CPU, device_of, forward_batch
+from trainer.nn.precision import Precision
+from trainer.nn.screens import channels_last_screens
+from trainer.nn.seeding import torch_generator_from
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
-from trainer.policy.rollouts import Minibatch, ScreenRolloutBuffer
+from trainer.policy.rollout_buffer import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
-from trainer.precision import Precision
-from trainer.screens import channels_last_screens
 from tril.recipes import PolicyRecipe
 
 
@@ -100,22 +100,22 @@ class ImitationPPO(PPO):
         super().__init__(
             ScreenPolicy,
             env,
-            learning_rate=(lambda left: rate * left) if recipe.learning_rate_decays else rate,
-            n_steps=recipe.rollout_steps,
-            batch_size=recipe.n_games * recipe.rollout_steps // recipe.minibatches,
-            n_epochs=recipe.epochs,
-            gamma=recipe.discount,
-            gae_lambda=recipe.gae,
-            clip_range=recipe.clip,
-            ent_coef=recipe.entropy,
-            vf_coef=recipe.value,
-            max_grad_norm=recipe.gradient_norm,
+            learning_rate=(lambda left: rate * left) if recipe.anneal_lr else rate,
+            n_steps=recipe.n_steps,
+            batch_size=recipe.n_envs * recipe.n_steps // recipe.n_minibatches,
+            n_epochs=recipe.n_epochs,
+            gamma=recipe.gamma,
+            gae_lambda=recipe.gae_lambda,
+            clip_range=recipe.clip_range,
+            ent_coef=recipe.ent_coef,
+            vf_coef=recipe.vf_coef,
+            max_grad_norm=recipe.max_grad_norm,
             rollout_buffer_class=ScreenRolloutBuffer,
             policy_kwargs=policy_arguments(recipe.network),
             device=device,
             _init_setup_model=False,
         )
-        drawn_from(draws.weights, self._setup_model)
+        torch_generator_from(draws.weights, self._setup_model)
         channels_last(self.policy)
 
     def collect_rollouts(
@@ -196,7 +196,7 @@ class ImitationPPO(PPO):
     @property
     def pull(self) -> float:
         """Weight of the divergence from the start policy, falling to zero over the training."""
-        return self.recipe.start_policy_pull * max(0.0, 1.0 - self.num_timesteps / self.steps)
+        return self.recipe.kl_coef * max(0.0, 1.0 - self.num_timesteps / self.steps)
 
     def train(self) -> None:
         """Learn from the rollout; see PPO.train."""
@@ -233,7 +233,7 @@ class ImitationPPO(PPO):
         advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
         log_ratio = log_probs - minibatch.old_log_probs
         ratio = log_ratio.exp()
-        low, high = 1.0 - self.recipe.clip, 1.0 + self.recipe.clip
+        low, high = 1.0 - self.recipe.clip_range, 1.0 + self.recipe.clip_range
         policy_loss = -torch.min(advantages * ratio, advantages * ratio.clamp(low, high)).mean()
         value_loss = F.mse_loss(minibatch.returns, values)
         entropy = -(log_all.exp() * log_all).sum(1).mean()
@@ -246,7 +246,7 @@ class ImitationPPO(PPO):
             loss = loss + pull * divergence
         with torch.no_grad():
             kl = (ratio - 1.0 - log_ratio).mean()
-            clipped = ((ratio - 1.0).abs() > self.recipe.clip).float().mean()
+            clipped = ((ratio - 1.0).abs() > self.recipe.clip_range).float().mean()
             numbers = torch.stack([policy_loss, value_loss, entropy, kl, clipped, divergence])
         return loss, numbers
 

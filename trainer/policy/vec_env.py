@@ -10,12 +10,12 @@ import numpy.typing as npt
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
+from trainer.nn.screens import channels_last_screens
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
-from trainer.policy.rewards import DEATHS, Payment, Rewards
-from trainer.screens import channels_last_screens
+from trainer.policy.reward_shaping import DEATHS, Rewards, RewardShaping
 from tril.game.episode import EndReason
 from tril.game.observation import SIZE, STACK
-from tril.game.vector import FinishedGame, VectorGame, VectorSnapshot
+from tril.game.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class TrilVecEnv(VecEnv):
         payment: What the policy is paid.
     """
 
-    def __init__(self, games: VectorGame, payment: Payment) -> None:
+    def __init__(self, games: VectorGame, payment: RewardShaping) -> None:
         self.games = games
         self.payment = payment
         self._before: Rewards = np.zeros(games.n_games, np.float32)

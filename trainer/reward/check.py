@@ -13,12 +13,17 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.devices import CPU
+from trainer.nn.devices import CPU
 from trainer.progress import Progress, Section
-from trainer.reward.comparisons import NO_PERFECT_GAMES, Comparisons, PerfectGames, compare
+from trainer.reward.fragments import FragmentRule, draw_fragments, fragment_sums, preference_pairs
 from trainer.reward.model import RewardModel
-from trainer.reward.snippets import SnippetRule, draw_snippets, preference_pairs, snippet_sums
-from trainer.reward.training import NetworkTraining, Seed, calibrate
+from trainer.reward.preference_dataset import (
+    NO_PERFECT_GAMES,
+    PerfectGames,
+    PreferenceDataset,
+    compare,
+)
+from trainer.reward.reward_trainer import RewardTrainer, Seed, calibrate
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -48,7 +53,7 @@ class ConfusedTiers:
         worse: The tier that was ranked worse.
         held_out: Whether the order was wrong when one of the two demonstrations was left out of
             the learning; otherwise the predicted returns of the final model contradict it.
-        n_right: Comparisons of their demonstrations that were in order.
+        n_right: PreferenceDataset of their demonstrations that were in order.
         n_compared: All comparisons of their demonstrations.
     """
 
@@ -85,7 +90,7 @@ class RankingCheck:
         predicted_returns: Sum of R over the states of each trajectory, by its index; trajectories
             that are not ranked are left out.
         tau: Kendall's tau between the tiers and the predicted returns, -1 to 1.
-        pair_accuracy: Share of newly drawn snippet pairs that the model orders as ranked.
+        pair_accuracy: Share of newly drawn fragment pairs that the model orders as ranked.
         held_out_accuracy: Share of preference pairs ordered as ranked by models that were trained
             without at least one of the two; None where that was not measured.
         confused: The tiers of which some demonstrations are confused, worst first.
@@ -127,15 +132,15 @@ def check_ranking(
     """Check a reward model against the ranking it was learned from.
 
     Args:
-        model: What train_reward returned.
+        model: What train_reward_model returned.
         trajectories: The demonstrations.
         tiers: Indices into ``trajectories``, best tier first.
         recipe: How the model was learned; ``folds`` and ``fold_updates`` say how the accuracy on
             demonstrations left out is measured.
-        training_seed: Feeds the draws of snippets and the folds' models.
+        training_seed: Feeds the draws of fragments and the folds' models.
         progress: Told of the folds' updates and, as ``held_out_accuracy``, of each fold's result.
-        checkpoint_folder: As of train_reward.
-        perfect: As of train_reward.
+        checkpoint_folder: As of train_reward_model.
+        perfect: As of train_reward_model.
         device: Where the folds' models are learned.
 
     Raises:
@@ -156,34 +161,34 @@ def check_ranking(
     return RankingCheck(
         predicted_returns=returns,
         tau=tau,
-        pair_accuracy=_snippet_accuracy(scores, pairs, recipe, rng),
+        pair_accuracy=_fragment_accuracy(scores, pairs, recipe, rng),
         held_out_accuracy=held_out,
         confused=confused,
         passed=tau >= PASSING_TAU and (held_out is None or held_out >= PASSING_HELD_OUT_ACCURACY),
     )
 
 
-def _snippet_accuracy(
+def _fragment_accuracy(
     scores: dict[int, npt.NDArray[np.float32]],
     pairs: Sequence[Pair],
     recipe: RewardRecipe,
     rng: np.random.Generator,
 ) -> float:
-    """Return the share of newly drawn snippet pairs whose sums of R are ordered as ranked."""
+    """Return the share of newly drawn fragment pairs whose sums of R are ordered as ranked."""
     sizes = [len(scores[i]) if i in scores else 1 for i in range(max(scores) + 1)]
-    drawn = draw_snippets(pairs, sizes, SnippetRule.of(recipe), SNIPPETS_CHECKED, rng)
+    drawn = draw_fragments(pairs, sizes, FragmentRule.of(recipe), SNIPPETS_CHECKED, rng)
     sums = np.empty((2, len(drawn)))
     for side, (which, starts) in enumerate(
         [(drawn.better, drawn.better_start), (drawn.worse, drawn.worse_start)]
     ):
         for index in np.unique(which).tolist():
             of = which == index
-            sums[side, of] = snippet_sums(scores[index], starts[of], drawn.length[of])
+            sums[side, of] = fragment_sums(scores[index], starts[of], drawn.length[of])
     return float(np.mean(sums[0] > sums[1]))
 
 
 def _cross_validate(
-    comparisons: Comparisons,
+    comparisons: PreferenceDataset,
     seed: Seed,
     progress: Progress,
     checkpoint_folder: Path | None,
@@ -192,7 +197,7 @@ def _cross_validate(
     """Train without some demonstrations and order them; return which pairs were in order.
 
     A pair counts in each fold that leaves at least one of its two demonstrations out. Games are
-    compared over as many steps as the shorter one has, as snippets are.
+    compared over as many steps as the shorter one has, as fragments are.
     """
     recipe, ranked = comparisons.recipe, comparisons.ranked
     n_folds = min(recipe.folds, len(ranked))
@@ -206,7 +211,7 @@ def _cross_validate(
         kept = comparisons.without({i for i in ranked if fold_of[i] == fold})
         if len(kept.tiers) < 2:
             continue
-        job = NetworkTraining(
+        job = RewardTrainer(
             kept,
             recipe.fold_updates,
             (*seed, fold),

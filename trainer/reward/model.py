@@ -17,10 +17,10 @@ from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.devices import device_of, forward_batch
-from trainer.screens import channels_last_screens
-from tril.artifacts import write_whole
+from trainer.nn.devices import device_of, forward_batch
+from trainer.nn.screens import channels_last_screens
 from tril.errors import Invalid
+from tril.files.artifact_store import write_whole
 from tril.game.observation import check_observations
 
 FORMAT = "tril-reward-model"
@@ -85,7 +85,7 @@ class RewardNetwork(nn.Module):
 class RewardModel:
     """R(observation), the mean of one or more networks.
 
-    Preferences between equally long snippets identify a network's output up to an offset, and its
+    Preferences between equally long fragments identify a network's output up to an offset, and its
     scale grows as long as training goes on. So the members of an ensemble are made comparable:
     each counts as ``(output - offset) / scale``.
 
@@ -93,7 +93,7 @@ class RewardModel:
         members: The networks.
         offsets: What is subtracted from each network's output.
         scales: What the difference is divided by, positive.
-        zero: R that the reward "level" pays 0 for, see trainer.policy.rewards.
+        zero: R that the reward "level" pays 0 for, see trainer.policy.reward_shaping.
         one: R that it pays 1 for.
         notes: Where the model comes from: whatever its maker wants to be kept, JSON-ready.
     """

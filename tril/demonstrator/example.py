@@ -28,7 +28,6 @@ from tril.demonstrator.plans import (
 )
 from tril.demonstrator.player import ScriptedPlayer, Style, draw_brisk_style, draw_style
 from tril.errors import Unavailable
-from tril.exchange import to_exchange
 from tril.game.console import Console
 from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start
 from tril.recording import Recorder, Recording, Replay
@@ -84,23 +83,6 @@ class Demonstration:
     def conditions(self) -> dict[str, Any]:
         """How it was played, for a recording's conditions; empty where flawlessly."""
         return {} if self.manner == PERFECT else {"manner": self.manner.to_dict()}
-
-    def to_exchange(self, tier: int | None = None) -> dict[str, Any]:
-        """The demonstration in the exchange format.
-
-        Args:
-            tier: Its place in the ranking; None takes its plan's number, or none if it is perfect.
-        """
-        return to_exchange(
-            self.recording,
-            hits=self.replay.hits,
-            end=self.replay.end,
-            tier=None if self.perfect else tier or self.plan.number,
-            perfect=self.perfect,
-            source="scripted",
-            conditions=self.conditions,
-            notes=self.notes,
-        )
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import json
 import sys
 
-from tril.exchange import behaviour_schema, schema
+from tril.exchange.formats import behaviour_schema, schema
 
 SCHEMAS = {"recording": schema, "behaviour": behaviour_schema}
 

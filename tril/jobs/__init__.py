@@ -5,7 +5,7 @@ own) only brings a run's id to a worker, at least once; the worker asks the row 
 """
 
 from tril.jobs.delivery import Jobs
-from tril.jobs.forecast import Estimate, Forecast, estimate
+from tril.jobs.eta import Estimate, RunEta, estimate
 from tril.jobs.queue import APPLICATION, QUEUE, VERSION, WORKFLOW, prepare_queue
 from tril.jobs.stages import STAGES, overall_progress, stages_of
 
@@ -16,8 +16,8 @@ __all__ = [
     "VERSION",
     "WORKFLOW",
     "Estimate",
-    "Forecast",
     "Jobs",
+    "RunEta",
     "estimate",
     "overall_progress",
     "prepare_queue",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tril.errors import Invalid
 from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
-from tril.store.evaluations import CHOICES, POLICIES
 from tril.store.models import RunRow, RunStatus
+from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
 STAGES = (
     "demonstrations",
@@ -51,7 +51,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
     reward = recipe.reward
     cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
     n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
-    games = n_starts * len(POLICIES) * len(CHOICES)
+    games = n_starts * len(POLICIES) * len(ACTION_SELECTIONS)
     demonstrated = N_DEMONSTRATIONS * MEAN_STEPS
     return {
         "demonstrations": DEMONSTRATIONS_S,
@@ -90,8 +90,8 @@ def _learning_seconds(reward: RewardRecipe) -> float:
 def _observations_per_update(reward: RewardRecipe) -> float:
     if reward.method == "fast":
         return N_DEMONSTRATIONS * MEAN_STEPS / reward.observation_stride
-    snippet = (reward.snippet_min_steps + reward.snippet_max_steps) / 2
-    return 2 * reward.pairs_per_update * snippet / reward.observation_stride
+    fragment = (reward.fragment_min_steps + reward.fragment_max_steps) / 2
+    return 2 * reward.pairs_per_update * fragment / reward.observation_stride
 
 
 def overall_progress(run: RunRow) -> float:

@@ -1,13 +1,13 @@
 """The learning recipes, as data. A run stores the whole recipe it was made with."""
 
 from tril.recipes.ablations import ABLATIONS, Ablation
+from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
 from tril.recipes.changed import (
     FOR_PEOPLE,
     changed_values,
     judged_where_trained,
     with_values,
 )
-from tril.recipes.ready_made import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
 from tril.recipes.stored import recipe_from_dict
 from tril.recipes.values import (
     MOST_DAGGER_STEPS,

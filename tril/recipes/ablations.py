@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tril.recipes.built_in import FAST
 from tril.recipes.changed import with_values
-from tril.recipes.ready_made import FAST
 from tril.recipes.values import Recipe
 
 
@@ -33,14 +33,14 @@ class Ablation:
 
 ABLATIONS: Sequence[Ablation] = (
     Ablation(
-        "snippets aligned in time",
-        "the better snippet of a ranked pair starts no earlier (T-REX, section 4)",
+        "fragments aligned in time",
+        "the better fragment of a ranked pair starts no earlier (T-REX, section 4)",
         {"reward.aligned": False, "reward.free_share": 0.0},
     ),
     Ablation(
-        "disturbed copies of perfect games",
-        "all snippet pairs are of the ranking",
-        {"reward.disturbed_share": 0.0, "reward.perfect_share": 0.0},
+        "perturbed demonstrations of perfect games",
+        "all fragment pairs are of the ranking",
+        {"reward.perturbed_share": 0.0, "reward.perfect_share": 0.0},
     ),
     Ablation(
         "reward for progress",
@@ -57,9 +57,9 @@ ABLATIONS: Sequence[Ablation] = (
         "PPO starts from chance, with an entropy bonus of 0.01 and neither pull nor warm-up",
         {
             "policy.warm_start": False,
-            "policy.start_policy_pull": 0.0,
+            "policy.kl_coef": 0.0,
             "policy.critic_warm_up_steps": 0,
-            "policy.entropy": 0.01,
+            "policy.ent_coef": 0.01,
         },
     ),
     Ablation(

@@ -18,28 +18,28 @@ class RewardRecipe:
     """How the reward model is learned from preference pairs (T-REX, Brown et al. 2019).
 
     Attributes:
-        method: "paper" scores each snippet pair on its own, one pair per update (T-REX, section 4
+        method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
             and its published code); "fast" scores every demonstration frame once per update and
-            builds all snippet sums from prefix sums.
+            builds all fragment sums from prefix sums.
         learning_rate: Adam's step size.
         updates: Gradient updates.
-        snippet_pairs: Method "paper": snippet pairs that are drawn once and gone through in as many
+        fragment_pairs: Method "paper": fragment pairs, drawn once and gone through in as many
             passes as the updates make; 0 draws new ones all the time.
-        pairs_per_update: Snippet pairs whose loss one update averages.
-        snippet_min_steps: Shortest snippet, in observations.
-        snippet_max_steps: Longest snippet, in observations, capped at the shorter game of a pair.
+        pairs_per_update: Fragment pairs whose loss one update averages.
+        fragment_min_steps: Shortest fragment, in observations.
+        fragment_max_steps: Longest fragment, in observations, capped at the shorter game of a pair.
         observation_stride: Every how many-th observation is scored.
-        aligned: Whether both snippets of a pair start at the same step. Otherwise the better one
+        aligned: Whether both fragments of a pair start at the same step. Otherwise the better one
             starts no earlier than the worse one (T-REX), which by itself makes the learned reward
             rise with time.
-        free_share: Method "fast": share of the ranking's snippet pairs whose starts are drawn
+        free_share: Method "fast": share of the ranking's fragment pairs whose starts are drawn
             independently of each other. Pairs that start at the same step leave open how R changes
             with time alone; these don't.
-        perfect_share: Method "fast": share of all snippet pairs in which a perfect game is better
+        perfect_share: Method "fast": share of all fragment pairs in which a perfect game is better
             than one below the first tier.
-        disturbed_share: Method "fast": share of all snippet pairs in which a perfect game is better
-            than a disturbed copy of itself (after D-REX, Brown et al. 2020).
-        disturbed_copies: Copies made of each perfect game.
+        perturbed_share: Method "fast": share of all fragment pairs in which a perfect game is
+            better than a perturbed copy of itself (after D-REX, Brown et al. 2020).
+        perturbed_copies: Copies made of each perfect game.
         ensemble: Number of reward models whose standardised outputs are averaged.
         folds: Cross-validation folds of demonstrations left out to measure the held-out accuracy;
             0 leaves the measurement out.
@@ -51,16 +51,16 @@ class RewardRecipe:
     method: Literal["paper", "fast"] = "paper"
     learning_rate: float = 5e-5
     updates: int = 30_000
-    snippet_pairs: int = 6_000
+    fragment_pairs: int = 6_000
     pairs_per_update: int = 1
-    snippet_min_steps: int = 50
-    snippet_max_steps: int = 100
+    fragment_min_steps: int = 50
+    fragment_max_steps: int = 100
     observation_stride: int = 2
     aligned: bool = False
     free_share: float = 0.0
     perfect_share: float = 0.0
-    disturbed_share: float = 0.0
-    disturbed_copies: int = 8
+    perturbed_share: float = 0.0
+    perturbed_copies: int = 8
     ensemble: int = 1
     folds: int = 3
     fold_updates: int = 6_000
@@ -89,24 +89,24 @@ class PolicyRecipe:
         death_penalty: Subtracted from the reward of the step in which the player is hit.
         reward_scale: What all this is multiplied by, so that the critic's errors, which grow with
             the rewards' squares, don't drown what the policy learns from.
-        n_games: Games played side by side.
-        rollout_steps: Steps per game between updates.
-        minibatches: Minibatches per epoch.
-        epochs: Passes over each rollout.
+        n_envs: Games played side by side.
+        n_steps: Steps per game between updates.
+        n_minibatches: Minibatches per epoch.
+        n_epochs: Passes over each rollout.
         learning_rate: Adam's step size.
-        learning_rate_decays: Whether the step size falls linearly to zero.
-        discount: gamma.
-        gae: lambda of generalised advantage estimation.
-        clip: PPO's clip range.
-        entropy: Weight of the entropy bonus.
-        value: Weight of the value loss.
-        gradient_norm: Bound of the gradient's norm.
+        anneal_lr: Whether the step size falls linearly to zero.
+        gamma: gamma.
+        gae_lambda: lambda of generalised advantage estimation.
+        clip_range: PPO's clip range.
+        ent_coef: Weight of the entropy bonus.
+        vf_coef: Weight of the value loss.
+        max_grad_norm: Bound of the gradient's norm.
         best_share: Which demonstrations count as the best ones: the first tier, and further whole
             tiers as long as they fit into this share of all ranked ones.
         demonstration_share: Share of episodes begun from states of the best demonstrations and the
             perfect ones.
         warm_start: Whether the policy starts from the run's clone, whose network it then shares.
-        start_policy_pull: Initial weight of the KL divergence from the start policy; falls
+        kl_coef: Initial weight of the KL divergence from the start policy; falls
             linearly to zero over the training.
         critic_warm_up_steps: Steps in which only the critic learns.
         snapshot_steps: Steps after which the policy is kept for choosing the best one; the first
@@ -121,22 +121,22 @@ class PolicyRecipe:
     reward: Literal["sigmoid", "level", "difference", "softplus"] = "sigmoid"
     death_penalty: float = 0.0
     reward_scale: float = 1.0
-    n_games: int = 9
-    rollout_steps: int = 128
-    minibatches: int = 4
-    epochs: int = 4
+    n_envs: int = 9
+    n_steps: int = 128
+    n_minibatches: int = 4
+    n_epochs: int = 4
     learning_rate: float = 3e-4
-    learning_rate_decays: bool = False
-    discount: float = 0.99
-    gae: float = 0.95
-    clip: float = 0.2
-    entropy: float = 0.01
-    value: float = 0.5
-    gradient_norm: float = 0.5
+    anneal_lr: bool = False
+    gamma: float = 0.99
+    gae_lambda: float = 0.95
+    clip_range: float = 0.2
+    ent_coef: float = 0.01
+    vf_coef: float = 0.5
+    max_grad_norm: float = 0.5
     best_share: float = 0.0
     demonstration_share: float = 0.0
     warm_start: bool = False
-    start_policy_pull: float = 0.0
+    kl_coef: float = 0.0
     critic_warm_up_steps: int = 0
     snapshot_steps: tuple[int, ...] = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
     snapshot_episodes: int = 12
@@ -152,7 +152,7 @@ class CloningRecipe:
         learning_rate: Adam's step size.
         epochs: Most passes over the perfect demonstrations.
         batch_size: Observations per update.
-        left_out_share: Share of the demonstrations left out for early stopping; 0 turns it off.
+        validation_share: Share of the demonstrations left out for early stopping; 0 turns it off.
         patience: Epochs without improvement on those after which learning stops.
     """
 
@@ -160,7 +160,7 @@ class CloningRecipe:
     learning_rate: float = 3e-4
     epochs: int = 60
     batch_size: int = 64
-    left_out_share: float = 0.17
+    validation_share: float = 0.17
     patience: int = 8
 
 

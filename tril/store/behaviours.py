@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from tril.behaviours import READY_MADE, Behaviour, Cell
+from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store.changes import note_change
 from tril.store.models import (
@@ -75,7 +75,7 @@ def by_slug(session: Session, slug: str) -> BehaviourRow:
 def listing(session: Session) -> list[BehaviourRow]:
     """Return all behaviours, those that come ready first, then by age."""
     query = select(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
-    return list(session.scalars(query.order_by(BehaviourRow.ready_made.desc(), BehaviourRow.id)))
+    return list(session.scalars(query.order_by(BehaviourRow.built_in.desc(), BehaviourRow.id)))
 
 
 def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Counts]:
@@ -140,7 +140,7 @@ def create(
     if (n or 0) >= MAX_BEHAVIOURS:
         raise Conflict(f"There are {n} behaviours already; delete some first.")
     behaviour = Behaviour(_free_slug(session, name), name.strip(), description, target, ordered)
-    return _add(session, behaviour, ready_made=False)
+    return _add(session, behaviour, built_in=False)
 
 
 def update(
@@ -161,7 +161,7 @@ def update(
     changed = Behaviour(row.slug, name.strip(), description, target, ordered)
     before = as_behaviour(row)
     if (changed.target, changed.ordered) != (before.target, before.ordered):
-        if row.ready_made:
+        if row.built_in:
             raise Conflict(
                 "The target of a behaviour that comes ready stays as published; add a behaviour of "
                 "your own instead."
@@ -183,7 +183,7 @@ def delete(session: Session, row: BehaviourRow) -> None:
     Raises:
         Conflict: It comes ready, or a training of it is under way.
     """
-    if row.ready_made:
+    if row.built_in:
         raise Conflict(f"{row.name} comes with Tril and can't be deleted.")
     active = (RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING)
     under_way = select(RunRow.id).where(RunRow.behaviour_id == row.id, RunRow.status.in_(active))
@@ -193,22 +193,22 @@ def delete(session: Session, row: BehaviourRow) -> None:
     note_change(session, "behaviour", row.id)
 
 
-def seed_ready_made(session: Session) -> None:
+def seed_built_in(session: Session) -> None:
     """Add the behaviours that come ready where they are missing."""
     known = Counter(session.scalars(select(BehaviourRow.slug)))
-    for behaviour in READY_MADE:
+    for behaviour in BUILT_IN:
         if behaviour.slug not in known:
-            _add(session, behaviour, ready_made=True)
+            _add(session, behaviour, built_in=True)
 
 
-def _add(session: Session, behaviour: Behaviour, ready_made: bool) -> BehaviourRow:
+def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow:
     row = BehaviourRow(
         slug=behaviour.slug,
         name=behaviour.name,
         description=behaviour.description,
         target=_target_json(behaviour),
         ordered=behaviour.ordered,
-        ready_made=ready_made,
+        built_in=built_in,
     )
     session.add(row)
     session.flush()

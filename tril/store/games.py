@@ -170,7 +170,7 @@ def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
 
 
 def claim_abandoned(session: Session, game_id: str, owner: str, after: timedelta) -> GameRow | None:
-    """Claim a game if nobody has owned it for some time; None if somebody has by now."""
+    """Lease a game if nobody has owned it for some time; None if somebody has by now."""
     session.execute(select(GameRow.id).where(GameRow.id == game_id).with_for_update())
     row = get(session, game_id)
     if row.ended_at is not None or _lease_end(row) >= now() - after:

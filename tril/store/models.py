@@ -140,7 +140,7 @@ class BehaviourRow(Base):
     description: Mapped[str] = mapped_column(Text, default="")
     target: Mapped[list[list[int]] | None] = mapped_column(JSON(none_as_null=True))
     ordered: Mapped[bool] = mapped_column(Boolean, default=False)
-    ready_made: Mapped[bool] = mapped_column(Boolean, default=False)
+    built_in: Mapped[bool] = mapped_column(Boolean, default=False)
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
@@ -293,12 +293,12 @@ class EvaluationRow(Base):
     """One evaluation game of a run: which policy, from where, and the recording it left."""
 
     __tablename__ = "evaluations"
-    __table_args__ = (UniqueConstraint("run_id", "policy", "start_number", "choice"),)
+    __table_args__ = (UniqueConstraint("run_id", "policy", "start_number", "action_selection"),)
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
     run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"))
     policy: Mapped[str] = mapped_column(String(24))
-    choice: Mapped[str] = mapped_column(String(16))
+    action_selection: Mapped[str] = mapped_column(String(16))
     start_number: Mapped[int] = mapped_column(Integer)
     held_out: Mapped[bool] = mapped_column(Boolean, default=True)
     recording_id: Mapped[int] = mapped_column(ForeignKey("recordings.id"))

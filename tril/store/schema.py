@@ -33,7 +33,7 @@ def upgrade(database: Database) -> None:
         command.upgrade(config, "head")
     with database.writing() as session:
         players.seed_owner(session)
-        behaviours.seed_ready_made(session)
+        behaviours.seed_built_in(session)
 
 
 def check_schema(database: Database) -> None:

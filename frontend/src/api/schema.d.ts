@@ -858,6 +858,8 @@ export interface components {
          * @description What is being taught. ``target`` is None where hits do not describe it.
          */
         Behaviour: {
+            /** Built In */
+            built_in: boolean;
             /** Description */
             description: string;
             /** Has Example */
@@ -876,8 +878,6 @@ export interface components {
             name: string;
             /** Ordered */
             ordered: boolean;
-            /** Ready Made */
-            ready_made: boolean;
             /** Slug */
             slug: string;
             /** Target */
@@ -994,15 +994,15 @@ export interface components {
          * EvaluationGame
          * @description One game that a trained policy played.
          *
-         *     ``choice``: "greedy" takes the likeliest action, "sampled" draws by the probabilities, "sticky"
-         *     takes the likeliest one while the machine repeats a quarter of the actions at random.
+         *     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
+         *     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
          */
         EvaluationGame: {
             /**
-             * Choice
+             * Action Selection
              * @enum {string}
              */
-            choice: "greedy" | "sampled" | "sticky";
+            action_selection: "greedy" | "sampled" | "sticky";
             /** Held Out */
             held_out: boolean;
             /**
@@ -1257,15 +1257,15 @@ export interface components {
             name: string;
         };
         /**
-         * PolicyChoiceSummary
+         * PolicyGamesSummary
          * @description Means over a policy's games from held-out starts.
          */
-        PolicyChoiceSummary: {
+        PolicyGamesSummary: {
             /**
-             * Choice
+             * Action Selection
              * @enum {string}
              */
-            choice: "greedy" | "sampled" | "sticky";
+            action_selection: "greedy" | "sampled" | "sticky";
             /**
              * Policy
              * @enum {string}
@@ -1278,7 +1278,7 @@ export interface components {
          * @description None where the behaviour has no target.
          */
         PolicySummary: {
-            hit_share: components["schemas"]["Interval"];
+            death_rate: components["schemas"]["Interval"];
             order_errors: components["schemas"]["Interval"] | null;
             predicted_return: components["schemas"]["Interval"] | null;
             steps: components["schemas"]["Interval"];
@@ -1734,7 +1734,7 @@ export interface components {
             judged: components["schemas"]["JudgedGames"][];
             run: components["schemas"]["Run"];
             /** Summaries */
-            summaries: components["schemas"]["PolicyChoiceSummary"][];
+            summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
          * Storage

@@ -5,6 +5,6 @@ late (docs/decisions/0011-replays-beside-the-server.md).
 """
 
 from server.play.replays.process import ReplayProcess
-from server.play.replays.wanted import Wanted
+from server.play.replays.request import Wanted
 
 __all__ = ["ReplayProcess", "Wanted"]

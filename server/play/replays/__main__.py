@@ -12,7 +12,7 @@ import sys
 import traceback
 
 from server.play.replays.answer import Answer
-from server.play.replays.wanted import Request, carry_out
+from server.play.replays.request import Request, carry_out
 from tril.game.console import Console
 from tril.recording import RecordingRefused
 

@@ -12,7 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
 from server.play.replays.answer import Answer
-from server.play.replays.wanted import Request, Wanted
+from server.play.replays.request import Request, Wanted
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused
 

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from trainer.reward.model import RewardModel
-from trainer.reward.training import new_network
+from trainer.reward.reward_trainer import new_network
 from tril.game.starts import Start
 from tril.recipes import FAST, Recipe
 from tril.recording import Recording, Trajectory, trajectory
@@ -16,10 +16,10 @@ ELSEWHERE = torch.device("meta")
 
 TINY = replace(
     FAST.policy,
-    n_games=4,
-    rollout_steps=8,
-    minibatches=2,
-    epochs=2,
+    n_envs=4,
+    n_steps=8,
+    n_minibatches=2,
+    n_epochs=2,
     critic_warm_up_steps=32,
     snapshot_steps=(64, 10_000),
     snapshot_episodes=1,

@@ -8,7 +8,7 @@ import torch
 
 from trainer.policy.cloning import Examples, best_demonstrations, clone, train_clone
 from trainer.policy.networks import load_policy
-from trainer.progress import RunCancelled, Unobserved
+from trainer.progress import NullProgress, RunCancelled
 from tril.errors import Invalid
 from tril.recipes import CloningRecipe
 from tril.recording import Trajectory
@@ -36,7 +36,7 @@ def demonstrations() -> list[Trajectory]:
 
 def test_a_clone_does_what_was_shown(tmp_path: Path, demonstrations: list[Trajectory]) -> None:
     path = tmp_path / "clone.zip"
-    result = train_clone(demonstrations, RECIPE, 3, path, Unobserved())
+    result = train_clone(demonstrations, RECIPE, 3, path, NullProgress())
     unseen = shown(99)
     chosen = load_policy(path).probabilities(unseen.observations[:-1]).argmax(1)
     assert np.mean(chosen == unseen.actions) > 0.95
@@ -48,9 +48,9 @@ def test_a_clone_does_what_was_shown(tmp_path: Path, demonstrations: list[Trajec
 
 def test_the_same_training_seed_gives_the_same_clone(demonstrations: list[Trajectory]) -> None:
     recipe = replace(RECIPE, epochs=1)
-    first, _ = clone(demonstrations, recipe, 3, Unobserved())
-    again, _ = clone(demonstrations, recipe, 3, Unobserved())
-    other, _ = clone(demonstrations, recipe, 4, Unobserved())
+    first, _ = clone(demonstrations, recipe, 3, NullProgress())
+    again, _ = clone(demonstrations, recipe, 3, NullProgress())
+    other, _ = clone(demonstrations, recipe, 4, NullProgress())
     for name, tensor in first.state_dict().items():
         assert torch.equal(tensor, again.state_dict()[name])
     name = "action_net.weight"
@@ -60,8 +60,8 @@ def test_the_same_training_seed_gives_the_same_clone(demonstrations: list[Trajec
 def test_cloning_stops_when_left_out_demonstrations_get_worse() -> None:
     # Nothing to learn: only what was seen can be remembered.
     noise = [shown(seed, 40, random_actions=True) for seed in range(3)]
-    recipe = replace(RECIPE, epochs=40, patience=2, left_out_share=0.34)
-    policy, result = clone(noise, recipe, 3, Unobserved())
+    recipe = replace(RECIPE, epochs=40, patience=2, validation_share=0.34)
+    policy, result = clone(noise, recipe, 3, NullProgress())
     assert result.epochs < 30
     assert result.left_out_accuracy is not None
     del policy
@@ -98,7 +98,7 @@ def test_every_epoch_has_a_point_on_the_curves(demonstrations: list[Trajectory])
 
 def test_without_demonstrations_there_is_no_clone() -> None:
     with pytest.raises(Invalid, match="perfect demonstration"):
-        clone([], RECIPE, 3, Unobserved())
+        clone([], RECIPE, 3, NullProgress())
 
 
 def test_rare_actions_weigh_more_and_the_mean_weight_is_one(

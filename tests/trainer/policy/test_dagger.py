@@ -17,9 +17,9 @@ from trainer.policy.cloning import clone
 from trainer.policy.dagger import LabelledGame, play_labelled, train_by_dagger
 from trainer.policy.imitator import ImitationTask, judge
 from trainer.policy.networks import Policy, load_policy, new_policy
-from trainer.policy.rewards import Payment
-from trainer.progress import RunCancelled, Unobserved
-from tril.behaviours import READY_MADE, Behaviour
+from trainer.policy.reward_shaping import RewardShaping
+from trainer.progress import NullProgress, RunCancelled
+from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrator import EXPERT_STYLE, Expert
 from tril.demonstrator.player import Planner
 from tril.errors import Invalid
@@ -32,7 +32,7 @@ from tril.recipes import CloningRecipe, DaggerRecipe
 from tril.recording import Recording, step_actions, trajectory
 
 STEPS = 128
-COLUMN_2 = READY_MADE[1]
+COLUMN_2 = BUILT_IN[1]
 
 
 class Firing:
@@ -183,7 +183,7 @@ def test_every_iteration_is_judged_and_the_best_policy_is_saved(
     assert all(0 < b.steps - a.steps <= 50 for a, b in pairwise(snapshots))
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
-    payment = Payment.of(task.model, task.recipe.policy)
+    payment = RewardShaping.of(task.model, task.recipe.policy)
     judged = judge(load_policy(finished.path), payment, task.recipe, lambda: None)
     assert judged == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
 
@@ -196,7 +196,7 @@ def test_every_iteration_has_a_point_on_the_curves(finished: Finished) -> None:
     shares = [values["expert_share"] for _, values in points]
     assert shares[:2] == [1.0, 0.0]
     assert "agreement" not in points[0][1]
-    always = {"hits", "strays", "episode_steps", "hit_share", "predicted_return", "accuracy"}
+    always = {"hits", "strays", "episode_steps", "death_rate", "predicted_return", "accuracy"}
     assert all(always | {"agreement"} <= set(values) for _, values in points[1:])
 
 
@@ -296,9 +296,9 @@ def test_corrections_make_a_policy_agree_with_the_expert(
     games = [played(None, 1.0, seed) for seed in range(4)] + [played(beginner, 0.3, 4)]
     learned, _ = clone(
         [game.seen for game in games],
-        CloningRecipe(network="small", learning_rate=1e-3, epochs=3, left_out_share=0.0),
+        CloningRecipe(network="small", learning_rate=1e-3, epochs=3, validation_share=0.0),
         0,
-        Unobserved(),
+        NullProgress(),
     )
     learned.set_training_mode(False)
     before, after = played(beginner, 1.0, 9).agreed, played(Policy(learned), 1.0, 9).agreed

@@ -12,16 +12,16 @@ import torch
 
 from tests.trainer.policy.made_up import observations, random_model, short_recording, tiny_recipe
 from tests.trainer.policy.test_imitator import STEPS, Watched, same, weights
-from trainer.evaluation import play
 from trainer.policy import imitator
 from trainer.policy.discriminator import Discriminator
+from trainer.policy.evaluation import play
 from trainer.policy.gail import train_by_gail
 from trainer.policy.imitator import ImitationTask, ImitatorResult
 from trainer.policy.networks import new_policy, save_policy
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import RunCancelled
 from trainer.reward.model import RewardModel
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.demonstrator import Demonstration, perfect_demonstrations
 from tril.errors import Invalid
 from tril.game.starts import Start
@@ -45,7 +45,7 @@ class Random:
 @pytest.fixture(scope="module")
 def shown() -> list[Demonstration]:
     """Return two perfect games of column 1."""
-    return list(perfect_demonstrations(READY_MADE[0], 2, np.random.default_rng(1)))
+    return list(perfect_demonstrations(BUILT_IN[0], 2, np.random.default_rng(1)))
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_the_discriminator_tells_the_expert_from_a_random_policy_and_the_reward_
     assert last["discriminator_accuracy"] > 0.9
     assert last["discriminator_loss"] < first["discriminator_loss"]
     # On games of both that it has not seen.
-    payment = Payment(discriminator.model, "softplus", 0.0)
+    payment = RewardShaping(discriminator.model, "softplus", 0.0)
     expert = discriminator.model.score(left_out.observations[1:])
     unseen = np.concatenate([one.observations[1:] for one in random_games[-3:]])
     random = discriminator.model.score(unseen)
@@ -112,9 +112,7 @@ def test_a_discriminator_goes_on_from_its_tensors_as_if_nothing_had_been() -> No
 def task(tmp_path_factory: pytest.TempPathFactory) -> ImitationTask:
     clone = tmp_path_factory.mktemp("clone") / "clone.zip"
     save_policy(new_policy("small", 1e-3, np.random.default_rng(8)), clone)
-    recipe = tiny_recipe(
-        reward="softplus", demonstration_share=0.0, start_policy_pull=0.0, snapshot_steps=()
-    )
+    recipe = tiny_recipe(reward="softplus", demonstration_share=0.0, kl_coef=0.0, snapshot_steps=())
     return ImitationTask(
         model=random_model(),
         recordings=[],
@@ -122,7 +120,7 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> ImitationTask:
         recipe=replace(recipe, method="gail", gail=GailRecipe(updates=2, batch_size=16)),
         steps=STEPS,
         training_seed=11,
-        behaviour=READY_MADE[0],
+        behaviour=BUILT_IN[0],
         perfect=[short_recording()],
         clone=clone,
     )

@@ -12,8 +12,8 @@ from tests.trainer.policy.made_up import (
     short_recording,
     tiny_recipe,
 )
-from trainer.evaluation import play
 from trainer.policy import imitator
+from trainer.policy.evaluation import play
 from trainer.policy.imitator import (
     ImitationTask,
     idle_frames_of,
@@ -21,9 +21,9 @@ from trainer.policy.imitator import (
     train_imitator,
 )
 from trainer.policy.networks import load_policy, new_policy, save_policy
-from trainer.policy.rewards import Payment
+from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import RunCancelled
-from tril.behaviours import READY_MADE
+from tril.behaviours import BUILT_IN
 from tril.errors import Invalid
 from tril.game.starts import TRAINING_IDLE_FRAMES, evaluation_start
 from tril.recipes import DAGGER, FAST, judged_where_trained, with_values
@@ -60,7 +60,7 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> ImitationTask:
         recipe=tiny_recipe(),
         steps=STEPS,
         training_seed=11,
-        behaviour=READY_MADE[0],
+        behaviour=BUILT_IN[0],
         clone=clone,
     )
 
@@ -109,7 +109,7 @@ def test_the_best_snapshot_by_the_learned_reward_is_saved(
     games = play(
         load_policy(finished.path), judging_starts(task.recipe), "greedy", model=task.model
     )
-    payment = Payment.of(task.model, task.recipe.policy)
+    payment = RewardShaping.of(task.model, task.recipe.policy)
     totals = [payment.total(game.rewards, game.end) for game in games if game.rewards is not None]
     assert np.mean(totals) == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
 

@@ -8,24 +8,24 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
 
 from tests.trainer.policy.made_up import ELSEWHERE, TINY, observations, random_model
-from trainer.devices import CPU, device_of
+from trainer.nn.devices import CPU, device_of
+from trainer.nn.precision import Precision
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.ppo import Draws, ImitationPPO
-from trainer.policy.rewards import Payment
-from trainer.policy.rollouts import ScreenRolloutBuffer
+from trainer.policy.reward_shaping import RewardShaping
+from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
-from trainer.precision import Precision
 from trainer.progress import RunCancelled
-from tril.game.vector import TrainingStarts, VectorGame
+from tril.game.vector.vector_game import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
 
 PLAIN = replace(
     TINY,
     critic_warm_up_steps=0,
-    start_policy_pull=0.0,
-    entropy=0.01,
-    learning_rate_decays=False,
-    n_games=2,
+    kl_coef=0.0,
+    ent_coef=0.01,
+    anneal_lr=False,
+    n_envs=2,
     network="nature",
 )
 
@@ -33,7 +33,7 @@ PLAIN = replace(
 @pytest.fixture
 def env() -> Iterator[TrilVecEnv]:
     games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
-    made = TrilVecEnv(games, Payment(random_model(), "level", 5.0))
+    made = TrilVecEnv(games, RewardShaping(random_model(), "level", 5.0))
     yield made
     made.close()
 
@@ -98,21 +98,21 @@ def test_the_buffer_keeps_its_memory() -> None:
 
 def test_an_update_is_that_of_stable_baselines3(env: TrilVecEnv) -> None:
     # One minibatch of the whole rollout, so that its order doesn't matter.
-    recipe = replace(PLAIN, minibatches=1, epochs=3)
+    recipe = replace(PLAIN, n_minibatches=1, n_epochs=3)
     ours = make_ppo(env, recipe)
     theirs = PPO(
         "CnnPolicy",
         env,
         learning_rate=recipe.learning_rate,
-        n_steps=recipe.rollout_steps,
-        batch_size=2 * recipe.rollout_steps,
+        n_steps=recipe.n_steps,
+        batch_size=2 * recipe.n_steps,
         n_epochs=3,
-        gamma=recipe.discount,
-        gae_lambda=recipe.gae,
-        clip_range=recipe.clip,
-        ent_coef=recipe.entropy,
-        vf_coef=recipe.value,
-        max_grad_norm=recipe.gradient_norm,
+        gamma=recipe.gamma,
+        gae_lambda=recipe.gae_lambda,
+        clip_range=recipe.clip_range,
+        ent_coef=recipe.ent_coef,
+        vf_coef=recipe.vf_coef,
+        max_grad_norm=recipe.max_grad_norm,
         device="cpu",
     )
     theirs.policy.load_state_dict(ours.policy.state_dict())
@@ -135,7 +135,7 @@ def weights_of(ppo: ImitationPPO) -> torch.Tensor:
 
 
 def test_half_as_long_numbers_move_the_policy_the_same_way(env: TrilVecEnv) -> None:
-    recipe = replace(PLAIN, minibatches=1, epochs=1)
+    recipe = replace(PLAIN, n_minibatches=1, n_epochs=1)
     moved = {}
     for precision in Precision:
         ppo = make_ppo(env, recipe, precision)
@@ -156,7 +156,7 @@ def test_half_as_long_numbers_move_the_policy_the_same_way(env: TrilVecEnv) -> N
 
 
 def test_what_was_played_is_as_likely_when_it_is_learned_from(env: TrilVecEnv) -> None:
-    ppo = make_ppo(env, replace(PLAIN, minibatches=1, epochs=1), Precision.BFLOAT16)
+    ppo = make_ppo(env, replace(PLAIN, n_minibatches=1, n_epochs=1), Precision.BFLOAT16)
     ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
     assert ppo.update_values["kl"] == pytest.approx(0.0, abs=1e-5)
     assert ppo.update_values["clipped"] == 0.0
@@ -181,7 +181,7 @@ def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
     for pull in (0.0, 100.0):
         env.games.close()
         env.games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
-        ppo = make_ppo(env, replace(PLAIN, start_policy_pull=pull, learning_rate=1e-3))
+        ppo = make_ppo(env, replace(PLAIN, kl_coef=pull, learning_rate=1e-3))
         start = make_ppo(env).policy
         start.load_state_dict(ppo.policy.state_dict())
         ppo.start_policy = start
@@ -195,7 +195,7 @@ def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
 
 
 def test_an_update_is_computed_where_the_policy_is(env: TrilVecEnv) -> None:
-    ppo = make_ppo(env, replace(PLAIN, start_policy_pull=0.1), device=ELSEWHERE)
+    ppo = make_ppo(env, replace(PLAIN, kl_coef=0.1), device=ELSEWHERE)
     ppo.start_policy = ppo.policy
     assert device_of(ppo.policy) == ELSEWHERE
     fill(ppo.rollout_buffer)
@@ -212,7 +212,7 @@ def test_an_update_is_computed_where_the_policy_is(env: TrilVecEnv) -> None:
 
 
 def test_the_pull_falls_to_zero(env: TrilVecEnv) -> None:
-    ppo = make_ppo(env, replace(PLAIN, start_policy_pull=0.4))
+    ppo = make_ppo(env, replace(PLAIN, kl_coef=0.4))
     pulls = []
     for steps in (0, 500, 1000, 1500):
         ppo.num_timesteps = steps

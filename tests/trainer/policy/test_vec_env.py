@@ -6,13 +6,13 @@ import pytest
 from stable_baselines3 import PPO
 
 from tests.trainer.policy.made_up import random_model, short_recording
-from trainer.evaluation import play
-from trainer.policy.rewards import Payment
+from trainer.policy.evaluation import play
+from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
 from tril.game.episode import EndReason
 from tril.game.space_invaders import Action
 from tril.game.starts import Start
-from tril.game.vector import DemonstrationLog, TrainingStarts, VectorGame
+from tril.game.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recording import Recording, trajectory
 
 MODEL = random_model(zero=-0.5, one=0.5)
@@ -24,7 +24,7 @@ def make_env(
     games = VectorGame(
         2, starts or TrainingStarts(), n_processes=1, max_frames=max_frames, training_seed=5
     )
-    return TrilVecEnv(games, Payment(MODEL, kind, 5.0))
+    return TrilVecEnv(games, RewardShaping(MODEL, kind, 5.0))
 
 
 @pytest.fixture

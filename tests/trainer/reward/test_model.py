@@ -7,7 +7,7 @@ from safetensors.torch import save_file
 from torch import nn
 
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
-from trainer.reward.training import new_network
+from trainer.reward.reward_trainer import new_network
 from tril.errors import Invalid
 
 

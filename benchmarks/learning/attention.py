@@ -1,0 +1,80 @@
+"""Time of the four attention maps of a run, against brute force.
+
+    python -m benchmarks.learning.attention
+
+Brute force scores every masked observation whole: four screens, 82 x 82 positions of the patch.
+Both are measured in turns on states of a played game, one of brute force's screens at a time, and
+medians are given. Networks are untrained; the work is the same. Prints a table and a JSON line.
+"""
+
+import argparse
+import json
+import statistics
+import time
+
+import numpy as np
+import numpy.typing as npt
+import torch
+
+from trainer.explain.attention import POSITIONS, STATES, attention_map
+from trainer.explain.occlusion import PATCH
+from trainer.reward.model import RewardModel, RewardNetwork
+from tril.game.console import Console
+from tril.game.controls import Keys, action_for
+from tril.game.starts import Start
+from tril.recording import Recording, trajectory
+
+
+def played_states(count: int) -> list[npt.NDArray[np.uint8]]:
+    """Return observations spread over a game in which the player fires on the left."""
+    actions = bytes([action_for(Keys.FIRE)] * 600)
+    observations = trajectory(Recording(Start(5), actions), Console()).observations
+    return [observations[i] for i in np.linspace(1, len(observations) - 1, count).astype(int)]
+
+
+def brute_force_screen(
+    model: RewardModel, observation: npt.NDArray[np.uint8], screen: int
+) -> npt.NDArray[np.float32]:
+    """Return |R(masked) - R| for every patch of one screen, float32 (82 * 82,)."""
+    masked = np.repeat(observation[None], POSITIONS * POSITIONS, axis=0)
+    for index, target in enumerate(masked):
+        row, column = divmod(index, POSITIONS)
+        target[screen, row : row + PATCH, column : column + PATCH] = 0
+    changes: npt.NDArray[np.float32] = np.abs(model.score(masked) - model.score(observation[None]))
+    return changes
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--networks", type=int, default=1, help="members of the reward model")
+    parser.add_argument("--rounds", type=int, default=5)
+    arguments = parser.parse_args()
+    torch.manual_seed(0)
+    n = arguments.networks
+    members = tuple(RewardNetwork() for _ in range(n))
+    model = RewardModel(members, (0.0,) * n, (1.0,) * n)
+    states = played_states(len(STATES))
+    attention_map(model, states[0])  # not counted: the first pass sets things up
+    ours, brute = [], []
+    for _ in range(arguments.rounds):
+        begin = time.perf_counter()
+        for state in states:
+            attention_map(model, state)
+        ours.append(time.perf_counter() - begin)
+        begin = time.perf_counter()
+        brute_force_screen(model, states[0], 3)
+        brute.append((time.perf_counter() - begin) * 4 * len(states))
+    result = {
+        "four_states_s": statistics.median(ours),
+        "brute_force_s": statistics.median(brute),
+        "ratio": statistics.median(b / o for b, o in zip(brute, ours, strict=True)),
+    }
+    print(f"{'four states':<14}{result['four_states_s']:>8.2f} s")
+    print(f"{'brute force':<14}{result['brute_force_s']:>8.2f} s")
+    print(f"ratio: {result['ratio']:.1f}")
+    print(json.dumps({"benchmark": "attention", **vars(arguments), **result}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""Clones of the scripted player's twelve perfect games, with the small network and the wide one.
+
+    python -m benchmarks.learning.clones [--behaviour column-2] [--training-seed 0]
+
+How good the baseline can be: each clone plays from the 23 evaluation starts, its best action and
+drawn by chance. Prints a table and a JSON line; all behaviours take half an hour on two cores.
+"""
+
+import argparse
+import json
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from trainer.policy.cloning import train_clone
+from trainer.policy.evaluation import play
+from trainer.policy.networks import SIZES, load_policy
+from trainer.policy.reward_shaping import DEATHS
+from trainer.progress import NullProgress
+from tril.behaviours import BUILT_IN, Behaviour, score
+from tril.demonstrator.example import make_example
+from tril.game.console import Console
+from tril.game.starts import evaluation_start
+from tril.recipes import FAST
+from tril.recording import Trajectory, trajectory
+from tril.store.training.evaluations import ActionSelection
+
+ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled")
+STARTS = [*FAST.evaluation.start_numbers, *FAST.evaluation.further_start_numbers]
+
+
+def judge_clone(
+    behaviour: Behaviour, shown: Sequence[Trajectory], network: str, training_seed: int
+) -> dict[str, float]:
+    """Train a clone and let it play; return its means over the games with each action selection."""
+    recipe = replace(FAST.cloning, network=network)  # type: ignore[arg-type]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "clone.zip"
+        learned = train_clone(shown, recipe, training_seed, path, NullProgress())
+        policy = load_policy(path)
+    found = {"left_out_accuracy": learned.left_out_accuracy or np.nan}
+    starts = [evaluation_start(number) for number in STARTS]
+    for action_selection in ACTION_SELECTIONS:
+        games = play(policy, starts, action_selection, sampling_seed=training_seed)
+        scores = [score(behaviour, tuple((h.row, h.column) for h in g.hits)) for g in games]
+        found[f"{action_selection}_targets"] = float(
+            np.mean([one.targets for one in scores if one])
+        )
+        found[f"{action_selection}_strays"] = float(np.mean([one.strays for one in scores if one]))
+        found[f"{action_selection}_lost"] = float(np.mean([game.end in DEATHS for game in games]))
+    return found
+
+
+def main() -> None:
+    """Measure and print."""
+    behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--behaviour", choices=list(behaviours), action="append")
+    parser.add_argument("--training-seed", type=int, default=0)
+    arguments = parser.parse_args()
+    console = Console()
+    result = {}
+    print("behaviour network   left out  targets strays  lost  sampled: targets strays  lost")
+    for slug in arguments.behaviour or list(behaviours):
+        rng = np.random.default_rng(arguments.training_seed)
+        example = make_example(behaviours[slug], rng)
+        shown = [trajectory(one.recording, console) for one in example if one.perfect]
+        for network in sorted(SIZES):
+            one = judge_clone(behaviours[slug], shown, network, arguments.training_seed)
+            result[f"{slug} {network}"] = one
+            print(
+                f"{slug:<9} {network:<8} {one['left_out_accuracy']:>9.1%}"
+                f" {one['greedy_targets']:>8.2f} {one['greedy_strays']:>6.2f}"
+                f" {one['greedy_lost']:>5.0%} {one['sampled_targets']:>17.2f}"
+                f" {one['sampled_strays']:>6.2f} {one['sampled_lost']:>5.0%}",
+                flush=True,
+            )
+    print(json.dumps({"benchmark": "clones", **vars(arguments), "result": result}))
+
+
+if __name__ == "__main__":
+    main()

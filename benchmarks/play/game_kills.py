@@ -1,0 +1,253 @@
+"""Kills the server with games on it at random moments, and looks what is left of them.
+
+    python -m benchmarks.play.game_kills --games 200
+
+Some games at a time are played over real WebSockets by players who hold random keys, pause, run the
+game back and stop; at a random moment of the countdown, the game or its end, the server is killed
+with SIGKILL. What the database holds then has to be there ever after: the server is started again,
+every game goes on from exactly there and is stopped a little later, its recording has to begin with
+what was saved, and a replay has to verify it. Prints a table and a JSON line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sqlite3
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from websockets.exceptions import WebSocketException
+
+from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Rewound
+from tests.server.live import Player, join
+from tests.server.processes import server_process
+from tests.workplace import Workplace, make_workplace
+from tril.game.controls import Keys
+from tril.settings import Settings
+from tril.store import games
+from tril.store.models import RecordingState, Verification
+
+MOST_LOST_FRAMES = 60
+GO_ON_FRAMES = 20
+CONNECT_WITHIN_S = 20.0
+BROKEN = (WebSocketException, OSError, TimeoutError)
+
+
+@dataclass
+class Played:
+    """A game before the kill.
+
+    Attributes:
+        game: The game as the server described it.
+        frame: The last frame seen; None while it is run back.
+        did: What its player did to it.
+        has_joined: Set once its page has heard of it.
+    """
+
+    game: dict[str, Any]
+    frame: int | None = 0
+    did: list[str] = field(default_factory=list)
+    has_joined: threading.Event = field(default_factory=threading.Event)
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What the database holds of a game after the kill."""
+
+    actions: bytes
+    is_over: bool
+
+
+def play_until_killed(settings: Settings, played: Played, rng: np.random.Generator) -> None:
+    """Play until the connection breaks, doing now and then what players do."""
+    try:
+        with join(settings, played.game) as player:
+            player.begin()
+            played.has_joined.set()
+            while not isinstance(message := player.next(), Ended):
+                player.screens.clear()
+                if isinstance(message, FrameMessage):
+                    if played.frame is not None:
+                        played.frame = message.frame
+                    _act(player, played, message.frame, rng)
+                elif isinstance(message, Rewound):
+                    played.frame = message.frame
+    except BROKEN:
+        return
+
+
+def _act(player: Player, played: Played, frame: int, rng: np.random.Generator) -> None:
+    if frame % 15 == 0:
+        player.hold(Keys(int(rng.integers(3))) | Keys.FIRE)
+    what = rng.random()
+    if what < 0.004:
+        played.did.append("pause")
+        player.say("pause")
+        player.say("go_on")
+    elif what < 0.008 and frame > 60:
+        played.did.append("rewind")
+        played.frame = None
+        player.say("rewind")
+        time.sleep(float(rng.uniform(0.05, 0.4)))
+        player.say("release")
+    elif what < 0.011:
+        played.did.append("stop")
+        player.say("stop")
+
+
+def read_saved(workplace: Workplace, game_id: str) -> Saved:
+    """Read a game as it was saved last."""
+    with workplace.database.reading() as session:
+        row = games.get(session, game_id)
+        return Saved(row.recording.actions, row.ended_at is not None)
+
+
+def go_on(workplace: Workplace, settings: Settings, played: Played, saved: Saved) -> list[str]:
+    """Go on with a game, end it, and return what is wrong with it."""
+    wrong = []
+    n_saved = len(saved.actions)
+    if played.frame is not None and not saved.is_over and played.frame - n_saved > MOST_LOST_FRAMES:
+        wrong.append(f"{played.frame - n_saved} frames were lost")
+    with join(settings, played.game) as player:
+        if saved.is_over:
+            if player.close_code() != Close.GAME_OVER:
+                wrong.append("it was over and goes on")
+        else:
+            # Of a game saved at its end nothing is left to play, and it ends at once.
+            hello = player.until(Hello)
+            if hello.frame != n_saved:
+                wrong.append(f"it went on at frame {hello.frame}, saved were {n_saved}")
+            player.say("ready")
+            stopped = False
+            while not isinstance(message := player.next(), Ended):
+                is_far = (
+                    isinstance(message, FrameMessage) and message.frame >= n_saved + GO_ON_FRAMES
+                )
+                if is_far and not stopped:
+                    player.say("stop")
+                    stopped = True
+    with workplace.database.reading() as session:
+        recording = games.get(session, played.game["id"]).recording
+    if not recording.actions.startswith(saved.actions):
+        wrong.append("its recording does not begin with what was saved")
+    if recording.state == RecordingState.PLAYING:
+        wrong.append("it never ended")
+    elif recording.verification != Verification.VERIFIED:
+        wrong.append(f"it does not verify: {recording.verification_note}")
+    return wrong
+
+
+def corrupt_databases(data: Path) -> list[str]:
+    """Return what SQLite finds wrong with any database of a data folder."""
+    wrong = []
+    for path in data.glob("*.sqlite"):
+        connection = sqlite3.connect(path)
+        found = connection.execute("PRAGMA integrity_check").fetchone()[0]
+        connection.close()
+        if found != "ok":
+            wrong.append(f"{path.name}: {found}")
+    return wrong
+
+
+def kill_once(
+    workplace: Workplace, n_games: int, longest_s: float, rng: np.random.Generator
+) -> tuple[list[Played], list[Saved], Settings]:
+    """Play games until the server is killed; returns them and what was saved of them."""
+    many = {"max_games": 10_000, "max_games_per_player": 10_000}
+    with (
+        server_process(workplace.settings.data, **many) as server,
+        ThreadPoolExecutor(n_games) as threads,
+    ):
+        played = [Played(server.new_game()) for _ in range(n_games)]
+        playing = [
+            threads.submit(play_until_killed, server.settings, one, generator)
+            for one, generator in zip(played, rng.spawn(n_games), strict=True)
+        ]
+        for one in played:
+            one.has_joined.wait(CONNECT_WITHIN_S)
+        time.sleep(float(rng.uniform(0, longest_s)))
+        server.process.kill()
+        server.process.wait()
+        for player in playing:
+            player.result()
+    return played, [read_saved(workplace, one.game["id"]) for one in played], server.settings
+
+
+def look_after(
+    workplace: Workplace, port: int, played: Sequence[Played], saved: Sequence[Saved]
+) -> list[str]:
+    """Start the server again and go on with every game; returns what is wrong."""
+    many = {"max_games": 10_000, "max_games_per_player": 10_000}
+    with (
+        server_process(workplace.settings.data, port=port, **many) as server,
+        ThreadPoolExecutor(len(played)) as threads,
+    ):
+        looks = [
+            threads.submit(go_on, workplace, server.settings, one, left)
+            for one, left in zip(played, saved, strict=True)
+        ]
+        return [
+            f"game {one.game['id']} ({', '.join(one.did) or 'played'}): {what}"
+            for one, look in zip(played, looks, strict=True)
+            for what in look.result()
+        ]
+
+
+def main() -> None:
+    """Kill, look, and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--games", type=int, default=200)
+    parser.add_argument("--at-once", type=int, default=8, help="games on the server at a kill")
+    parser.add_argument("--longest", type=float, default=12.0, help="seconds until a kill, at most")
+    parser.add_argument("--seed", type=int, default=0, help="of the moments and the keys")
+    arguments = parser.parse_args()
+    rng = np.random.default_rng(arguments.seed)
+    wrong: list[str] = []
+    corrupt: list[str] = []
+    lost: list[int] = []
+    left, kills, saved_frames, over = arguments.games, 0, 0, 0
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="tril-game-kills-") as folder:
+        workplace = make_workplace(Path(folder) / "data")
+        while left > 0:
+            n = min(left, arguments.at_once)
+            played, saved, settings = kill_once(workplace, n, arguments.longest, rng)
+            corrupt += corrupt_databases(workplace.settings.data)
+            for one, found in zip(played, saved, strict=True):
+                saved_frames += len(found.actions)
+                over += found.is_over
+                if one.frame is not None and not found.is_over:
+                    lost.append(max(0, one.frame - len(found.actions)))
+            wrong += look_after(workplace, settings.port, played, saved)
+            corrupt += corrupt_databases(workplace.settings.data)
+            left -= n
+            kills += 1
+        workplace.database.close()
+    figures = {
+        "kills": kills,
+        "frames_saved_at_kills": saved_frames,
+        "over_at_kills": over,
+        "frames_lost_p50": float(np.median(lost)) if lost else 0.0,
+        "frames_lost_most": max(lost, default=0),
+        "wrong": len(wrong),
+        "corrupt_databases": len(corrupt),
+        "seconds": round(time.monotonic() - began),
+    }
+    print(f"{arguments.games} games, {arguments.at_once} at a time")
+    for name, value in figures.items():
+        print(f"{name.replace('_', ' '):<24}{value:>10}")
+    for what in wrong + corrupt:
+        print(f"  {what}")
+    print(json.dumps({"benchmark": "game_kills", **vars(arguments), **figures}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,329 @@
+"""How late a person sees what their keys do, in a real browser; alone and beside a training.
+
+    python -m benchmarks.play.latency --games 10
+
+A whole Tril (``tril up``) and Chromium on this machine. Keys are pressed at random moments of a
+game. What is timed is watched from outside the page's code: from the time stamp of a key's event
+to the moment at which the page has drawn and acknowledged the first frame that was executed with
+that key held. The display's own time is not in it, and neither are the frames that the game itself
+takes until something moves, which are counted apart on the emulator. A frame is on time if it is
+drawn within a sixtieth of a second of its due time, by the clock of the game's most punctual frame;
+one that is never drawn is not. Then a training is started, and as soon as it has come to the stage
+named, the same is measured beside it, and how fast it goes meanwhile. Prints a table and a JSON
+line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import httpx2
+import numpy as np
+from playwright.sync_api import Page, sync_playwright
+
+from scripts.browser import find_browser
+from tests.e2e.running import BROWSER_ARGUMENTS, start_tril
+from tests.server.live import cookie
+from tril.game.console import Console
+from tril.game.controls import Keys, action_for
+from tril.game.episode import EVALUATION_START_COUNT, Episode, evaluation_start
+from tril.jobs import STAGES
+from tril.settings import Settings
+from tril.store.database import Database, create_database
+from tril.store.training import runs
+
+KEYS = ("ArrowLeft", "ArrowRight", "Space")
+HELD_MS = (60, 160)
+BETWEEN_MS = (80, 250)
+FRAME_MS = 1000 / 60
+START_TIMEOUT_S = 60.0
+TRAINING_RATE_S = 30.0
+
+WATCH = """
+(() => {
+  const seen = { keys: [], inputs: [], frames: [], drawn: [], over: false };
+  window.__seen = seen;
+  addEventListener("keydown", (event) => {
+    if (!event.repeat) seen.keys.push([event.timeStamp, performance.now()]);
+  }, true);
+  const Native = window.WebSocket;
+  const send = Native.prototype.send;
+  Native.prototype.send = function (data) {
+    send.call(this, data);
+    if (typeof data === "string") return;
+    const view = ArrayBuffer.isView(data)
+      ? new DataView(data.buffer, data.byteOffset, data.byteLength)
+      : new DataView(data);
+    const sequence = view.getUint32(4, true);
+    const list = view.getUint8(0) === 2 ? seen.drawn : seen.inputs;
+    list.push([sequence, performance.now()]);
+  };
+  window.WebSocket = class extends Native {
+    constructor(...args) {
+      super(...args);
+      this.addEventListener("message", ({ data }) => {
+        if (typeof data === "string") {
+          if (data.includes('"ended"')) seen.over = true;
+          return;
+        }
+        const view = new DataView(data);
+        seen.frames.push([4, 8, 12].map((at) => view.getUint32(at, true)));
+      });
+    }
+  };
+})();
+"""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was seen of games.
+
+    Attributes:
+        latencies_ms: From each key's event to the drawing of the first frame with it.
+        n_frames: Frames executed.
+        n_on_time: Those drawn on time.
+    """
+
+    latencies_ms: list[float]
+    n_frames: int
+    n_on_time: int
+
+
+def evaluate(log: dict[str, Any]) -> Seen:
+    """Make figures of what one page saw of one game."""
+    drawn_at = dict(log["drawn"])
+    frames = [frame for frame in log["frames"] if frame[0] in drawn_at and frame[1] > 0]
+    latencies = []
+    for happened, handled in log["keys"]:
+        sent = next((sequence for sequence, at in log["inputs"] if at >= handled), None)
+        shown = next((f for f in frames if sent is not None and f[2] >= sent), None)
+        if shown is not None:
+            latencies.append(drawn_at[shown[0]] - happened)
+    offsets = np.array([drawn_at[sequence] - frame * FRAME_MS for sequence, frame, _ in frames])
+    on_time = int(np.sum(offsets - offsets.min() <= FRAME_MS)) if frames else 0
+    return Seen(latencies, frames[-1][1] if frames else 0, on_time)
+
+
+def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> Seen:
+    """Play one game, pressing keys at random moments."""
+    page.goto(address)
+    page.get_by_role("button", name="Start game").click()
+    wait_until(page, "window.__seen.frames.some(([, frame]) => frame > 5)")
+    until = time.monotonic() + seconds
+    while time.monotonic() < until and not page.evaluate("window.__seen.over"):
+        key = str(rng.choice(KEYS))
+        page.keyboard.down(key)
+        page.wait_for_timeout(float(rng.uniform(*HELD_MS)))
+        page.keyboard.up(key)
+        page.wait_for_timeout(float(rng.uniform(*BETWEEN_MS)))
+    seen = evaluate(page.evaluate("window.__seen"))
+    # A game under way would go on at the next visit.
+    if not page.evaluate("window.__seen.over"):
+        page.get_by_role("button", name="End the game here").click()
+        wait_until(page, "window.__seen.over")
+    return seen
+
+
+def wait_until(page: Page, holds: str) -> None:
+    """Wait until a JavaScript expression holds; Playwright's own way needs eval in the page."""
+    give_up_at = time.monotonic() + START_TIMEOUT_S
+    while not page.evaluate(holds):
+        if time.monotonic() > give_up_at:
+            raise SystemExit(f"It never came to this: {holds}")
+        page.wait_for_timeout(50)
+
+
+def summed(games: list[Seen]) -> dict[str, float]:
+    """Sum games up to what is printed."""
+    latencies = [ms for seen in games for ms in seen.latencies_ms]
+    n_frames = sum(seen.n_frames for seen in games)
+    if not latencies:
+        raise SystemExit("No key was seen to have an effect; the games were too short.")
+    p50, p95, p99 = np.percentile(latencies, (50, 95, 99), method="inverted_cdf")
+    return {
+        "presses": len(latencies),
+        "p50_ms": round(float(p50), 1),
+        "p95_ms": round(float(p95), 1),
+        "p99_ms": round(float(p99), 1),
+        "frames": n_frames,
+        "on_time_percent": round(100 * sum(seen.n_on_time for seen in games) / n_frames, 2),
+    }
+
+
+def frames_until_something_moves() -> list[int]:
+    """Count, from many moments of games, the frames from a key to the first change it makes.
+
+    1 means that the first frame executed with the key differs from the one without.
+    """
+    console, counts = Console(), []
+    for number in range(EVALUATION_START_COUNT):
+        for key in (Keys.LEFT, Keys.RIGHT):
+            episode = Episode(console, evaluation_start(number))
+            for _ in range(30 + 7 * number % 60):
+                episode.advance(action_for(Keys(0)))
+            state = episode.save()
+            screens = []
+            for keys in (Keys(0), key):
+                episode.restore(state)
+                shown = []
+                for _ in range(10):
+                    episode.advance(action_for(keys))
+                    shown.append(console.screen_palette())
+                screens.append(shown)
+            pairs = enumerate(zip(*screens, strict=True), start=1)
+            differs = [n for n, (without, with_key) in pairs if (without != with_key).any()]
+            counts += differs[:1]
+    return counts
+
+
+@dataclass(frozen=True)
+class Training:
+    """A run that trains while games are played.
+
+    Attributes:
+        database: Where it is noted.
+        run_id: The run.
+    """
+
+    database: Database
+    run_id: str
+
+    def wait_for(self, stage: str, timeout_s: float) -> None:
+        """Wait until the run has come to a stage, or past it."""
+        until = time.monotonic() + timeout_s
+        while True:
+            with self.database.reading() as session:
+                row = runs.get(session, self.run_id)
+            if row.stage and STAGES.index(row.stage) >= STAGES.index(stage):
+                return
+            if time.monotonic() > until or row.finished_at is not None:
+                raise SystemExit(f"The training is {row.status} at {row.stage!r}: {row.message}")
+            time.sleep(0.5)
+
+    def done(self) -> tuple[str, float]:
+        """Return the stage and how much of it is done, 0 to 1."""
+        with self.database.reading() as session:
+            row = runs.get(session, self.run_id)
+        return row.stage, row.stage_done
+
+
+@contextmanager
+def training(base_url: str, settings: Settings, recipe: str, steps: int) -> Iterator[Training]:
+    """Start a training of the example of column 1, and cancel it afterwards."""
+    database = create_database(settings.application_url)
+    with httpx2.Client(base_url=base_url, headers={"Cookie": cookie(settings)}) as http:
+        asked = {"behaviour_id": 1, "example": True, "go_on_anyway": True}
+        answer = http.post("/api/runs", json={**asked, "recipe": recipe, "steps": steps})
+        answer.raise_for_status()
+        run_id = answer.json()["id"]
+        try:
+            yield Training(database, run_id)
+        finally:
+            http.post(f"/api/runs/{run_id}/cancel")
+            database.close()
+
+
+def progress_per_s(run: Training, before: tuple[str, float], since: float) -> float | None:
+    """Return how much of the stage was done a second since a moment, None if it has passed."""
+    stage, done = run.done()
+    return (done - before[1]) / (time.monotonic() - since) if stage == before[0] else None
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--games", type=int, default=10, help="games alone, and as many beside")
+    parser.add_argument("--seconds", type=float, default=18.0, help="longest time of a game")
+    parser.add_argument("--recipe", default="fast", help="of the training beside")
+    parser.add_argument("--steps", type=int, default=300_000, help="of the training beside")
+    parser.add_argument("--stage", default="imitator", help="of the training to measure beside")
+    parser.add_argument("--wait", type=float, default=1800.0, help="seconds for it to come there")
+    parser.add_argument("--alone", action="store_true", help="leave the training out")
+    parser.add_argument("--seed", type=int, default=0, help="of the presses")
+    arguments = parser.parse_args()
+    rng = np.random.default_rng(arguments.seed)
+    moves = frames_until_something_moves()
+    rows: dict[str, dict[str, float]] = {}
+    speed: dict[str, float | None] = {}
+    with (
+        tempfile.TemporaryDirectory(prefix="tril-latency-") as folder,
+        sync_playwright() as browsers,
+    ):
+        running = start_tril(Path(folder) / "data", "--workers", "1")
+        browser = browsers.chromium.launch(
+            executable_path=str(find_browser()),
+            headless=True,
+            chromium_sandbox=os.geteuid() != 0,
+            args=BROWSER_ARGUMENTS,
+        )
+        try:
+            context = browser.new_context(viewport={"width": 1280, "height": 900})
+            context.add_init_script(WATCH)
+            page = context.new_page()
+            page.goto(running.address)
+            where = urlsplit(running.address)
+            base_url = f"{where.scheme}://{where.netloc}"
+            settings = Settings(data=running.data, port=where.port or 80)
+
+            def games() -> dict[str, float]:
+                address = f"{base_url}/behaviours/1/play"
+                played = [
+                    play(page, address, arguments.seconds, rng) for _ in range(arguments.games)
+                ]
+                page.goto("about:blank")
+                return summed(played)
+
+            rows["alone"] = games()
+            if not arguments.alone:
+                with training(base_url, settings, arguments.recipe, arguments.steps) as run:
+                    run.wait_for(arguments.stage, arguments.wait)
+                    # Whoever has just played has until the lease of the last game runs out.
+                    before, since = run.done(), time.monotonic()
+                    rows["beside a training"] = games()
+                    speed["beside play"] = progress_per_s(run, before, since)
+                    time.sleep(TRAINING_RATE_S)
+                    before, since = run.done(), time.monotonic()
+                    time.sleep(TRAINING_RATE_S)
+                    speed["without play"] = progress_per_s(run, before, since)
+        finally:
+            browser.close()
+            running.stop()
+    print(f"{'':20}{'presses':>9}{'p50 ms':>9}{'p95':>7}{'p99':>7}{'frames':>9}{'on time':>9}")
+    for name, row in rows.items():
+        print(
+            f"{name:20}{row['presses']:9}{row['p50_ms']:9}{row['p95_ms']:7}{row['p99_ms']:7}"
+            f"{row['frames']:9}{row['on_time_percent']:8}%"
+        )
+    print(
+        f"\nthe game's own frames until the cannon moves: {min(moves)} to {max(moves)}, "
+        f"{np.mean(moves):.1f} on average"
+    )
+    with_play, without = speed.get("beside play"), speed.get("without play")
+    if with_play is not None and without:
+        print(f"the training goes at {with_play / without:.0%} of its speed beside play")
+    print(
+        json.dumps(
+            {
+                "benchmark": "latency",
+                **vars(arguments),
+                **rows,
+                "frames_until_move": [min(moves), round(float(np.mean(moves)), 2), max(moves)],
+                "stage_per_s": speed,
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()

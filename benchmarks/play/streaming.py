@@ -1,0 +1,201 @@
+"""Bytes and microseconds per streamed frame: our codec against usual encodings, in one run.
+
+    python -m benchmarks.play.streaming
+
+The frames are those of games played by a scripted player that moves and fires. All encodings get
+every frame, taking turns within blocks of frames so that other work on the machine weighs on all
+alike; of each, the mean number of bytes and the median over the blocks of the mean time are given.
+A second table tells how late the clock of a game comes that several sessions share with their
+emulators in one process. Prints tables and a JSON line.
+"""
+
+import argparse
+import asyncio
+import io
+import itertools
+import json
+import statistics
+import time
+import zlib
+from collections.abc import Callable
+
+import numpy as np
+from PIL import Image
+
+from benchmarks.play.support import jpeg
+from server.play.conditions import PlayConditions
+from server.play.consoles import ConsolePool
+from server.play.lateness import Lateness
+from server.play.rules import PlayRules
+from server.play.session.session import PlaySession
+from server.play.wire.codec import FrameEncoder, Screen
+from server.play.wire.connection import Connection
+from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
+from tril.behaviours import BUILT_IN
+from tril.game.console import Console
+from tril.game.controls import Keys, action_for
+from tril.game.episode import Episode, Start
+from tril.game.palette import palette_rgb
+from tril.recording import Recorder
+
+BLOCK_FRAMES = 30
+Encode = Callable[[Screen], bytes]
+
+
+def played_frames(n_games: int, n_frames: int) -> list[Screen]:
+    """Return the screens of games in which the player moves about and fires."""
+    rng = np.random.default_rng(0)
+    console = Console()
+    screens = []
+    for number in range(n_games):
+        episode = Episode(console, Start(2 + 3 * number))
+        keys = Keys.FIRE
+        for frame in range(n_frames):
+            if frame % 20 == 0:
+                keys = Keys(int(rng.integers(3))) | Keys.FIRE
+            episode.advance(action_for(keys))
+            screens.append(console.screen_palette())
+            if episode.end is not None:
+                break
+    return screens
+
+
+def encodings() -> dict[str, Encode]:
+    """Return the encodings to compare, ours first."""
+    encoder = FrameEncoder()
+    palette = palette_rgb().tobytes()
+
+    def png(screen: Screen) -> bytes:
+        file = io.BytesIO()
+        image = Image.frombuffer("P", screen.shape[::-1], screen.tobytes(), "raw", "P", 0, 1)
+        image.putpalette(palette)
+        image.save(file, "PNG", compress_level=1)
+        return file.getvalue()
+
+    return {
+        "XOR with the last frame + zlib 1 (ours)": lambda screen: encoder.encode(screen).payload,
+        "zlib 1 of palette values": lambda screen: zlib.compress(screen.tobytes(), 1),
+        "zlib 6 of palette values": lambda screen: zlib.compress(screen.tobytes(), 6),
+        "PNG with palette": png,
+        f"JPEG, quality {jpeg.QUALITY}": jpeg.jpeg,
+    }
+
+
+def compare(screens: list[Screen]) -> list[dict[str, float | str]]:
+    """Encode every screen in every way; returns a row for each."""
+    ways = encodings()
+    sizes = dict.fromkeys(ways, 0)
+    times: dict[str, list[float]] = {name: [] for name in ways}
+    for begin in range(0, len(screens), BLOCK_FRAMES):
+        block = screens[begin : begin + BLOCK_FRAMES]
+        for name, encode in ways.items():
+            began = time.perf_counter()
+            encoded = [encode(screen) for screen in block]
+            times[name].append((time.perf_counter() - began) / len(block))
+            sizes[name] += sum(map(len, encoded))
+    return [
+        {
+            "encoding": name,
+            "bytes_per_frame": round(sizes[name] / len(screens), 1),
+            "us_per_frame": round(1e6 * statistics.median(times[name]), 1),
+        }
+        for name in ways
+    ]
+
+
+class ReadingPage:
+    """A page in this process that acknowledges every frame at once and notes when frames came."""
+
+    def __init__(self) -> None:
+        self.connection = Connection(self)
+        self.came_at: list[float] = []
+
+    async def send_bytes(self, data: bytes) -> None:
+        """Take a frame."""
+        self.came_at.append(time.perf_counter())
+        self.connection.receive(AckMessage(parse_frame(data).sequence))
+
+    async def send_text(self, data: str) -> None:
+        """Take a message."""
+
+    async def close(self, code: int = 1000, reason: str | None = None) -> None:
+        """Take a close."""
+
+
+async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
+    """Play games side by side; returns by how much each frame came late."""
+
+    async def finish(_session: PlaySession) -> None:
+        return None
+
+    async def branch(_session: PlaySession, _frame: int) -> None:
+        return None
+
+    consoles = ConsolePool()
+
+    pages = [ReadingPage() for _ in range(n_sessions)]
+    sessions = []
+    for number, page in enumerate(pages):
+        recorder = Recorder(Episode(Console(), Start(number)))
+        session = PlaySession(
+            str(number),
+            number,
+            BUILT_IN[0],
+            recorder,
+            1,
+            PlayConditions(),
+            consoles,
+            PlayRules(countdown=0),
+            Lateness(),
+            branch,
+            finish,
+        )
+        await session.attach(page.connection, is_resumed=False)
+        page.connection.receive(InputMessage(Keys.RIGHT | Keys.FIRE, 1))
+        sessions.append(session)
+    for session in sessions:
+        await session.obey(Command("ready"))
+    await asyncio.sleep(seconds)
+    late = []
+    for page, session in zip(pages, sessions, strict=True):
+        await session.settle()
+        # The earliest frame, measured against its deadline, stands for a clock that is on time.
+        offsets = [1000 * at - 1000 * n / 60 for n, at in enumerate(page.came_at[1:])]
+        late += [offset - min(offsets) for offset in offsets]
+    return late
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--games", type=int, default=4)
+    parser.add_argument("--frames", type=int, default=600, help="most frames of a game")
+    parser.add_argument("--sessions", type=int, default=8, help="games played side by side")
+    parser.add_argument("--seconds", type=float, default=8.0, help="how long they are played")
+    arguments = parser.parse_args()
+    screens = played_frames(arguments.games, arguments.frames)
+    same = sum(np.array_equal(a, b) for a, b in itertools.pairwise(screens))
+    rows = compare(screens)
+    print(f"{len(screens)} frames, {same / len(screens):.0%} equal to the one before\n")
+    print(f"{'encoding':42} {'bytes/frame':>12} {'us/frame':>10}")
+    for row in rows:
+        print(f"{row['encoding']:42} {row['bytes_per_frame']:12} {row['us_per_frame']:10}")
+    late = asyncio.run(lateness_ms(arguments.sessions, arguments.seconds))
+    percentiles = {str(p): round(float(np.percentile(late, p)), 2) for p in (50, 99, 100)}
+    print(f"\n{arguments.sessions} games in one process: a frame is late by")
+    print("  " + ", ".join(f"p{p} {value} ms" for p, value in percentiles.items()))
+    print(
+        json.dumps(
+            {
+                "benchmark": "streaming",
+                "n_frames": len(screens),
+                "encodings": rows,
+                "sessions": arguments.sessions,
+                "late_ms": percentiles,
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()

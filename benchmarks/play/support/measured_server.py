@@ -1,0 +1,80 @@
+"""A server process that says how it does: ``python -m benchmarks.play.support.measured_server``.
+
+It is the server itself, with one route more and a signal: at SIGUSR1 it writes what it counted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import logging.config
+import signal
+import socket
+import sys
+from pathlib import Path
+
+from fastapi import FastAPI
+
+from benchmarks.play.support import jpeg
+from server.app import create_app
+from server.main import LOGGING, SWITCH_INTERVAL_S, Server, bind, server_config
+from server.play.rules import PlayRules
+from server.services import Services
+from tril.files.artifact_store import write_whole
+from tril.settings import Settings
+
+COUNTDOWN_SECOND_S = 0.2
+"""A short countdown, so that nearly all players play nearly all the time."""
+
+
+class MeasuredServer(Server):
+    """The server, writing its measures to a file when asked to.
+
+    Args:
+        app: The application.
+        settings: Its settings.
+        measures: The file.
+    """
+
+    def __init__(self, app: FastAPI, settings: Settings, measures: Path) -> None:
+        super().__init__(server_config(app, settings))
+        self._app = app
+        self._measures = measures
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start; whoever reads in the log that this is done may send the signal."""
+        asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, self._write)
+        await super().startup(sockets)
+
+    def _write(self) -> None:
+        services: Services = self._app.state.services
+        content = {
+            "late": services.games.lateness.counts,
+            "consoles": services.consoles.n_loaded,
+        }
+        write_whole(self._measures, json.dumps(content).encode())
+
+
+def main() -> None:
+    """Serve until SIGTERM."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--port", type=int, required=True)
+    parser.add_argument("--measures", type=Path, required=True)
+    parser.add_argument("--games", type=int, required=True, help="most games in this process")
+    arguments = parser.parse_args()
+    logging.config.dictConfig(LOGGING)
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    settings = Settings(
+        data=arguments.data, port=arguments.port, max_games=10_000, max_games_per_player=10_000
+    )
+    rules = PlayRules(countdown=1, countdown_second_s=COUNTDOWN_SECOND_S, max_games=arguments.games)
+    app = create_app(settings, rules=rules)
+    app.include_router(jpeg.router)
+    with bind(settings, shares_port=True) as listening:
+        MeasuredServer(app, settings, arguments.measures).run(sockets=[listening])
+
+
+if __name__ == "__main__":
+    main()

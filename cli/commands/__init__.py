@@ -1,0 +1,1 @@
+"""The subcommands of tril, one module each."""

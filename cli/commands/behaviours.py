@@ -1,0 +1,151 @@
+"""``tril behaviours``: what is being taught."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cli.output import JsonOption, console, errors, print_json
+from cli.workspace import find_behaviour, open_workspace
+from tril.behaviours import Cell
+from tril.errors import Invalid
+from tril.exchange import behaviour_transfer
+from tril.exchange.formats import BehaviourRefused
+from tril.files.artifact_store import write_whole
+from tril.store import behaviours
+
+app = typer.Typer(help="What is being taught.", no_args_is_help=True)
+
+MAX_FILE_BYTES = 256 * 2**20
+"""Largest file that is imported; 10,000 recordings take about 40 MB."""
+
+
+@app.command("list")
+def list_behaviours(as_json: JsonOption = False) -> None:
+    """List the behaviours with what there is of each."""
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        counts = behaviours.counts(session)
+        entries = [
+            {
+                "slug": row.slug,
+                "name": row.name,
+                "target": row.target,
+                "ordered": row.ordered,
+                "recordings": of.n_recordings,
+                "ranked": of.n_ranked,
+                "perfect": of.n_perfect,
+                "runs": of.n_runs,
+            }
+            for row in behaviours.listing(session)
+            for of in [counts.get(row.id, behaviours.Counts())]
+        ]
+    if as_json:
+        print_json(entries)
+        return
+    table = Table("behaviour", "name", "target", box=None)
+    for title in ("recordings", "ranked", "perfect", "runs"):
+        table.add_column(title, justify="right")
+    for entry in entries:
+        target = entry["target"]
+        cells = "none" if target is None else f"{len(target)} aliens"  # type: ignore[arg-type]
+        order = ", in order" if entry["ordered"] else ""
+        numbers = (str(entry[key]) for key in ("recordings", "ranked", "perfect", "runs"))
+        table.add_row(str(entry["slug"]), str(entry["name"]), cells + order, *numbers)
+    console.print(table)
+
+
+@app.command()
+def add(
+    name: Annotated[str, typer.Argument(help="Name, e.g. 'Left side only'.")],
+    description: Annotated[str, typer.Option(help="What a perfect game looks like.")] = "",
+    target: Annotated[
+        list[str] | None,
+        typer.Option(help="A target alien as ROW,COLUMN counted from 1, row 1 at the bottom."),
+    ] = None,
+    ordered: Annotated[bool, typer.Option(help="They have to be hit in this order.")] = False,
+) -> None:
+    """Add a behaviour of your own."""
+    with open_workspace() as workspace, workspace.database.writing() as session:
+        cells = None if target is None else tuple(_cell(text) for text in target)
+        row = behaviours.create(session, name, description, cells, ordered)
+        console.print(f"Added {row.slug}.")
+
+
+@app.command()
+def delete(behaviour: Annotated[str, typer.Argument(help="Short name.")]) -> None:
+    """Delete a behaviour; its recordings and runs stay readable in the database."""
+    with open_workspace() as workspace, workspace.database.writing() as session:
+        row = find_behaviour(session, behaviour)
+        behaviours.delete(session, row)
+        console.print(f"Deleted {row.slug}.")
+
+
+@app.command("export")
+def export_file(
+    behaviour: Annotated[str, typer.Argument(help="Short name.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write; else SHORT-NAME.tril.json."),
+    ] = None,
+) -> None:
+    """Write all of a behaviour to one file: target, recordings, every revision of the ranking."""
+    with open_workspace() as workspace:
+        with workspace.database.reading() as session:
+            row = find_behaviour(session, behaviour)
+            content, notices = behaviour_transfer.export_whole(session, row)
+        place = output or Path(f"{row.slug}.tril.json")
+        try:
+            write_whole(place, f"{json.dumps(content, indent=1)}\n".encode())
+        except OSError as error:
+            raise Invalid(f"{place} can't be written: {error.strerror}.") from error
+    for notice in notices:
+        errors.print(f"[yellow]{notice}[/]")
+    console.print(
+        f"Wrote {row.slug} to {place}: {len(content['recordings'])} recordings,"
+        f" {len(content['rankings'])} revisions of the ranking."
+    )
+
+
+@app.command("import")
+def import_file(
+    file: Annotated[Path, typer.Argument(help="A file of `tril behaviours export`.")],
+    name: Annotated[
+        str | None, typer.Option(help="Import it as a new behaviour of this name.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Add a behaviour from a file, all or nothing; each recording is replayed and verified."""
+    with open_workspace() as workspace:
+        try:
+            if file.stat().st_size > MAX_FILE_BYTES:
+                raise Invalid(f"{file} is larger than {MAX_FILE_BYTES // 2**20} MiB.")
+            content = file.read_bytes()
+        except OSError as error:
+            raise Invalid(f"{file} can't be read: {error.strerror}.") from error
+        try:
+            outcome = behaviour_transfer.import_whole(workspace.database, content, name)
+        except BehaviourRefused as refusal:
+            raise Invalid(f"{file} is refused: {refusal}") from refusal
+    if as_json:
+        print_json(asdict(outcome))
+        return
+    for notice in outcome.notices:
+        console.print(notice)
+    where = "which was empty" if outcome.was_there else "a new behaviour"
+    console.print(
+        f"Imported into {outcome.slug}, {where}: {outcome.n_recordings} recordings,"
+        f" {outcome.n_revisions} revisions of the ranking."
+    )
+
+
+def _cell(text: str) -> Cell:
+    try:
+        row, column = (int(part) for part in text.split(","))
+    except ValueError:
+        raise Invalid(f"Expected ROW,COLUMN such as 1,6, got {text!r}.") from None
+    return row - 1, column - 1

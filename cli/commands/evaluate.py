@@ -1,0 +1,154 @@
+"""``tril evaluate``: let a trained policy play again, from any evaluation starts."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from cli.output import JsonOption, console, print_json
+from cli.progress import progress_bar
+from cli.workspace import Workspace, open_workspace
+from tril.analysis.summary import GameFigures, summarise
+from tril.behaviours import Behaviour, score
+from tril.errors import Invalid
+from tril.files.artifact_store import ArtifactStore
+from tril.game.starts import evaluation_start
+from tril.recipes import recipe_from_dict
+from tril.store import behaviours
+from tril.store.training import runs
+
+
+class Policy(StrEnum):
+    """Which of a run's policies plays."""
+
+    IMITATOR = "imitator"
+    CLONE = "clone"
+
+
+class ActionSelection(StrEnum):
+    """How it chooses actions."""
+
+    GREEDY = "greedy"
+    SAMPLED = "sampled"
+    STICKY = "sticky"
+
+
+def evaluate(
+    run_id: Annotated[str, typer.Argument(help="A run whose policies are trained.")],
+    policy: Annotated[Policy, typer.Option(help="Which policy plays.")] = Policy.IMITATOR,
+    action_selection: Annotated[
+        ActionSelection, typer.Option(help="How it chooses actions.")
+    ] = ActionSelection.GREEDY,
+    starts: Annotated[str, typer.Option(help="Evaluation starts, e.g. 0,1,2 or 0-31.")] = "0-22",
+    sticky: Annotated[
+        float | None,
+        typer.Option(
+            min=0,
+            max=1,
+            help="Chance of repeating the last frame's action; else 0.25 where the selection is"
+            " sticky.",
+        ),
+    ] = None,
+    sampling_seed: Annotated[int, typer.Option(min=0, help="Of all draws.")] = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Let a trained policy play one game from each evaluation start; nothing is stored."""
+    with open_workspace() as workspace:
+        numbers = _numbers(starts)
+        behaviour, games = _play(
+            workspace, run_id, policy, action_selection, numbers, sticky, sampling_seed
+        )
+        figures = [_figures(behaviour, game) for game in games]
+        if as_json:
+            for number, game in zip(numbers, figures, strict=True):
+                print_json({"start_number": number} | vars(game))
+            return
+        table = Table("start", "end", box=None, title=behaviour.name, title_justify="left")
+        for title in ("targets", "strays", "order errors", "steps", "predicted return"):
+            table.add_column(title, justify="right")
+        for number, game, one in zip(numbers, games, figures, strict=True):
+            counts = (one.targets, one.strays, one.order_errors, one.steps)
+            cells = ("" if value is None else str(value) for value in counts)
+            table.add_row(str(number), game.end, *cells, f"{one.predicted_return:.1f}")
+        console.print(table)
+        _say_means(figures)
+
+
+def _play(
+    workspace: Workspace,
+    run_id: str,
+    policy: Policy,
+    action_selection: ActionSelection,
+    numbers: list[int],
+    sticky: float | None,
+    sampling_seed: int,
+) -> tuple[Behaviour, list[Any]]:
+    from trainer.policy.evaluation import play
+    from trainer.policy.networks import load_policy
+    from trainer.reward.model import RewardModel
+    from trainer.runtime.artifact_files import stored_file
+    from tril.game.episode import Ending
+
+    database = workspace.database
+    store = ArtifactStore(workspace.settings.artifact_root)
+    with database.reading() as session:
+        run = runs.get(session, run_id)
+        behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
+    with stored_file(database, store, run_id, policy) as path:
+        actor = load_policy(path)
+    with stored_file(database, store, run_id, "reward_model") as path:
+        model = RewardModel.load(path)
+    with progress_bar("playing") as watched:
+        games = play(
+            actor,
+            [evaluation_start(number) for number in numbers],
+            action_selection.value,
+            model=model,
+            ending=Ending(recipe_from_dict(run.recipe).ending),
+            sampling_seed=sampling_seed,
+            sticky_action_probability=sticky,
+            progress=watched,
+        )
+    return behaviour, games
+
+
+def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
+    result = score(behaviour, tuple((hit.row, hit.column) for hit in game.hits))
+    return GameFigures(
+        targets=result.targets if result else None,
+        strays=result.strays if result else None,
+        order_errors=result.order_errors if result else None,
+        steps=game.recording.n_steps,
+        died=game.end == "hit",
+        predicted_return=game.predicted_return,
+    )
+
+
+def _say_means(figures: list[GameFigures]) -> None:
+    summary = summarise(figures)
+    for name, value in (
+        ("targets", summary.targets),
+        ("strays", summary.strays),
+        ("share lost to a bomb", summary.death_rate),
+    ):
+        if value is not None:
+            console.print(
+                f"{name}: {value.mean:.2f}, 95% interval {value.low:.2f} to {value.high:.2f}"
+            )
+
+
+def _numbers(text: str) -> list[int]:
+    """Read "0,1,2" or "0-31" or a mixture."""
+    numbers: list[int] = []
+    try:
+        for part in text.split(","):
+            first, dash, last = part.partition("-")
+            numbers += range(int(first), int(last) + 1) if dash else [int(first)]
+    except ValueError:
+        raise Invalid(f"Expected starts such as 0,1,2 or 0-31, got {text!r}.") from None
+    if not numbers or len(set(numbers)) != len(numbers):
+        raise Invalid(f"Expected each start once and at least one, got {text!r}.")
+    return numbers

@@ -1,0 +1,152 @@
+"""``tril recordings``: the library of recordings."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cli.output import JsonOption, console, errors, print_json
+from cli.workspace import find_behaviour, open_workspace
+from tril.behaviours import score
+from tril.errors import Invalid
+from tril.exchange import recording_transfer
+from tril.recording import RecordingRefused, verify
+from tril.store import behaviours, players, recordings
+
+app = typer.Typer(help="The library of recordings.", no_args_is_help=True)
+
+BehaviourOption = Annotated[str, typer.Option("--behaviour", "-b", help="Short name.")]
+
+
+@app.command("list")
+def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> None:
+    """List a behaviour's recordings, newest first."""
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        of = find_behaviour(session, behaviour)
+        what = behaviours.as_behaviour(of)
+        rows = recordings.listing(session, of.id)
+        scores = [score(what, tuple((r, c) for r, c, _ in row.hits)) for row in rows]
+    if as_json:
+        for row, result in zip(rows, scores, strict=True):
+            print_json(
+                {
+                    "id": row.id,
+                    "source": row.source,
+                    "frames": row.n_frames,
+                    "end": row.end,
+                    "hits": row.hits,
+                    "targets": result.targets if result else None,
+                    "strays": result.strays if result else None,
+                    "order_errors": result.order_errors if result else None,
+                    "perfect": row.perfect,
+                    "verification": row.verification,
+                    "notes": row.notes,
+                }
+            )
+        return
+    table = Table("recording", "source", "end", "verified", "perfect", "notes", box=None)
+    for title in ("targets", "strays", "seconds"):
+        table.add_column(title, justify="right")
+    for row, result in zip(rows, scores, strict=True):
+        table.add_row(
+            str(row.id),
+            row.source,
+            row.end or "",
+            row.verification,
+            "yes" if row.perfect else "",
+            row.notes,
+            str(result.targets) if result else "",
+            str(result.strays) if result else "",
+            f"{row.n_frames / 60:.1f}",
+        )
+    console.print(table)
+
+
+@app.command("import")
+def import_files(
+    files: Annotated[list[Path], typer.Argument(help="Recordings: JSON or JSON Lines.")],
+    behaviour: BehaviourOption,
+    rank: Annotated[
+        bool, typer.Option("--rank", help="The files are in order from best to worst.")
+    ] = False,
+    perfect: Annotated[bool, typer.Option("--perfect", help="All are perfect games.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Add recordings; each is replayed and verified, and each refusal gives its reason."""
+    refused = 0
+    with open_workspace() as workspace:
+        with workspace.database.reading() as session:
+            of, player = find_behaviour(session, behaviour).id, players.owner(session).id
+        for path in files:
+            try:
+                content = path.open("rb")
+            except OSError as error:
+                raise Invalid(f"{path} can't be read: {error.strerror}.") from error
+            with content:
+                outcome = recording_transfer.import_recordings(
+                    workspace.database, of, content, rank=rank, perfect=perfect, player_id=player
+                )
+            refused += len(outcome.refusals)
+            _report(path, outcome, as_json)
+    if refused:
+        raise typer.Exit(1)
+
+
+@app.command("export")
+def export(
+    behaviour: BehaviourOption,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
+) -> None:
+    """Write a behaviour's recordings as JSON Lines, the ranked ones first, best to worst."""
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        of = find_behaviour(session, behaviour)
+        lines = [json.dumps(entry) for entry in recording_transfer.export_behaviour(session, of.id)]
+    text = "".join(f"{line}\n" for line in lines)
+    if output is None:
+        sys.stdout.write(text)
+        return
+    output.write_text(text)
+    errors.print(f"Wrote {len(lines)} recordings to {output}.")
+
+
+@app.command("verify")
+def verify_all(behaviour: BehaviourOption) -> None:
+    """Replay every recording of a behaviour and say which differ from what was recorded."""
+    with open_workspace() as workspace:
+        with workspace.database.reading() as session:
+            rows = recordings.listing(session, find_behaviour(session, behaviour).id)
+        wrong = 0
+        for row in rows:
+            try:
+                hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+                verify(recordings.as_recording(row), hits)
+            except RecordingRefused as refusal:
+                wrong += 1
+                errors.print(f"Recording {row.id}: {refusal}")
+        console.print(f"{len(rows) - wrong} of {len(rows)} recordings verify.")
+    if wrong:
+        raise typer.Exit(1)
+
+
+def _report(path: Path, outcome: recording_transfer.Imported, as_json: bool) -> None:
+    if as_json:
+        print_json(
+            {
+                "file": str(path),
+                "imported": outcome.recording_ids,
+                "notices": [asdict(remark) for remark in outcome.notices],
+                "refusals": [asdict(remark) for remark in outcome.refusals],
+            }
+        )
+        return
+    console.print(f"{path}: {len(outcome.recording_ids)} imported")
+    for remark in outcome.notices:
+        console.print(f"  line {remark.line}: {remark.reason}")
+    for remark in outcome.refusals:
+        errors.print(f"  [red]line {remark.line} refused:[/] {remark.reason}")

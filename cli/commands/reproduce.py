@@ -1,0 +1,224 @@
+"""``tril reproduce``: every result of the published work, computed as far as it is missing."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.commands.runs import chosen_recipe, start_run
+from cli.follow import StandbyWorker, standby_worker
+from cli.output import console, errors
+from cli.progress import progress_bar
+from cli.workspace import Workspace, open_workspace
+from tril.behaviours import BUILT_IN
+from tril.demonstrator import KINDS, SCRIPTED, kind_named
+from tril.errors import Invalid
+from tril.files.artifact_store import ArtifactStore
+from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained
+from tril.store.models import RunRow, RunStatus
+from tril.store.training import runs
+
+if TYPE_CHECKING:
+    from trainer.reporting.ledger import Cell
+
+POLL_S = 2.0
+COMMAND = "tril reproduce"
+ONE_AT_A_TIME = (
+    "Other demonstrations, the recipe without its factors, and the published protocol are compared"
+    " with the ordinary result, each by itself. Run the command once for each."
+)
+
+
+def reproduce(
+    behaviour: Annotated[
+        list[str] | None,
+        typer.Option("--behaviour", "-b", help="Short name; repeat it. Else all seven."),
+    ] = None,
+    training_seed: Annotated[
+        list[int] | None, typer.Option("--training-seed", "-s", help="Repeat it. Else 0, 1, 2.")
+    ] = None,
+    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
+    steps: Annotated[int | None, typer.Option(min=1, help="PPO steps; else the recipe's.")] = None,
+    value: Annotated[
+        list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
+    ] = None,
+    demonstrations: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Kind of demonstrations, one of"
+            f" {', '.join(kind.name for kind in KINDS)}; repeat it. Else {SCRIPTED.name}.",
+        ),
+    ] = None,
+    ablation: Annotated[
+        bool,
+        typer.Option("--ablation", help="Also the fast recipe without each of its factors."),
+    ] = False,
+    own_starts: Annotated[
+        bool,
+        typer.Option(
+            "--own-starts",
+            help="The published protocol: for each of the starts 0, 1, 2 an imitator that is"
+            " trained and judged on it alone.",
+        ),
+    ] = False,
+    extrapolation: Annotated[
+        bool,
+        typer.Option(
+            help="Also the rewards learned from rankings by points and by shots, here and now, for"
+            " recipes whose imitator is trained on the learned reward.",
+        ),
+    ] = True,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder of the ledger, pages and pictures.")
+    ] = Path("docs/results"),
+    page_only: Annotated[
+        bool, typer.Option("--page-only", help="Train nothing; write the page anew.")
+    ] = False,
+) -> None:
+    """Train what the ledger lacks, for every behaviour and training seed, and write the results.
+
+    A finished result is written at once, so that the command can be stopped at any time and goes on
+    where it was. Runs are queued like any other: more workers make it faster.
+    """
+    from trainer.reporting.ledger import Cell, Ledger
+    from trainer.reporting.results_page import write_page
+
+    chosen = chosen_recipe(recipe, value)
+    chosen_steps = steps or chosen.default_steps
+    slugs = behaviour or [one.slug for one in BUILT_IN]
+    if unknown := [slug for slug in slugs if slug not in {one.slug for one in BUILT_IN}]:
+        raise typer.BadParameter(
+            f"There is no scripted example of {', '.join(unknown)}; choose among"
+            f" {', '.join(one.slug for one in BUILT_IN)}."
+        )
+    with open_workspace() as workspace:
+        kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
+        if (kinds != [SCRIPTED.name]) + own_starts + ablation > 1:
+            raise Invalid(ONE_AT_A_TIME)
+        recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
+        cells = {
+            Cell.of(slug, one, chosen_steps, seed, kind): one
+            for seed in training_seed or [0, 1, 2]
+            for slug in slugs
+            for kind in kinds
+            for one in recipes
+        }
+        missing = [] if page_only else Ledger(output).missing(cells)
+        if missing:
+            errors.print(f"{len(missing)} of {len(cells)} results are missing.")
+            with standby_worker(workspace) as worker:
+                chosen_cells = {cell: cells[cell] for cell in missing}
+                failed = _compute(workspace, chosen_cells, output, worker)
+        else:
+            failed = 0
+        if extrapolation and chosen.method == "ppo" and not page_only:
+            _extrapolate(chosen, training_seed or [0, 1, 2], output)
+        page = write_page(output, COMMAND)
+        console.print(f"Results: {page}", soft_wrap=True)
+        if failed:
+            raise Invalid(
+                f"{failed} of {len(missing)} runs did not end well: see tril runs list. Run the"
+                " command again to have them computed anew."
+            )
+
+
+def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:
+    """Return the recipes that are compared: the chosen one, or what takes its place or joins it."""
+    if own_starts:
+        starts = chosen.evaluation.start_numbers
+        return [judged_where_trained(chosen, number) for number in starts]
+    if not ablation:
+        return [chosen]
+    if chosen != FAST:
+        raise Invalid("What can be left out is known of the recipe fast alone, as it comes.")
+    return [chosen, *(one.recipe for one in ABLATIONS)]
+
+
+def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
+    """Make the sanity experiments that are missing, one after the other."""
+    from trainer.reporting import extrapolation_results as results
+    from trainer.reporting.extrapolation import QUANTITIES, extrapolate
+    from trainer.runtime.throttle import lower_priority
+
+    experiments = {
+        results.Experiment.of(quantity, recipe, seed): quantity
+        for seed in training_seeds
+        for quantity in QUANTITIES
+    }
+    lower_priority()
+    for experiment in results.missing(output, list(experiments)):
+        label = f"Ranked by {experiment.quantity}, training seed {experiment.training_seed}"
+        with progress_bar(label) as progress:
+            found = extrapolate(
+                experiment.quantity, recipe.reward, experiment.training_seed, progress
+            )
+        results.write(output, experiment, found)
+        console.print(f"{label}: done")
+
+
+def _compute(
+    workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path, worker: StandbyWorker
+) -> int:
+    """Train the cells and write each into the ledger when it is done; return how many failed."""
+    from trainer.reporting.ledger import Ledger, read_entry
+    from trainer.reporting.results_page import cell_folder, write_page
+    from trainer.reporting.run_report import write_report
+
+    store = ArtifactStore(workspace.settings.artifact_root)
+    waiting = dict.fromkeys(_runs_of(workspace, cells))
+    failed = 0
+    while waiting:
+        for run_id in list(waiting):
+            with workspace.database.reading() as session:
+                row = runs.get(session, run_id)
+            if not RunStatus(row.status).is_over:
+                continue
+            del waiting[run_id]
+            if row.status != RunStatus.DONE:
+                errors.print(f"Run {run_id} is {row.status}. {row.message}")
+                failed += 1
+                continue
+            entry = read_entry(workspace.database, run_id)
+            write_report(workspace.database, store, run_id, output / cell_folder(entry))
+            Ledger(output).add(entry)
+            write_page(output, COMMAND)
+            console.print(f"{cell_folder(entry)}: done")
+        worker.ensure()
+        time.sleep(POLL_S)
+    return failed
+
+
+def _runs_of(workspace: Workspace, cells: Mapping[Cell, Recipe]) -> list[str]:
+    """Return a run for each cell: one that is there and not lost, else a new one."""
+    from trainer.reporting.ledger import read_cell
+
+    with workspace.database.reading() as session:
+        present = {
+            read_cell(session, row): row.id
+            for row in reversed(runs.listing(session))
+            if _is_usable(row)
+        }
+    return [
+        present.get(cell)
+        or start_run(
+            workspace,
+            cell.behaviour,
+            recipe,
+            cell.steps,
+            cell.training_seed,
+            go_on_anyway=True,
+            example=True,
+            example_kind=cell.demonstrations,
+        )
+        for cell, recipe in cells.items()
+    ]
+
+
+def _is_usable(row: RunRow) -> bool:
+    if not row.example:
+        return False
+    return row.status == RunStatus.DONE or not RunStatus(row.status).is_over

@@ -1,0 +1,229 @@
+"""``tril runs``, ``tril train`` and ``tril evaluate``: training and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from cli.follow import duration, follow, say_how_it_ended, standby_worker
+from cli.output import JsonOption, console, errors, print_json
+from cli.workspace import Workspace, find_behaviour, open_workspace
+from tril.analysis.summary import PolicySummary
+from tril.demonstrator import SCRIPTED
+from tril.errors import Invalid
+from tril.jobs import estimate, overall_progress
+from tril.recipes import RECIPES, Recipe, recipe_named, with_values
+from tril.store import behaviours, players
+from tril.store.models import RunRow
+from tril.store.training import evaluations, runs
+
+app = typer.Typer(help="Training runs.", no_args_is_help=True)
+
+
+def start_run(
+    workspace: Workspace,
+    behaviour: str,
+    recipe: Recipe,
+    steps: int,
+    training_seed: int,
+    *,
+    go_on_anyway: bool = False,
+    example: bool = False,
+    example_kind: str = SCRIPTED.name,
+) -> str:
+    """Make a run and enqueue it; returns its id."""
+    with workspace.database.writing() as session:
+        row = runs.create(
+            session,
+            find_behaviour(session, behaviour).id,
+            recipe,
+            steps,
+            training_seed,
+            go_on_anyway=go_on_anyway,
+            example=example,
+            player_id=players.owner(session).id,
+            example_kind=example_kind,
+        )
+        cost = estimate(session, recipe)
+        run_id = row.id
+    expected_s = steps / cost.steps_per_s + cost.overhead_s
+    basis = "as measured here" if cost.measured else "on two 2.5 GHz cores"
+    errors.print(f"Run {run_id}: about {duration(expected_s)} {basis}.")
+    with workspace.jobs() as jobs:
+        jobs.enqueue(run_id)
+    return run_id
+
+
+def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
+    """A recipe with values such as ``policy.learning_rate=0.001`` replaced."""
+    changes: dict[str, Any] = {}
+    for entry in values or []:
+        path, equals, text = entry.partition("=")
+        if not equals:
+            raise Invalid(f"Expected NAME=VALUE such as policy.n_epochs=4, got {entry!r}.")
+        changes[path] = _value(text)
+    return with_values(recipe_named(name), changes)
+
+
+def train(
+    behaviour: Annotated[str, typer.Argument(help="Short name of the behaviour.")],
+    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
+    steps: Annotated[int | None, typer.Option(min=1, help="Steps; else the recipe's.")] = None,
+    training_seed: Annotated[int, typer.Option(min=0, help="Feeds every random choice.")] = 0,
+    value: Annotated[
+        list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
+    ] = None,
+    go_on_anyway: Annotated[
+        bool, typer.Option(help="Train even if the check of the ranking fails.")
+    ] = False,
+    wait: Annotated[bool, typer.Option(help="Follow the run until it is over.")] = True,
+) -> None:
+    """Train an imitator and a clone on a behaviour's ranking."""
+    with open_workspace() as workspace:
+        chosen = chosen_recipe(recipe, value)
+        run_id = start_run(
+            workspace,
+            behaviour,
+            chosen,
+            steps or chosen.default_steps,
+            training_seed,
+            go_on_anyway=go_on_anyway,
+        )
+        if not wait:
+            console.print(run_id)
+            return
+        with standby_worker(workspace) as worker:
+            row = follow(workspace, run_id, worker)
+        if not say_how_it_ended(row):
+            raise typer.Exit(1)
+        print_results(workspace, row)
+
+
+@app.command("list")
+def list_runs(
+    behaviour: Annotated[str | None, typer.Option("--behaviour", "-b")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List runs, newest first."""
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        of = None if behaviour is None else find_behaviour(session, behaviour).id
+        entries = [run_entry(row) for row in runs.listing(session, of)]
+    if as_json:
+        print_json(entries)
+        return
+    table = Table("run", "recipe", "status", "stage", "message", box=None)
+    for title in ("steps", "training seed", "done"):
+        table.add_column(title, justify="right")
+    for entry in entries:
+        table.add_row(
+            entry["id"],
+            entry["recipe"],
+            entry["status"],
+            entry["stage"],
+            entry["message"],
+            f"{entry['steps']:,}",
+            str(entry["training_seed"]),
+            f"{entry['progress']:.0%}",
+        )
+    console.print(table)
+
+
+@app.command()
+def show(run_id: str, as_json: JsonOption = False) -> None:
+    """Show a run and its evaluation."""
+    with open_workspace() as workspace:
+        with workspace.database.reading() as session:
+            row = runs.get(session, run_id)
+        if as_json:
+            print_json(run_entry(row) | {"outcome": row.outcome, "recipe_values": row.recipe})
+            return
+        console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
+        print_results(workspace, row)
+
+
+@app.command()
+def cancel(run_id: str) -> None:
+    """Cancel a run; it can be resumed from its last checkpoint."""
+    with open_workspace() as workspace, workspace.jobs() as jobs:
+        jobs.cancel(run_id)
+        console.print("Cancelled.")
+
+
+@app.command()
+def resume(run_id: str) -> None:
+    """Let a cancelled, stopped or failed run go on from its last checkpoint."""
+    with open_workspace() as workspace, workspace.jobs() as jobs:
+        jobs.resume(run_id)
+        console.print("Resumed.")
+
+
+def run_entry(row: RunRow) -> dict[str, Any]:
+    """A run as data for scripts."""
+    return {
+        "id": row.id,
+        "behaviour_id": row.behaviour_id,
+        "recipe": row.recipe_name,
+        "steps": row.steps,
+        "training_seed": row.training_seed,
+        "status": row.status,
+        "stage": row.stage,
+        "progress": overall_progress(row),
+        "message": row.message,
+        "created_at": row.created_at,
+        "finished_at": row.finished_at,
+    }
+
+
+def print_results(workspace: Workspace, row: RunRow) -> None:
+    """Print the evaluation games of a run and their means, policy by policy."""
+    with workspace.database.reading() as session:
+        of = behaviours.get(session, row.behaviour_id)
+        games = evaluations.listing(session, row.id)
+    table = Table(
+        "start", "policy", "actions", "end", title=of.name, box=None, title_justify="left"
+    )
+    for title in ("targets", "strays", "predicted return"):
+        table.add_column(title, justify="right")
+    for game in games:
+        name = str(game.start_number) + ("" if game.held_out else " (seen)")
+        numbers = ("" if n is None else str(n) for n in (game.targets, game.strays))
+        returned = "" if game.predicted_return is None else f"{game.predicted_return:.1f}"
+        table.add_row(
+            name, game.policy, game.action_selection, game.recording.end or "", *numbers, returned
+        )
+    console.print(table if games else "No evaluation games yet.")
+    _print_means(evaluations.summaries(games))
+
+
+def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
+    """Print what the games from held-out starts come to."""
+    if not summaries:
+        return
+    title = "Means over held-out starts, with 95% intervals"
+    table = Table("policy", "actions", title=title, box=None, title_justify="left")
+    for heading in ("games", "targets", "strays", "lost to a bomb"):
+        table.add_column(heading, justify="right")
+    for (policy, action_selection), one in summaries.items():
+        cells = (
+            "" if value is None else f"{value.mean:.2f} ({value.low:.2f} to {value.high:.2f})"
+            for value in (one.targets, one.strays, one.death_rate)
+        )
+        table.add_row(policy, action_selection, str(one.steps.n), *cells)
+    console.print(table)
+
+
+def _value(text: str) -> Any:
+    """Read a value: true or false, a number, numbers with commas between, or a word."""
+    if "," in text:
+        return tuple(_value(part) for part in text.split(",") if part)
+    if text in {"true", "false"}:
+        return text == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,132 @@
+"""The processes of ``tril up`` one by one, migrations, and health checks."""
+
+from __future__ import annotations
+
+import urllib.error
+import urllib.request
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from cli.output import console, plain_errors, read_settings
+from cli.supervision.servers import supervise_servers
+from cli.workspace import bring_up_to_date
+from tril.errors import Unavailable
+from tril.settings import Settings
+
+
+class Service(StrEnum):
+    """A process whose health can be checked."""
+
+    SERVER = "server"
+    WORKER = "worker"
+    INFERENCE = "inference"
+
+
+def serve(
+    servers: Annotated[
+        int | None,
+        typer.Option(min=1, max=64, help="Processes behind the port; TRIL_SERVER_PROCESSES."),
+    ] = None,
+    share_port: Annotated[
+        bool, typer.Option(help="Run one process, beside others that were started with this.")
+    ] = False,
+) -> None:
+    """Run the web server alone (``tril up`` runs everything)."""
+    from server.main import run_server
+
+    with plain_errors():
+        settings = read_settings()
+        if servers is not None:
+            settings = settings.model_copy(update={"server_processes": servers})
+        if share_port or settings.server_processes == 1:
+            run_server(settings, share_port)
+        else:
+            supervise_servers(settings)
+
+
+def worker() -> None:
+    """Run a training worker alone; any number may run beside each other."""
+    from trainer.runtime.worker import run_worker
+
+    with plain_errors():
+        run_worker(read_settings())
+
+
+def inference() -> None:
+    """Run the inference process, which evaluates trained networks."""
+    from trainer.runtime.inference import run_inference
+
+    with plain_errors():
+        run_inference(read_settings())
+
+
+def migrate() -> None:
+    """Migrate the databases to this version."""
+    with plain_errors():
+        bring_up_to_date(read_settings())
+    console.print("The database is up to date.")
+
+
+def health(service: Service) -> None:
+    """Exit with status 0 if a process of this data folder is healthy, else with 1."""
+    with plain_errors():
+        settings = read_settings()
+        if service is Service.SERVER:
+            ask_server(settings)
+        elif service is Service.INFERENCE:
+            ask_inference(settings)
+        else:
+            ask_worker(settings)
+    typer.echo("ok")
+
+
+def address() -> None:
+    """Print the page's address with its key, for a server that runs in a container."""
+    from server.web.security import address_with_token
+
+    with plain_errors():
+        settings = read_settings()
+        typer.echo(address_with_token(settings, server_url(settings)))
+
+
+def server_url(settings: Settings) -> str:
+    """Return the URL at which this machine reaches the server."""
+    host = "127.0.0.1" if settings.host in {"0.0.0.0", "::"} else settings.host
+    return f"http://{f'[{host}]' if ':' in host else host}:{settings.port}"
+
+
+def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
+    """Raise Unavailable unless the server answers its health check."""
+    url = f"{server_url(settings)}/api/health"
+    try:
+        with urllib.request.urlopen(url, timeout=timeout_s) as answer:
+            if answer.status == 200:
+                return
+    except (urllib.error.URLError, OSError) as error:
+        raise Unavailable(f"The server does not answer at {server_url(settings)}: {error}") from (
+            error
+        )
+    raise Unavailable(f"The server at {server_url(settings)} is not healthy.")
+
+
+def ask_inference(settings: Settings) -> None:
+    """Raise Unavailable unless the inference process answers."""
+    from tril.inference import InferenceClient
+
+    InferenceClient(settings.inference_socket).ping()
+
+
+def ask_worker(settings: Settings) -> None:
+    """Raise Unavailable unless a worker is alive."""
+    from tril.store import processes
+    from tril.store.database import create_database
+
+    database = create_database(settings.application_url)
+    try:
+        with database.reading() as session:
+            if not processes.is_kind_alive(session, "worker"):
+                raise Unavailable("No worker is running; start one with `tril worker`.")
+    finally:
+        database.close()

@@ -1,0 +1,139 @@
+"""``tril up``: everything a person needs on one machine, supervised."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+import webbrowser
+from collections.abc import Callable
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from cli.commands.services import (
+    ask_inference,
+    ask_server,
+    ask_worker,
+    server_url,
+)
+from cli.output import console, plain_errors, read_settings, say
+from cli.supervision.lock import lock_data_folder
+from cli.supervision.servers import held_port, server_children, server_environment
+from cli.supervision.supervisor import Child, Supervisor, numbered, running, tril_command
+from cli.workspace import bring_up_to_date, create_data_folder
+from tril.errors import TrilError, Unavailable
+from tril.settings import Settings
+
+READY_TIMEOUT_S = 60.0
+
+
+def up(
+    workers: Annotated[int, typer.Option(min=0, help="Training workers to run.")] = 1,
+    servers: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=64, help="Server processes behind the port; TRIL_SERVER_PROCESSES."
+        ),
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="Port; 0 takes any free one.")
+    ] = None,
+    browser: Annotated[bool, typer.Option(help="Open the page when it is ready.")] = True,
+) -> None:
+    """Start server, worker and inference; print the address; Ctrl-C stops everything."""
+    from server.web.pages import check_frontend
+    from server.web.security import address_with_token
+
+    chosen = {"port": port, "server_processes": servers}
+    with plain_errors():
+        settings = read_settings().model_copy(
+            update={name: value for name, value in chosen.items() if value is not None}
+        )
+        if settings.port == 0:
+            settings = settings.model_copy(update={"port": _free_port(settings.host)})
+        create_data_folder(settings)
+        with lock_data_folder(settings.data, server_url(settings)):
+            _check_port(settings)
+            check_frontend()
+            console.print(f"Data is kept in {escape(str(settings.data))}")
+            bring_up_to_date(settings)
+            url = address_with_token(settings, server_url(settings))
+            _supervise(settings, workers, url, browser)
+
+
+def _supervise(settings: Settings, workers: int, url: str, browser: bool) -> None:
+    children = [
+        *server_children(settings.server_processes),
+        Child("inference", tril_command("inference")),
+        *(Child(name, tril_command("worker")) for name in numbered("worker", workers)),
+    ]
+    supervisor = Supervisor(children, say, server_environment(settings))
+    with held_port(settings), running(supervisor):
+        threading.Thread(
+            target=_announce_when_ready,
+            args=(settings, supervisor, workers, url, browser),
+            daemon=True,
+        ).start()
+        supervisor.watch()
+        console.print("Stopping…")
+    console.print("Stopped. Everything is saved.")
+
+
+def _announce_when_ready(
+    settings: Settings, supervisor: Supervisor, workers: int, url: str, browser: bool
+) -> None:
+    deadline = time.monotonic() + READY_TIMEOUT_S
+    checks: list[Callable[[], None]] = [
+        lambda: ask_server(settings, timeout_s=1.0),
+        lambda: ask_inference(settings),
+    ]
+    if workers:
+        checks.append(lambda: ask_worker(settings))
+    while checks and not supervisor.stop_requested:
+        try:
+            checks[0]()
+            checks.pop(0)
+        except TrilError as error:
+            if time.monotonic() > deadline:
+                say("tril", f"{error} Still trying.")
+                deadline = float("inf")
+            time.sleep(0.1)
+    if supervisor.stop_requested:
+        return
+    if browser and _has_browser():
+        webbrowser.open(url)
+    console.print("\nTril is ready. Open this address (keep it to yourself, it is the key):")
+    console.print(f"  [bold]{escape(url)}[/]\n", soft_wrap=True)
+
+
+def _has_browser() -> bool:
+    try:
+        controller = webbrowser.get()
+    except webbrowser.Error:
+        return False
+    return not isinstance(controller, webbrowser.GenericBrowser) or controller.name not in {
+        "www-browser", "links", "elinks", "lynx", "w3m",
+    }  # fmt: skip
+
+
+def _check_port(settings: Settings) -> None:
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((settings.host, settings.port))
+        except OSError as error:
+            raise Unavailable(
+                f"Port {settings.port} on {settings.host} can't be used ({error.strerror}). "
+                "If Tril already runs, open its page; else choose another port: "
+                f"TRIL_PORT={settings.port + 1} make run"
+            ) from error
+
+
+def _free_port(host: str) -> int:
+    with socket.socket() as probe:
+        probe.bind((host, 0))
+        port: int = probe.getsockname()[1]
+        return port

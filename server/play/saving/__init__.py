@@ -1,0 +1,1 @@
+"""How games reach the database: commits, their schedule, checks by replay."""

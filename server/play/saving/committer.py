@@ -1,0 +1,78 @@
+"""Saves games: one transaction for all of a process's games at a time, in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.orm import Session
+
+from server.web.problems import explain_database_error
+from tril.errors import Unavailable
+from tril.store import games
+from tril.store.database import Database
+from tril.store.games import Progress
+
+_LOG = logging.getLogger(__name__)
+_T = TypeVar("_T")
+
+
+class Committer:
+    """Runs transactions one after the other in a thread, so that the event loop never waits.
+
+    Args:
+        database: Where games are saved.
+    """
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="commits")
+
+    async def run(self, work: Callable[[Session], _T]) -> _T:
+        """Do something in a transaction of its own.
+
+        Raises:
+            Unavailable: It could not be committed, and nothing of it was; says what to do.
+        """
+        loop = asyncio.get_running_loop()
+        return await loop.run_in_executor(self._thread, self._transact, work)
+
+    async def save(self, batch: Sequence[Progress]) -> list[Progress]:
+        """Save games.
+
+        Returns:
+            Those that were saved; the others belong to another owner by now.
+
+        Raises:
+            Unavailable: Nothing could be saved; says what to do.
+        """
+        return await self.run(
+            lambda session: [progress for progress in batch if games.save(session, progress)]
+        )
+
+    def close(self) -> None:
+        """Wait for the transaction at hand and end the thread."""
+        self._thread.shutdown()
+
+    def _transact(self, work: Callable[[Session], _T]) -> _T:
+        try:
+            with self._database.writing() as session:
+                return work(session)
+        except OperationalError as error:
+            explained = explain_database_error(error)
+            _LOG.error("Games could not be saved: %s", error.orig)
+            raise explained or _not_saved(error) from error
+        except SQLAlchemyError as error:
+            _LOG.exception("Games could not be saved.")
+            raise _not_saved(error) from error
+
+
+def _not_saved(error: SQLAlchemyError) -> Unavailable:
+    return Unavailable(
+        f"The game could not be saved ({type(error).__name__}); the server's log says more. It is "
+        "tried again every second, and nothing is lost while the server runs."
+    )

@@ -1,0 +1,1 @@
+"""One game in this process: its clock, its player, rewinding."""

@@ -1,0 +1,1 @@
+"""What travels between a page and its game: codec, messages, connection."""

@@ -1,0 +1,310 @@
+"""The messages between a player's page and the server, as docs/protocol.md describes them. Pure."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Annotated, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from server.play.conditions import Percent
+from server.play.wire.codec import EncodedFrame
+from server.play.wire.frames_file import FLAG_KEY
+from tril.game.aliens import Formation
+from tril.game.controls import Keys
+
+MAX_UNACKNOWLEDGED = 6
+MAX_MESSAGE_BYTES = 256
+"""Longest message that a page may send."""
+
+FLAG_SHOT = 2
+"""Marks a FRAME in which a missile has left the cannon since the one sent before."""
+
+_FRAME = struct.Struct("<BBBBIII")
+_LEFT_BIAS_PX = 96
+"""The first column's place is sent with so much added: it can be left of the screen by almost six
+columns of 16 pixels."""
+_BYTE = 2**8
+_CLIENT = struct.Struct("<BBHI")
+_LATENCY_UNIT_MS = 0.1
+_LONGEST_LATENCY = 2**16 - 1
+_ALL_KEYS = Keys.LEFT | Keys.RIGHT | Keys.FIRE
+_SEQUENCES = 2**32
+
+
+class Close(IntEnum):
+    """Codes with which the server closes a stream."""
+
+    TAKEN_OVER = 4001
+    BAD_MESSAGE = 4400
+    UNAUTHORISED = 4401
+    NO_SUCH_GAME = 4404
+    GAME_OVER = 4410
+
+
+class BadMessage(ValueError):
+    """A message that is not of this protocol."""
+
+
+@dataclass(frozen=True)
+class FrameMessage:
+    """Server to page: a screen.
+
+    Attributes:
+        sequence: Counts the frames sent over this connection, from 1.
+        frame: How many frames of the game have been executed; 0 is the start's screen.
+        input_sequence: The newest input that a frame was executed with.
+        encoded: The screen.
+        formation: Where the grid of aliens stands on it; left from -96 to 159, top to 255.
+        is_shot: Whether a missile has left the cannon since the screen sent before.
+    """
+
+    sequence: int
+    frame: int
+    input_sequence: int
+    encoded: EncodedFrame
+    formation: Formation
+    is_shot: bool
+
+
+@dataclass(frozen=True)
+class InputMessage:
+    """Page to server: the keys held from now on; ``sequence`` counts the page's inputs."""
+
+    keys: Keys
+    sequence: int
+
+
+@dataclass(frozen=True)
+class AckMessage:
+    """Page to server: the frame of this sequence has been drawn.
+
+    ``latency_ms`` is the time from the event of a key to this drawing, in tenths, if the frame is
+    the first drawn that was executed with the key pressed, else None.
+    """
+
+    sequence: int
+    latency_ms: float | None = None
+
+
+CommandType = Literal["ready", "stop", "pause", "go_on", "step", "rewind", "release"]
+
+
+@dataclass(frozen=True)
+class Command:
+    """Page to server: what the player wants."""
+
+    type: CommandType
+
+
+@dataclass(frozen=True)
+class SpeedMessage:
+    """Page to server: go on at this percentage of 60 frames a second, 25 to 100."""
+
+    percent: int
+
+
+ClientMessage = InputMessage | AckMessage | Command | SpeedMessage
+
+
+def frame_bytes(message: FrameMessage) -> bytes:
+    """Write a FRAME."""
+    header = _FRAME.pack(
+        1,
+        FLAG_KEY * message.encoded.is_key | FLAG_SHOT * message.is_shot,
+        (message.formation.left + _LEFT_BIAS_PX) % _BYTE,
+        message.formation.top % _BYTE,
+        message.sequence,
+        message.frame,
+        message.input_sequence % _SEQUENCES,
+    )
+    return header + message.encoded.payload
+
+
+def parse_frame(data: bytes) -> FrameMessage:
+    """Read a FRAME; raises BadMessage."""
+    if len(data) < _FRAME.size or data[0] != 1:
+        raise BadMessage(f"Expected a frame of at least {_FRAME.size} bytes that begins with 1.")
+    _, flags, left, top, sequence, frame, input_sequence = _FRAME.unpack_from(data)
+    encoded = EncodedFrame(bool(flags & FLAG_KEY), data[_FRAME.size :])
+    formation = Formation(left - _LEFT_BIAS_PX, top)
+    return FrameMessage(
+        sequence, frame, input_sequence, encoded, formation, bool(flags & FLAG_SHOT)
+    )
+
+
+def client_bytes(message: InputMessage | AckMessage) -> bytes:
+    """Write an INPUT or an ACK."""
+    if isinstance(message, InputMessage):
+        return _CLIENT.pack(1, int(message.keys), 0, message.sequence)
+    latency = 0
+    if message.latency_ms is not None:
+        latency = min(max(1, round(message.latency_ms / _LATENCY_UNIT_MS)), _LONGEST_LATENCY)
+    return _CLIENT.pack(2, 0, latency, message.sequence)
+
+
+def parse_client(data: bytes | str) -> ClientMessage:
+    """Read what a page sent.
+
+    Raises:
+        BadMessage: It is not of this protocol; says why.
+    """
+    if len(data) > MAX_MESSAGE_BYTES:
+        raise BadMessage(f"A message may have {MAX_MESSAGE_BYTES} bytes, got {len(data)}.")
+    return _parse_command(data) if isinstance(data, str) else _parse_binary(data)
+
+
+def _parse_binary(data: bytes) -> InputMessage | AckMessage:
+    if len(data) != _CLIENT.size:
+        raise BadMessage(f"Expected a message of {_CLIENT.size} bytes, got {len(data)}.")
+    kind, keys, latency, sequence = _CLIENT.unpack(data)
+    if kind == 1:
+        if keys & ~int(_ALL_KEYS):
+            raise BadMessage(f"Expected keys from 0 to {int(_ALL_KEYS)}, got {keys}.")
+        return InputMessage(Keys(keys), sequence)
+    if kind == 2:
+        return AckMessage(sequence, round(latency * _LATENCY_UNIT_MS, 1) if latency else None)
+    raise BadMessage(f"Expected a message of type 1 (input) or 2 (acknowledgement), got {kind}.")
+
+
+class _CommandModel(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    type: CommandType
+
+
+class _SpeedModel(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    type: Literal["speed"]
+    percent: Percent
+
+
+_WISHES: TypeAdapter[_CommandModel | _SpeedModel] = TypeAdapter(
+    Annotated[_CommandModel | _SpeedModel, Field(discriminator="type")]
+)
+
+
+def _parse_command(text: str) -> Command | SpeedMessage:
+    try:
+        wish = _WISHES.validate_json(text)
+    except ValidationError as error:
+        raise BadMessage(
+            f'Expected {{"type": "ready"}} or another of {", ".join(get_args(CommandType))}, or'
+            f' {{"type": "speed", "percent": 25 to 100}}, got {text[:80]!r}'
+        ) from error
+    return SpeedMessage(wish.percent) if isinstance(wish, _SpeedModel) else Command(wish.type)
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    def to_json(self) -> str:
+        """The message as it travels."""
+        return self.model_dump_json()
+
+
+class HitAt(_Message):
+    """An alien that was shot after so many frames; rows and columns count from 0."""
+
+    row: int
+    column: int
+    frame: int
+    on_target: bool | None
+
+
+class AlienGeometry(_Message):
+    """Pixels: how large an alien is, and from one column's or row's edge to the next one's."""
+
+    width: int
+    height: int
+    column_px: int
+    row_px: int
+
+
+class Hello(_Message):
+    """The first message: how to show what comes, and where the game is."""
+
+    type: Literal["hello"] = "hello"
+    palette: list[list[int]]
+    width: int
+    height: int
+    frame_rate_hz: int
+    max_frames: int
+    frame: int
+    epoch: int
+    resumed: bool
+    hits: list[HitAt]
+    speed_percent: int
+    aliens: AlienGeometry
+
+
+class Countdown(_Message):
+    """Whole seconds until the game goes on; 0 when it does."""
+
+    type: Literal["countdown"] = "countdown"
+    seconds: int
+
+
+class HitMessage(HitAt):
+    """An alien was shot; ``targets`` and ``strays`` count so far, None without a target."""
+
+    type: Literal["hit"] = "hit"
+    targets: int | None
+    strays: int | None
+
+
+class Paused(_Message):
+    """The game stands still; ``why`` is for the player. "go_on" counts down again."""
+
+    type: Literal["paused"] = "paused"
+    why: str
+
+
+class Rewound(_Message):
+    """The game was run back and goes on from this frame; what was played after it is kept.
+
+    ``recording_id`` is the recording of the game as it was before.
+    """
+
+    type: Literal["rewound"] = "rewound"
+    frame: int
+    hits: list[HitAt]
+    recording_id: int
+
+
+class Ended(_Message):
+    """The game is over, saved and checked by a replay. ``reason`` is None if it was stopped."""
+
+    type: Literal["ended"] = "ended"
+    reason: str | None
+    frame: int
+    hits: list[HitAt]
+    targets: int | None
+    strays: int | None
+    order_errors: int | None
+    recording_id: int
+    verification: Literal["verified", "failed"]
+    verification_note: str
+
+
+class TakenOver(_Message):
+    """Another tab plays this game now; the stream closes with 4001."""
+
+    type: Literal["taken_over"] = "taken_over"
+
+
+ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver
+_SERVER_MESSAGES: TypeAdapter[ServerMessage] = TypeAdapter(
+    Annotated[ServerMessage, Field(discriminator="type")]
+)
+
+
+def parse_server(text: str) -> ServerMessage:
+    """Read a text message of the server; raises BadMessage."""
+    try:
+        return _SERVER_MESSAGES.validate_json(text)
+    except ValidationError as error:
+        raise BadMessage(f"Expected a message of the server, got {text[:80]!r}.") from error

@@ -1,0 +1,1 @@
+"""The web around the API: middleware, security, error answers, the page's files."""

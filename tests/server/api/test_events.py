@@ -1,0 +1,134 @@
+"""The stream of events, and the rest of what a server says of itself."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx2
+import pytest
+from starlette.testclient import TestClient
+
+from server.app import create_app
+from server.web.pages import check_frontend
+from tests.server.clients import build_frontend, signed_in
+from tests.server.live import LiveServer, live_server
+from tests.workplace import Workplace
+from tril.errors import Unavailable
+from tril.store.changes import note_change
+from tril.store.database import create_database
+
+
+def events(lines: Iterator[str]) -> Iterator[dict[str, str]]:
+    for line in lines:
+        if line.startswith("data: "):
+            yield json.loads(line.removeprefix("data: "))
+
+
+def test_every_page_is_told_of_every_change_once(live: LiveServer) -> None:
+    with (
+        live.http.stream("GET", "/api/events") as first,
+        httpx2.Client(base_url=live.http.base_url, headers=live.http.headers) as other,
+        other.stream("GET", "/api/events") as second,
+    ):
+        assert first.headers["content-type"].startswith("text/event-stream")
+        streams = [stream.iter_lines() for stream in (first, second)]
+        for lines in streams:
+            next(line for line in lines if line.startswith(": listening"))
+        with live.database.writing() as session:
+            note_change(session, "run", "abc")
+            note_change(session, "run", "abc")
+            note_change(session, "recording", 7)
+        for lines in streams:
+            told = events(lines)
+            assert next(told) == {"topic": "run", "key": "abc"}
+            assert next(told) == {"topic": "recording", "key": "7"}
+
+
+def test_changes_over_http_are_told(live: LiveServer) -> None:
+    with live.http.stream("GET", "/api/events") as stream:
+        lines = stream.iter_lines()
+        next(line for line in lines if line.startswith(": listening"))
+        with httpx2.Client(base_url=live.http.base_url, headers=live.http.headers) as other:
+            made = other.post("/api/behaviours", json={"name": "Wait"}).json()
+        assert {"topic": "behaviour", "key": str(made["id"])} in (
+            change for _, change in zip(range(5), events(lines), strict=False)
+        )
+
+
+def test_a_server_stops_although_pages_listen(workplace: Workplace) -> None:
+    ended = threading.Event()
+    listening = threading.Event()
+
+    def listen(server: LiveServer) -> None:
+        with (
+            httpx2.Client(base_url=server.http.base_url, headers=server.http.headers) as http,
+            http.stream("GET", "/api/events") as stream,
+        ):
+            for _ in stream.iter_lines():
+                listening.set()
+        ended.set()
+
+    with live_server(workplace.settings.data) as server:
+        thread = threading.Thread(target=listen, args=(server,))
+        thread.start()
+        assert listening.wait(10)
+    assert ended.wait(10), "the stream ends in good order"
+    thread.join()
+
+
+def test_the_system_page_knows_the_server(client: TestClient) -> None:
+    system = client.get("/api/system").json()
+    assert [(process["kind"], process["alive"]) for process in system["processes"]] == [
+        ("server", True)
+    ]
+    assert system["disk_free_bytes"] > 0
+    assert system["data_bytes"] > 10_000
+
+
+def test_the_player_has_a_name(client: TestClient) -> None:
+    assert client.get("/api/player").json()["role"] == "owner"
+    assert client.patch("/api/player", json={"name": " Ada "}).json()["name"] == "Ada"
+    assert client.patch("/api/player", json={"name": "  "}).status_code == 422
+
+
+def test_pages_and_files_of_the_build_are_served(client: TestClient) -> None:
+    page = client.get("/behaviours/3/play")
+    assert "<title>Tril</title>" in page.text
+    assert page.headers["cache-control"] == "no-store"
+    script = client.get("/assets/index-abc123.js")
+    assert script.headers["content-type"].startswith("text/javascript")
+    assert "immutable" in script.headers["cache-control"]
+    assert client.get("/favicon.svg").headers["content-type"] == "image/svg+xml"
+    assert client.get("/assets/index-gone.js").status_code == 404
+    assert client.post("/behaviours/3").status_code == 405
+
+
+def test_a_missing_build_says_what_to_do(workplace: Workplace, tmp_path: Path) -> None:
+    with pytest.raises(Unavailable, match="make frontend"):
+        check_frontend(tmp_path / "nothing")
+    with signed_in(workplace, tmp_path / "nothing") as client:
+        answer = client.get("/")
+        assert answer.status_code == 503
+        assert "make frontend" in answer.text
+
+
+def test_a_new_build_is_served_without_a_restart(workplace: Workplace, tmp_path: Path) -> None:
+    build = build_frontend(tmp_path)
+    with signed_in(workplace, build) as client:
+        assert client.get("/assets/new-1.js").status_code == 404
+        (build / "assets" / "new-1.js").write_text("export {}")
+        (build / "index.html").write_text("<title>New</title>")
+        assert client.get("/assets/new-1.js").status_code == 200
+        assert "New" in client.get("/").text
+
+
+def test_a_server_refuses_a_database_that_was_never_set_up(tmp_path: Path) -> None:
+    from tril.settings import Settings
+
+    settings = Settings(data=tmp_path / "empty")
+    create_database(settings.application_url).close()
+    with pytest.raises(Unavailable, match="tril migrate"), TestClient(create_app(settings)):
+        pass

@@ -1,0 +1,324 @@
+"""The library over HTTP: behaviours, recordings, import and export, watching."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+from starlette.testclient import TestClient
+
+from server.api.recordings import MAX_IMPORTED
+from server.play.wire.codec import FrameDecoder
+from server.play.wire.frames_file import read_frames_file
+from tests.workplace import FRAMES, Workplace
+from tril.game.episode import Episode
+from tril.game.palette import palette_rgb
+from tril.recording import replay
+from tril.store import recordings
+from tril.store.models import RecordingRow, RecordingState, Verification
+
+
+def test_the_seven_behaviours_come_ready(reader: TestClient) -> None:
+    behaviours = reader.get("/api/behaviours").json()
+    assert [item["slug"] for item in behaviours] == [
+        *(f"column-{n}" for n in range(1, 7)),
+        "row-1",
+    ]
+    first = behaviours[0]
+    assert first["n_recordings"] == first["n_ranked"] == 4
+    assert first["n_perfect"] == 1
+    assert first["has_example"]
+    assert first["target"] == [[row, 0] for row in range(6)]
+    assert behaviours[6]["ordered"]
+    assert (behaviours[1]["n_recordings"], behaviours[1]["has_example"]) == (0, False)
+
+
+def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> None:
+    new = {"name": "  Stay on the left  ", "description": "Never cross the middle."}
+    made = client.post("/api/behaviours", json=new).json()
+    assert (made["name"], made["slug"], made["target"]) == (
+        "Stay on the left",
+        "stay-on-the-left",
+        None,
+    )
+    again = client.post("/api/behaviours", json=new).json()
+    assert again["slug"] == "stay-on-the-left-2"
+    path = f"/api/behaviours/{made['id']}"
+    changed = client.patch(path, json={"target": [[0, 1], [2, 3]], "ordered": True}).json()
+    assert (changed["target"], changed["ordered"]) == ([[0, 1], [2, 3]], True)
+    assert client.patch(path, json={"name": "Left"}).json()["target"] == [[0, 1], [2, 3]]
+    # An order needs target cells.
+    assert client.patch(path, json={"target": None}).status_code == 422
+    assert client.patch(path, json={"target": None, "ordered": False}).json()["target"] is None
+    assert client.delete(path).status_code == 204
+    assert client.get(path).status_code == 404
+    assert client.get(f"{path}/recordings").status_code == 404
+
+
+def test_what_comes_ready_can_not_be_deleted_nor_retargeted(client: TestClient) -> None:
+    assert client.delete("/api/behaviours/1").status_code == 409
+    assert client.patch("/api/behaviours/1", json={"target": [[0, 0]]}).status_code == 409
+    assert client.patch("/api/behaviours/1", json={"description": "x"}).status_code == 200
+
+
+def test_a_target_can_not_change_once_something_was_trained(
+    client: TestClient, workplace: Workplace
+) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine", "target": [[0, 0]]}).json()
+    run = client.post("/api/runs", json={"behaviour_id": made["id"], "example": True})
+    assert run.status_code == 201
+    answer = client.patch(f"/api/behaviours/{made['id']}", json={"target": [[1, 1]]})
+    assert answer.status_code == 409
+    assert "judged by it" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {},
+        {"name": ""},
+        {"name": "   "},
+        {"name": "x", "target": []},
+        {"name": "x", "target": [[6, 0]]},
+        {"name": "x", "target": [[0, 0], [0, 0]]},
+        {"name": "x", "ordered": True},
+        {"name": "x", "unknown": 1},
+        {"name": "x" * 121},
+    ],
+)
+def test_a_senseless_behaviour_is_refused_with_a_reason(
+    reader: TestClient, body: dict[str, object]
+) -> None:
+    answer = reader.post("/api/behaviours", json=body)
+    assert answer.status_code == 422
+    assert answer.json()["detail"]
+
+
+def test_a_recording_is_shown_with_its_score(client: TestClient, workplace: Workplace) -> None:
+    best = client.get(f"/api/recordings/{workplace.ranked[0]}").json()
+    assert (best["n_frames"], best["n_steps"]) == (FRAMES, FRAMES // 4)
+    assert best["targets"] == len(best["hits"])
+    assert best["hits_per_column"] == [len(best["hits"]), 0, 0, 0, 0, 0]
+    assert best["ranked"]
+    assert best["perfect"]
+    assert best["evaluation_start"] is None
+    assert best["verification"] == "verified"
+
+
+def test_frames_decode_to_the_screens_of_a_replay_and_are_cached_for_ever(
+    client: TestClient, workplace: Workplace
+) -> None:
+    shown = client.get(f"/api/recordings/{workplace.ranked[3]}").json()
+    answer = client.get(shown["frames_url"])
+    assert "immutable" in answer.headers["cache-control"]
+    assert client.get(shown["frames_url"]).content == answer.content
+    path, _, _ = shown["frames_url"].partition("?")
+    assert client.get(f"{path}?v=other").headers["cache-control"] == "private, no-cache"
+    decoder = FrameDecoder()
+    decoded = [decoder.decode(frame) for frame in read_frames_file(answer.content)]
+    with workplace.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, workplace.ranked[3]))
+    expected: list[object] = []
+
+    def look(episode: Episode) -> None:
+        expected.append(episode.console.screen_palette())
+
+    replay(recording, on_frame=look)
+    assert len(decoded) == FRAMES + 1
+    np.testing.assert_array_equal(decoded, np.array(expected))
+    keys = [n for n, frame in enumerate(read_frames_file(answer.content)) if frame.is_key]
+    assert keys == list(range(0, FRAMES + 1, 60))
+
+
+def test_a_thumbnail_shows_the_moment_after_the_last_hit_else_the_last_frame(
+    client: TestClient, workplace: Workplace
+) -> None:
+    for recording_id in workplace.ranked:
+        shown = client.get(f"/api/recordings/{recording_id}").json()
+        moment = shown["hits"][-1]["frame"] if shown["hits"] else shown["n_frames"]
+        decoder = FrameDecoder()
+        frames = read_frames_file(client.get(shown["frames_url"]).content)
+        screen = [decoder.decode(frame) for frame in frames][moment]
+        answer = client.get(shown["thumbnail_url"])
+        assert answer.headers["content-type"] == "image/png"
+        with Image.open(io.BytesIO(answer.content)) as picture:
+            np.testing.assert_array_equal(np.asarray(picture.convert("RGB")), palette_rgb()[screen])
+
+
+def test_exporting_and_importing_gives_the_same_recordings(client: TestClient) -> None:
+    exported = client.get("/api/behaviours/1/recordings/export")
+    assert exported.headers["content-type"] == "application/x-ndjson"
+    result = client.post(
+        "/api/behaviours/2/recordings/import",
+        params={"rank": True},
+        content=exported.content,
+        headers={"Content-Type": "application/x-ndjson"},
+    ).json()
+    assert len(result["imported"]) == 4
+    assert result["refusals"] == []
+    tiers = client.get("/api/behaviours/2/ranking").json()["tiers"]
+    assert tiers == [[recording_id] for recording_id in result["imported"]]
+    for original, copy in zip(
+        client.get("/api/behaviours/1/ranking").json()["tiers"], tiers, strict=True
+    ):
+        first = client.get(f"/api/recordings/{original[0]}/export").json()
+        second = client.get(f"/api/recordings/{copy[0]}/export").json()
+        assert first == second
+
+
+def test_an_import_says_which_lines_it_refused_and_why(client: TestClient) -> None:
+    good = client.get("/api/behaviours/1/recordings/export").text.splitlines()
+    tampered = json.loads(good[0]) | {"hits": [[5, 5]]}
+    foreign = json.loads(good[0]) | {"rom_md5": hashlib.md5(b"another").hexdigest()}
+    body = "\n".join([good[1], json.dumps(tampered), "{", json.dumps(foreign), "", good[2]])
+    result = client.post("/api/behaviours/3/recordings/import", content=body).json()
+    assert len(result["imported"]) == 2
+    refused = {refusal["line"]: refusal["reason"] for refusal in result["refusals"]}
+    assert set(refused) == {2, 3, 4}
+    assert "[5, 5]" in refused[2]
+    assert "another ROM" in refused[4]
+
+
+def test_an_upload_is_bounded_in_number(client: TestClient) -> None:
+    body = "{}\n" * (MAX_IMPORTED + 1)
+    result = client.post("/api/behaviours/3/recordings/import", content=body).json()
+    assert result["imported"] == []
+    assert str(MAX_IMPORTED) in result["refusals"][-1]["reason"]
+
+
+def test_marks_and_notes_can_be_changed(client: TestClient, workplace: Workplace) -> None:
+    path = f"/api/recordings/{workplace.ranked[1]}"
+    changed = client.patch(path, json={"perfect": True, "notes": "steady"}).json()
+    assert (changed["perfect"], changed["notes"]) == (True, "steady")
+    assert client.patch(path, json={"perfect": False}).json()["notes"] == "steady"
+    with workplace.database.writing() as session:
+        row = session.get_one(RecordingRow, workplace.ranked[1])
+        row.verification, row.verification_note = Verification.FAILED, "It differs."
+    answer = client.patch(path, json={"perfect": True})
+    assert answer.status_code == 422
+    assert "It differs." in answer.json()["detail"]
+
+
+def test_deleting_a_ranked_recording_leaves_the_ranking_without_it_and_restoring_unranks(
+    client: TestClient, workplace: Workplace
+) -> None:
+    gone = workplace.ranked[1]
+    before = client.get("/api/behaviours/1/ranking").json()
+    assert client.delete(f"/api/recordings/{gone}").status_code == 204
+    after = client.get("/api/behaviours/1/ranking").json()
+    assert after["tiers"] == [tier for tier in before["tiers"] if tier != [gone]]
+    assert after["revision"] == before["revision"] + 1
+    revisions = client.get("/api/behaviours/1/ranking/revisions").json()
+    assert revisions[0]["change"] == "deletion"
+    assert revisions[1]["tiers"] == before["tiers"], "every revision stays as it was done"
+    listed = client.get("/api/behaviours/1/recordings").json()
+    assert gone not in [item["id"] for item in listed]
+    listed = client.get("/api/behaviours/1/recordings", params={"include": "deleted"}).json()
+    assert [item["deleted"] for item in listed if item["id"] == gone] == [True]
+    assert not client.post(f"/api/recordings/{gone}/restore").json()["deleted"]
+    restored = client.get("/api/behaviours/1/ranking").json()
+    assert restored["tiers"] == after["tiers"]
+    assert restored["unranked"] == [gone]
+
+
+def test_several_are_deleted_in_one_revision_and_brought_back(
+    client: TestClient, workplace: Workplace
+) -> None:
+    path = "/api/behaviours/1/recordings/change"
+    gone = list(workplace.ranked[:2])
+    before = client.get("/api/behaviours/1/ranking").json()
+    deleted = client.post(path, json={"recording_ids": gone, "change": "delete"}).json()
+    assert [item["deleted"] for item in deleted] == [True, True]
+    after = client.get("/api/behaviours/1/ranking").json()
+    assert after["tiers"] == [[key] for key in workplace.ranked[2:]]
+    assert after["revision"] == before["revision"] + 1
+    client.post(path, json={"recording_ids": gone, "change": "restore"})
+    listed = client.get("/api/behaviours/1/recordings").json()
+    assert {item["id"] for item in listed} == set(workplace.ranked)
+
+
+def test_several_are_marked_all_or_none(client: TestClient, workplace: Workplace) -> None:
+    path = "/api/behaviours/1/recordings/change"
+    with workplace.database.writing() as session:
+        row = session.get_one(RecordingRow, workplace.ranked[3])
+        row.verification = Verification.FAILED
+
+    def perfect() -> set[int]:
+        listed = client.get("/api/behaviours/1/recordings").json()
+        return {item["id"] for item in listed if item["perfect"]}
+
+    best, second, third, failed = workplace.ranked
+    everything = {"recording_ids": [second, third, failed], "change": "mark_perfect"}
+    assert client.post(path, json=everything).status_code == 422
+    assert perfect() == {best}
+    client.post(path, json={"recording_ids": [second, third], "change": "mark_perfect"})
+    assert perfect() == {best, second, third}
+    client.post(path, json={"recording_ids": [best, third], "change": "unmark_perfect"})
+    assert perfect() == {second}
+
+
+def test_only_recordings_of_the_behaviour_are_changed_or_exported(
+    client: TestClient, workplace: Workplace
+) -> None:
+    both = {"recording_ids": [workplace.ranked[0], 99999], "change": "delete"}
+    answer = client.post("/api/behaviours/1/recordings/change", json=both)
+    assert answer.status_code == 404
+    assert "99999" in answer.json()["detail"]
+    both["recording_ids"] = [workplace.ranked[0]]
+    assert client.post("/api/behaviours/2/recordings/change", json=both).status_code == 404
+    assert len(client.get("/api/behaviours/1/recordings").json()) == 4
+    chosen = {"recording": [workplace.ranked[2], workplace.ranked[0]]}
+    exported = client.get("/api/behaviours/1/recordings/export", params=chosen)
+    assert [json.loads(line)["tier"] for line in exported.text.splitlines()] == [1, 3]
+    assert client.get("/api/behaviours/2/recordings/export", params=chosen).status_code == 404
+
+
+def test_a_game_that_is_played_can_not_be_kept_or_deleted(
+    client: TestClient, workplace: Workplace
+) -> None:
+    game = client.post("/api/games", json={"behaviour_id": 1}).json()
+    path = f"/api/recordings/{game['recording_id']}"
+    for answer in (client.post(f"{path}/keep"), client.delete(path)):
+        assert answer.status_code == 409
+        assert "still being played" in answer.json()["detail"]
+    with workplace.database.writing() as session:
+        session.get_one(RecordingRow, game["recording_id"]).state = RecordingState.FINISHED
+    assert client.post(f"{path}/discard").json()["deleted"]
+    assert client.post(f"{path}/restore").json()["state"] == "kept"
+
+
+def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) -> None:
+    starts = set()
+    for _ in range(40):
+        game = client.post("/api/games", json={"behaviour_id": 1}).json()
+        shown = client.get(f"/api/recordings/{game['recording_id']}").json()
+        assert shown["evaluation_start"] is None
+        starts.add(shown["idle_frames"])
+    assert len(starts) > 10
+    chosen = client.post("/api/games", json={"behaviour_id": 1, "idle_frames": 11}).json()
+    shown = client.get(f"/api/recordings/{chosen['recording_id']}").json()
+    assert shown["evaluation_start"] == 0
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/api/recordings/99999",
+        "/api/recordings/99999/frames",
+        "/api/recordings/99999/thumbnail.png",
+        "/api/behaviours/99999",
+        "/api/artifacts/99999",
+        "/api/games/9c5b94b1-35ad-49bb-b118-8e8fc24abf80",
+        "/api/runs/9c5b94b1-35ad-49bb-b118-8e8fc24abf80",
+        "/api/runs/9c5b94b1-35ad-49bb-b118-8e8fc24abf80/results",
+        "/api/nothing",
+    ],
+)
+def test_what_is_not_there_answers_404_with_a_problem(reader: TestClient, path: str) -> None:
+    answer = reader.get(path)
+    assert answer.status_code == 404
+    assert answer.json()["detail"]

@@ -1,0 +1,308 @@
+"""Trainings over HTTP: starting, stopping, curves, results."""
+
+from __future__ import annotations
+
+import uuid
+
+import pytest
+from starlette.testclient import TestClient
+
+from tests.trainings import HACKS
+from tests.workplace import Workplace
+from tril.analysis.summary import summarise
+from tril.behaviours import Score
+from tril.files.artifact_store import ArtifactStore
+from tril.jobs import STAGES
+from tril.recipes import RECIPES
+from tril.store import recordings
+from tril.store.models import RecordingRow, RunStatus, Source
+from tril.store.training import artifacts, evaluations, leases, metrics, runs
+from tril.store.training.evaluations import EvaluationKey
+
+
+def test_the_recipes_say_what_they_cost(reader: TestClient) -> None:
+    recipes = reader.get("/api/recipes").json()
+    assert [recipe["name"] for recipe in recipes] == list(RECIPES)
+    for recipe in recipes:
+        assert recipe["steps_per_s"] > 0
+        assert not recipe["steps_per_s_measured"]
+        assert recipe["values"]["policy"]["learning_rate"] == recipe["learning_rate"]
+
+
+def test_a_run_is_made_with_what_the_page_chose_and_waits(
+    client: TestClient, workplace: Workplace
+) -> None:
+    body = {
+        "behaviour_id": 1,
+        "recipe": "paper",
+        "steps": 12_345,
+        "learning_rate": 0.001,
+        "training_seed": 7,
+        "go_on_anyway": True,
+    }
+    answer = client.post("/api/runs", json=body)
+    assert answer.status_code == 201
+    run = answer.json()
+    assert (run["status"], run["steps"], run["training_seed"]) == ("queued", 12_345, 7)
+    assert run["learning_rate"] == run["recipe_values"]["policy"]["learning_rate"] == 0.001
+    assert (run["n_ranked"], run["n_perfect"], run["ranking_revision"]) == (4, 1, 1)
+    assert run["stages"] == list(STAGES[1:])
+    assert run["progress"] == 0
+    assert client.get(f"/api/runs/{run['id']}").json() == run
+    assert client.get("/api/runs", params={"behaviour_id": 1}).json() == [run]
+    assert client.get("/api/runs", params={"behaviour_id": 2}).json() == []
+    assert client.get("/api/behaviours/1").json()["n_runs"] == 1
+
+
+@pytest.mark.parametrize("recipe", ["fast", "dagger"])
+@pytest.mark.usefixtures("workplace")
+def test_a_run_has_as_many_steps_as_its_recipe_proposes(client: TestClient, recipe: str) -> None:
+    run = client.post("/api/runs", json={"behaviour_id": 1, "recipe": recipe}).json()
+    assert run["steps"] == RECIPES[recipe].default_steps
+
+
+def test_a_ranking_that_does_not_suffice_says_what_to_do(
+    client: TestClient, workplace: Workplace
+) -> None:
+    answer = client.post("/api/runs", json={"behaviour_id": 2})
+    assert answer.status_code == 422
+    assert "two tiers" in answer.json()["detail"]
+
+
+def test_dagger_is_refused_where_its_expert_knows_nothing(
+    client: TestClient, workplace: Workplace
+) -> None:
+    own = client.post("/api/behaviours", json={"name": "Play nicely"}).json()
+    new = {"behaviour_id": own["id"], "recipe": "dagger", "steps": 1_000}
+    answer = client.post("/api/runs", json=new)
+    assert answer.status_code == 422
+    assert "Play nicely has no target cells" in answer.json()["detail"]
+    client.patch(f"/api/recordings/{workplace.ranked[0]}", json={"perfect": False})
+    answer = client.post("/api/runs", json={"behaviour_id": 1})
+    assert answer.status_code == 422
+    assert "perfect" in answer.json()["detail"]
+    unknown = client.post("/api/runs", json={"behaviour_id": 1, "recipe": "secret"})
+    assert unknown.status_code == 422
+    assert "fast" in unknown.json()["detail"]
+    assert client.post("/api/runs", json={"behaviour_id": 999}).status_code == 404
+
+
+def test_a_run_is_cancelled_resumed_and_deleted(client: TestClient) -> None:
+    run = client.post("/api/runs", json={"behaviour_id": 1}).json()
+    path = f"/api/runs/{run['id']}"
+    assert client.delete(path).status_code == 409
+    assert client.post(f"{path}/resume").status_code == 409
+    assert client.post(f"{path}/cancel").json()["status"] == "cancelled"
+    assert client.post(f"{path}/resume").json()["status"] == "queued"
+    assert client.post(f"{path}/cancel").json()["status"] == "cancelled"
+    assert client.delete(path).status_code == 204
+    assert client.get(path).status_code == 404
+    assert client.get("/api/runs").json() == []
+
+
+def test_curves_come_in_pieces(client: TestClient, workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        metrics.add(session, run_id, "reward", 1, {"loss": 0.7, "accuracy": 0.5})
+        metrics.add(session, run_id, "reward", 2, {"loss": 0.6})
+    first = client.get(f"/api/runs/{run_id}/metrics").json()
+    assert first["series"] == {
+        "reward": {"loss": [[1, 0.7], [2, 0.6]], "accuracy": [[1, 0.5]]},
+    }
+    with workplace.database.writing() as session:
+        metrics.add(session, run_id, "imitator", 128, {"targets": 2.0})
+    second = client.get(f"/api/runs/{run_id}/metrics", params={"after": first["last"]}).json()
+    assert second["series"] == {"imitator": {"targets": [[128, 2.0]]}}
+    third = client.get(f"/api/runs/{run_id}/metrics", params={"after": second["last"]}).json()
+    assert (third["series"], third["last"]) == ({}, second["last"])
+
+
+def fill_with_results(workplace: Workplace) -> str:
+    """Make a finished run, its results written as a worker writes them."""
+    run_id = workplace.make_run()
+    games = {"imitator": (3, 1), "clone": (3, 2)}
+    with workplace.database.writing() as session:
+        played = recordings.get(session, workplace.ranked[0])
+        claim = leases.claim(session, run_id, "worker", {"tril": "0.1.0"})
+        assert claim is not None
+        for policy, (targets, strays) in games.items():
+            for number, held_out in ((0, True), (1, False)):
+                row = RecordingRow(
+                    behaviour_id=1, run_id=run_id, source=Source.POLICY, state="kept"
+                )
+                for name in ("rom_md5", "idle_frames", "actions", "n_frames", "hits", "end"):
+                    setattr(row, name, getattr(played, name))
+                session.add(row)
+                session.flush()
+                key = EvaluationKey(policy, "greedy", number)
+                evaluations.add(
+                    session, run_id, key, row.id, held_out, 1.5, Score(targets, strays, 0)
+                )
+        row_of_run = leases.finish_stage(session, claim, "evaluation", 1.0)
+        found = [
+            evaluations.figures_of(row)
+            for row in evaluations.listing(session, run_id)
+            if row.policy == "imitator" and row.held_out
+        ]
+        row_of_run.outcome = {
+            "check": {
+                "predicted_returns": {str(key): float(-key) for key in workplace.ranked},
+                "tau": 0.8,
+                "pair_accuracy": 0.9,
+                "held_out_accuracy": None,
+                "confused": [{"better": 1, "worse": 2, "held_out": True}],
+                "passed": False,
+                "advice": "It confuses tiers 1 and 2.",
+            },
+            "headline": {
+                "imitator": summarise(found).to_dict(),
+                "clone": None,
+                "tau": 0.8,
+                "pair_accuracy": 0.9,
+                "held_out_accuracy": None,
+            },
+        }
+        for kind, suffix in (
+            ("attention_map", ""),
+            ("attention_red_blue", "-red-blue"),
+            ("attention_frame", "-frame"),
+        ):
+            details = {
+                "state": "maximum",
+                "reward": 2.5,
+                "recording_id": workplace.ranked[0],
+                "step": 9,
+            }
+            name = f"attention-maximum{suffix}.png"
+            artifacts.save(session, run_id, kind, name, "image/png", 3, details)
+        leases.end(session, claim, RunStatus.DONE)
+    store = ArtifactStore(workplace.settings.artifact_root)
+    store.put(artifacts.path_of(run_id, "attention-maximum.png"), b"png")
+    return run_id
+
+
+def test_results_are_shown_as_the_thesis_tables_them(
+    client: TestClient, workplace: Workplace
+) -> None:
+    results = client.get(f"/api/runs/{fill_with_results(workplace)}/results").json()
+    assert results["run"]["status"] == "done"
+    assert results["run"]["progress"] == 1
+    assert results["run"]["headline"]["imitator"]["targets"]["mean"] == 3
+    check = results["check"]
+    assert check["advice"] == "It confuses tiers 1 and 2."
+    assert check["confused"] == [
+        {
+            "better_tier": 1,
+            "worse_tier": 2,
+            "held_out": True,
+            "better": [workplace.ranked[0]],
+            "worse": [workplace.ranked[1]],
+            # A run of an earlier version has not counted.
+            "n_right": None,
+            "n_compared": None,
+        }
+    ]
+    assert check["warning"] == ""
+    assert [(row["tier"], row["predicted_return"]) for row in check["returns"]] == [
+        (tier, -key) for tier, key in enumerate(workplace.ranked, start=1)
+    ]
+    (row,) = results["comparison"]
+    assert (row["start_number"], row["winner"], row["held_out"]) == (0, "imitator", True)
+    assert row["clone"]["recording"]["run_id"] == results["run"]["id"]
+    by_policy = {item["policy"]: item["summary"] for item in results["summaries"]}
+    assert by_policy["clone"]["strays"] == {"mean": 2, "low": 2, "high": 2, "n": 1}
+    assert results["best_demonstration"]["id"] == workplace.ranked[0]
+    assert len(results["games"]) == 4
+
+
+def test_returns_are_shown_with_what_the_games_were_worth(
+    client: TestClient, workplace: Workplace
+) -> None:
+    results = client.get(f"/api/runs/{fill_with_results(workplace)}/results").json()
+    shown = {(one["player"], one["demonstrated"]): one for one in results["judged"]}
+    assert list(shown) == [("demonstrator", True), ("imitator", False), ("clone", False)]
+    learned_from = shown["demonstrator", True]["games"]
+    assert {game["recording_id"] for game in learned_from} == set(workplace.ranked)
+    assert all(game["predicted_return"] == -game["recording_id"] for game in learned_from)
+    assert [game["true_quantity"] for game in shown["imitator", False]["games"]] == [2, 2]
+    assert [game["true_quantity"] for game in shown["clone", False]["games"]] == [1, 1]
+    assert shown["clone", False]["tau"] is None
+    assert results["alarm"] is None
+
+
+def test_a_training_whose_return_rises_alone_is_alarmed_while_it_goes(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = workplace.make_run()
+    returns = {str(number): 300.0 * place for place, number in enumerate(workplace.ranked)}
+    with workplace.database.writing() as session:
+        for name, points in HACKS["all the time"].curves().items():
+            for step, value in points:
+                metrics.add(session, run_id, "imitator", step, {name: value})
+        check = {
+            "predicted_returns": returns,
+            "tau": 1.0,
+            "pair_accuracy": 1.0,
+            "held_out_accuracy": None,
+            "confused": [],
+            "passed": True,
+            "advice": "",
+            "warning": "Tiers 3 and 4.",
+        }
+        runs.get(session, run_id).outcome = {"check": check}
+    results = client.get(f"/api/runs/{run_id}/results").json()
+    assert results["run"]["status"] == "queued"
+    assert "Watch the imitator" in results["alarm"]["message"]
+    assert results["alarm"]["from_step"] < results["alarm"]["to_step"]
+    assert results["check"]["warning"] == "Tiers 3 and 4."
+
+
+def test_attention_maps_are_shown_with_their_frames_and_can_be_fetched(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = fill_with_results(workplace)
+    (shown,) = client.get(f"/api/runs/{run_id}/results").json()["attention"]
+    assert (shown["state"], shown["step"]) == ("maximum", 9)
+    picture = client.get(shown["map_url"])
+    assert (picture.content, picture.headers["content-type"]) == (b"png", "image/png")
+    missing = client.get(shown["frame_url"])
+    assert missing.status_code == 404
+    assert len({shown["map_url"], shown["frame_url"], shown["red_blue_url"]}) == 3
+
+
+def test_results_stay_readable_when_a_ranked_recording_is_deleted(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = fill_with_results(workplace)
+    before = client.get(f"/api/runs/{run_id}/results").json()
+    client.delete(f"/api/recordings/{workplace.ranked[0]}")
+    after = client.get(f"/api/runs/{run_id}/results").json()
+    assert after["best_demonstration"]["deleted"]
+    assert len(after["check"]["returns"]) == len(before["check"]["returns"])
+    game = after["comparison"][0]["imitator"]["recording"]["id"]
+    answer = client.delete(f"/api/recordings/{game}")
+    assert answer.status_code == 409
+    assert "training" in answer.json()["detail"]
+
+
+def test_a_run_that_has_found_nothing_yet_has_empty_results(
+    client: TestClient, workplace: Workplace
+) -> None:
+    results = client.get(f"/api/runs/{workplace.make_run()}/results").json()
+    assert results["check"] is None
+    assert results["comparison"] == results["games"] == results["attention"] == []
+    assert results["best_demonstration"]["id"] == workplace.ranked[0]
+
+
+def test_rewards_say_what_to_do_while_the_inference_process_is_away(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = workplace.make_run()
+    answer = client.get(f"/api/runs/{run_id}/reward/{workplace.ranked[0]}")
+    assert answer.status_code == 503
+    assert "inference" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("kind", ["", "/results", "/metrics", "/reward/1"])
+def test_an_unknown_run_answers_404(reader: TestClient, kind: str) -> None:
+    assert reader.get(f"/api/runs/{uuid.uuid4()}{kind}").status_code == 404

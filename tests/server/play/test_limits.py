@@ -1,0 +1,168 @@
+"""How many games may be open, and what becomes of those that stand still."""
+
+from __future__ import annotations
+
+import time
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import pytest
+
+from server.play.limits import GameLimits
+from server.play.rules import PlayRules
+from server.play.wire.protocol import Close, Hello, Paused
+from tests.server.live import LiveServer, live_server
+from tests.waiting import wait_until
+from tests.workplace import Workplace
+from tril.settings import Settings
+from tril.store import games
+from tril.store.models import GameRow
+
+TRY_AGAIN_LATER = 1013
+
+IDLE_AFTER_S = 0.6
+RESTLESS = PlayRules(
+    countdown=1,
+    countdown_second_s=0.02,
+    sweep_every_s=0.1,
+    idle_after=timedelta(seconds=IDLE_AFTER_S),
+    max_games=2,
+)
+
+
+def ask_for_a_game(live: LiveServer) -> httpx2.Response:
+    return live.http.post("/api/games", json={"behaviour_id": 1})
+
+
+def recording_of(live: LiveServer, game: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = live.http.get(f"/api/recordings/{game['recording_id']}").json()
+    return found
+
+
+def forget_lease(workplace: Workplace, game_id: str) -> None:
+    """Make a game one that nobody has had for a while."""
+    with workplace.database.writing() as session:
+        row = games.get(session, game_id)
+        row.lease_expires_at = row.created_at - games.OPEN_FOR
+
+
+def test_no_more_games_are_begun_than_places_and_the_answer_says_what_to_do(
+    workplace: Workplace,
+) -> None:
+    with live_server(workplace.settings.data, max_games=2) as live:
+        first, _ = live.new_game(), live.new_game()
+        refused = ask_for_a_game(live)
+        assert refused.status_code == 503
+        assert "All 2 places are taken" in refused.json()["detail"]
+        assert "try again in a minute" in refused.json()["detail"]
+        parent = live.http.get("/api/behaviours/1/recordings").json()[0]["id"]
+        refused = live.http.post(f"/api/games/from/{parent}", json={"frame": 0})
+        assert refused.status_code == 503
+        with live.play(first) as player:
+            player.begin()
+            player.until_frame(3)
+            player.stop()
+        assert ask_for_a_game(live).status_code == 201
+
+
+def test_a_player_has_only_so_many_games_open(workplace: Workplace) -> None:
+    with live_server(workplace.settings.data, max_games_per_player=1) as live:
+        live.new_game()
+        refused = ask_for_a_game(live)
+        assert refused.status_code == 503
+        assert "1 of your games are open" in refused.json()["detail"]
+        with workplace.database.writing() as session:
+            for row in session.query(GameRow).all():
+                games.get(session, row.id).recording.player_id = None
+        assert ask_for_a_game(live).status_code == 201, "it is another player's now"
+
+
+def test_a_game_that_was_left_needs_a_place_to_go_on(workplace: Workplace) -> None:
+    with live_server(workplace.settings.data, max_games=1) as live:
+        left = live.new_game()
+        forget_lease(workplace, left["id"])
+        present = live.new_game()
+        with live.play(left) as player:
+            assert player.close_code() == TRY_AGAIN_LATER
+        with live.play(present) as player:
+            player.begin()
+            player.until_frame(3)
+            player.stop()
+        with live.play(left) as player:
+            assert not player.begin().resumed
+            player.until_frame(3)
+            player.stop()
+
+
+def test_a_full_process_lets_go_of_a_game_without_a_page(live: LiveServer) -> None:
+    """The shared server plays at most four games."""
+    left = live.new_game()
+    with live.play(left) as player:
+        player.begin()
+        player.until_frame(20)
+    others = [live.new_game() for _ in range(4)]
+    joined = [live.play(game) for game in others]
+    players = [context.__enter__() for context in joined]
+    try:
+        for player in players:
+            player.until(Hello)
+        with live.play(left) as one_too_many:
+            assert one_too_many.close_code() == TRY_AGAIN_LATER
+    finally:
+        for context in joined:
+            context.__exit__(None, None, None)
+    with live.play(left) as player:
+        hello = player.until(Hello)
+        assert hello.resumed
+        assert hello.frame >= 20
+        player.stop()
+
+
+def test_a_game_that_is_never_begun_ends(tmp_path: Path, workplace: Workplace) -> None:
+    with live_server(workplace.settings.data, RESTLESS) as live:
+        game = live.new_game()
+        with live.play(game) as player:
+            player.until(Hello)
+            assert player.close_code() == Close.GAME_OVER
+        wait_until(lambda: bool(recording_of(live, game)["deleted"]))
+        with live.play(game) as player:
+            assert player.close_code() == Close.GAME_OVER
+
+
+def test_a_game_that_stays_paused_ends_as_an_unfinished_recording(workplace: Workplace) -> None:
+    with live_server(workplace.settings.data, RESTLESS) as live:
+        game = live.new_game()
+        with live.play(game) as player:
+            began = time.monotonic()
+            player.begin()
+            player.until_frame(90)
+            player.say("pause")
+            player.until(Paused)
+            standing = player.frames[-1].frame
+            assert time.monotonic() - began > IDLE_AFTER_S, "it was played for longer than that"
+            assert player.close_code() == Close.GAME_OVER
+        wait_until(lambda: recording_of(live, game)["state"] == "unfinished")
+        recording = recording_of(live, game)
+        assert (recording["n_frames"], recording["verification"]) == (standing, "verified")
+        assert not recording["deleted"]
+
+
+def test_a_game_that_is_joined_in_the_nick_of_time_is_not_ended(workplace: Workplace) -> None:
+    with live_server(workplace.settings.data) as live:
+        game = live.new_game()
+        with live.play(game) as player:
+            player.until(Hello)
+            with workplace.database.writing() as session:
+                late = games.claim_abandoned(session, game["id"], "another process", timedelta(0))
+                assert late is None
+            player.say("ready")
+            player.until_frame(3)
+            assert player.stop().verification == "verified"
+
+
+@pytest.mark.parametrize(("asked", "in_all"), [(0, 64), (5, 5)])
+def test_there_are_as_many_places_as_processes_can_play(asked: int, in_all: int) -> None:
+    settings = Settings(max_games=asked, server_processes=2)
+    assert GameLimits.of(settings, per_process=32).in_all == in_all

@@ -1,0 +1,115 @@
+"""Replays in a process beside the server."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import cast
+
+import psutil
+import pytest
+
+from server.play.replays import ReplayProcess, Wanted, process
+from server.play.wire.frames_file import frames_file
+from tests.waiting import wait_until
+from tests.workplace import Workplace
+from tril.errors import Unavailable
+from tril.recording import Recording, RecordingRefused
+from tril.store import recordings
+
+PATIENCE_S = 60.0
+DIES = f"""
+import os, signal
+from {process.__name__} import ReplayProcess
+replays = ReplayProcess()
+print(replays._running().pid, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.fixture(scope="module")
+def replays() -> Iterator[ReplayProcess]:
+    replays = ReplayProcess()
+    yield replays
+    replays.stop()
+
+
+@pytest.fixture
+def played(workplace: Workplace) -> tuple[Recording, list[tuple[int, int]]]:
+    with workplace.database.reading() as session:
+        row = recordings.get(session, workplace.ranked[0])
+        hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+        return recordings.as_recording(row), hits
+
+
+def test_a_recording_that_replays_passes_the_check(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
+
+
+def test_one_that_does_not_is_refused_with_the_reason(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    recording, hits = played
+    forged = replace(recording, ram_hashes=("0" * 16, *recording.ram_hashes[1:]))
+    with pytest.raises(RecordingRefused, match="the RAM after frame 60"):
+        replays.submit(Wanted.CHECK, forged, hits).result(PATIENCE_S)
+    with pytest.raises(RecordingRefused, match="The replay hits"):
+        replays.submit(Wanted.CHECK, recording, [*hits, (5, 5)]).result(PATIENCE_S)
+
+
+def test_frames_are_those_of_a_replay_in_this_process(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    recording, _ = played
+    made = replays.submit(Wanted.FRAMES, recording).result(PATIENCE_S)
+    assert made == frames_file(recording)
+
+
+def test_it_runs_behind_those_who_play_and_comes_back_when_it_was_killed(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    replays.submit(Wanted.CHECK, *played).result(PATIENCE_S)
+    child = _process_of(replays)
+    assert child.nice() > psutil.Process().nice()
+    child.kill()
+    assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
+    assert _process_of(replays) != child
+
+
+def test_an_error_is_one_request_s_own(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    with pytest.raises(Unavailable, match="Try again"):
+        replays.submit(cast("Wanted", "nonsense"), played[0]).result(PATIENCE_S)
+    assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
+
+
+def test_a_process_that_does_not_start_is_said(
+    monkeypatch: pytest.MonkeyPatch, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    monkeypatch.setattr(process, "_COMMAND", (sys.executable, "-c", "raise SystemExit(1)"))
+    replays = ReplayProcess()
+    with pytest.raises(Unavailable, match="log"):
+        replays.submit(Wanted.CHECK, *played).result(PATIENCE_S)
+    replays.stop()
+
+
+def test_it_ends_with_its_server_even_if_that_is_killed() -> None:
+    died = subprocess.run(
+        [sys.executable, "-c", DIES], stdout=subprocess.PIPE, check=False, timeout=PATIENCE_S
+    )
+    pid = int(died.stdout)
+    wait_until(lambda: not _runs(pid), PATIENCE_S)
+
+
+def _process_of(replays: ReplayProcess) -> psutil.Process:
+    assert replays._process is not None
+    return psutil.Process(replays._process.pid)
+
+
+def _runs(pid: int) -> bool:
+    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE

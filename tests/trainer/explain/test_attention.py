@@ -1,0 +1,109 @@
+"""Attention maps against their definition."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import torch
+
+from trainer.explain.attention import (
+    POSITIONS,
+    attention_map,
+    changes_at,
+    changing_positions,
+    pick_states,
+)
+from trainer.explain.occlusion import PATCH
+from trainer.progress import NullProgress
+from trainer.reward.model import RewardModel, RewardNetwork
+from tril.game.console import Console
+from tril.game.observation import AgentView
+from tril.game.starts import evaluation_start
+
+
+def _model(n_members: int) -> RewardModel:
+    torch.manual_seed(7)
+    members = tuple(RewardNetwork() for _ in range(n_members))
+    return RewardModel(members, (0.3,) * n_members, (0.05,) * n_members)
+
+
+@pytest.fixture(scope="module")
+def game_observation() -> npt.NDArray[np.uint8]:
+    console = Console()
+    console.start(evaluation_start(0))
+    view = AgentView()
+    view.begin(console)
+    for frame in range(1, 121):
+        console.act(1 if frame % 3 else 2)
+        view.watch(console, frame)
+    return np.array(view.observation)
+
+
+def _masked_changes(
+    model: RewardModel, observation: npt.NDArray[np.uint8], positions: npt.NDArray[np.int64]
+) -> npt.NDArray[np.float32]:
+    """|R(masked) - R| by the definition: each masked observation made and scored whole."""
+    masked = np.repeat(observation[None], len(positions), axis=0)
+    for target, (screen, row, column) in zip(masked, positions, strict=True):
+        target[screen, row : row + PATCH, column : column + PATCH] = 0
+    changes: npt.NDArray[np.float32] = np.abs(model.score(masked) - model.score(observation[None]))
+    return changes
+
+
+def test_the_map_equals_brute_force(game_observation: npt.NDArray[np.uint8]) -> None:
+    model, screen = _model(1), 2
+    every = np.array([(screen, r, c) for r in range(POSITIONS) for c in range(POSITIONS)])
+    expected = np.zeros((84, 84))
+    changes = _masked_changes(model, game_observation, every)
+    for (_, row, column), change in zip(every, changes, strict=True):
+        expected[row : row + PATCH, column : column + PATCH] += change
+    assert expected.max() > 0
+    found = attention_map(model, game_observation)[screen]
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=2e-4 * expected.max())
+
+
+@pytest.mark.parametrize("n_members", [1, 2])
+def test_patches_anywhere_change_what_masking_changes(n_members: int) -> None:
+    model = _model(n_members)
+    rng = np.random.default_rng(3)
+    noise = rng.integers(0, 256, (4, 84, 84), dtype=np.uint8)
+    edges = [
+        (s, r, c) for s in range(4) for r in (0, 1, 5, 76, 78, 81) for c in (0, 2, 6, 77, 78, 81)
+    ]
+    positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
+    expected = _masked_changes(model, noise, positions)
+    found = changes_at(model, noise, positions, NullProgress())
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
+
+
+def test_an_empty_screen_has_no_attention() -> None:
+    assert not attention_map(_model(1), np.zeros((4, 84, 84), np.uint8)).any()
+
+
+def test_only_patches_that_change_something_are_tried() -> None:
+    observation = np.zeros((4, 84, 84), np.uint8)
+    observation[1, 40, 50] = 9
+    positions = changing_positions(observation)
+    assert sorted(map(tuple, positions.tolist())) == [
+        (1, row, column) for row in (38, 39, 40) for column in (48, 49, 50)
+    ]
+
+
+def test_an_observation_of_another_shape_is_refused() -> None:
+    with pytest.raises(ValueError, match="Expected an observation uint8"):
+        attention_map(_model(1), np.zeros((84, 84, 4), np.uint8))
+
+
+def test_states_are_picked_by_their_reward() -> None:
+    rewards = [np.arange(0, 100, 2, dtype=np.float32), np.arange(1, 100, 2, dtype=np.float32)]
+    picked = pick_states(rewards)
+    assert [state.name for state in picked] == [
+        "minimum",
+        "90th percentile",
+        "95th percentile",
+        "maximum",
+    ]
+    assert [state.reward for state in picked] == [0.0, 89.0, 94.0, 99.0]
+    for state in picked:
+        assert rewards[state.trajectory][state.step] == state.reward

@@ -1,0 +1,84 @@
+from typing import get_args
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from trainer.reward.fragments import (
+    FragmentRule,
+    FragmentStarts,
+    draw_fragments,
+    fragment_sums,
+    preference_pairs,
+)
+from tril.errors import Invalid
+
+
+@given(
+    sizes=st.lists(st.integers(1, 301), min_size=2, max_size=6),
+    shortest=st.integers(1, 80),
+    extra=st.integers(0, 60),
+    starts=st.sampled_from(get_args(FragmentStarts)),
+    seed=st.integers(0, 99),
+)
+def test_fragments_lie_within_their_games_and_are_equally_long(
+    sizes: list[int], shortest: int, extra: int, starts: FragmentStarts, seed: int
+) -> None:
+    pairs = preference_pairs([[i] for i in range(len(sizes))])
+    rule = FragmentRule(shortest, shortest + extra, starts)
+    drawn = draw_fragments(pairs, sizes, rule, 200, np.random.default_rng(seed))
+    size = np.asarray(sizes)
+    assert (drawn.better < drawn.worse).all()
+    assert (drawn.length >= 1).all()
+    assert (drawn.length <= rule.longest).all()
+    assert (drawn.worse_start >= 0).all()
+    assert (drawn.better_start + drawn.length <= size[drawn.better]).all()
+    assert (drawn.worse_start + drawn.length <= size[drawn.worse]).all()
+    shorter = np.minimum(size[drawn.better], size[drawn.worse])
+    assert (drawn.length >= np.minimum(shortest, shorter)).all()
+    if starts == "same":
+        assert (drawn.better_start == drawn.worse_start).all()
+    elif starts == "later":
+        assert (drawn.better_start >= drawn.worse_start).all()
+
+
+def test_free_fragments_start_before_and_after_each_other() -> None:
+    rule = FragmentRule(5, 10, "any")
+    drawn = draw_fragments([(0, 1)], [100, 100], rule, 500, np.random.default_rng(0))
+    earlier = np.mean(drawn.better_start < drawn.worse_start)
+    assert 0.4 < earlier < 0.6
+
+
+@pytest.mark.parametrize("starts", get_args(FragmentStarts))
+def test_fragments_start_where_both_games_have_begun(starts: FragmentStarts) -> None:
+    rule = FragmentRule(5, 50, starts)
+    drawn = draw_fragments([(0, 1)], [100, 90], rule, 500, np.random.default_rng(0), first=[0, 70])
+    assert drawn.worse_start.min() == 70
+    assert drawn.better_start.min() == 70
+    assert (drawn.worse_start + drawn.length).max() == 90
+
+
+def test_a_short_game_limits_its_own_pairs_only() -> None:
+    rule = FragmentRule(50, 100, "same")
+    pairs = preference_pairs([[0], [1], [2]])
+    drawn = draw_fragments(pairs, [301, 20, 301], rule, 2000, np.random.default_rng(0))
+    with_short = (drawn.better == 1) | (drawn.worse == 1)
+    assert set(drawn.length[with_short]) == {20}
+    assert drawn.length[~with_short].min() >= 50
+    assert drawn.length[~with_short].max() == 100
+
+
+def test_tied_games_form_no_pair() -> None:
+    assert preference_pairs([[4], [1, 2], [0]]) == [(4, 1), (4, 2), (4, 0), (1, 0), (2, 0)]
+
+
+def test_one_tier_teaches_nothing() -> None:
+    with pytest.raises(Invalid, match="at least two tiers"):
+        preference_pairs([[0, 1, 2]])
+
+
+def test_fragment_sums_are_sums() -> None:
+    values = np.arange(10, dtype=np.float32)
+    sums = fragment_sums(values, np.array([0, 3, 9]), np.array([10, 2, 1]))
+    assert sums.tolist() == [45.0, 7.0, 9.0]

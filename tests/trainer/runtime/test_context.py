@@ -1,0 +1,201 @@
+"""What a stage reports, and when it is told to stop."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from tests.workplace import Workplace
+from trainer.progress import RunCancelled
+from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
+from trainer.runtime.throttle import Throttle
+from tril.files.artifact_store import ArtifactStore
+from tril.game.starts import Start
+from tril.jobs import RunEta
+from tril.recipes import recipe_from_dict
+from tril.store import behaviours, games
+from tril.store.training import leases, metrics, runs
+from tril.store.training.leases import LeaseLost
+
+STAGE = "imitator"
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def run_id(workplace: Workplace) -> str:
+    return workplace.make_run(steps=1000)
+
+
+def claimed(workplace: Workplace, run_id: str) -> RunContext:
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", {})
+        assert claim is not None
+        row = runs.get(session, run_id)
+        return RunContext(
+            claim=claim,
+            behaviour_id=row.behaviour_id,
+            behaviour=behaviours.as_behaviour(behaviours.get(session, row.behaviour_id)),
+            recipe=recipe_from_dict(row.recipe),
+            steps=row.steps,
+            training_seed=0,
+            go_on_anyway=True,
+            snapshot=row.snapshot,
+            outcome={},
+            finished={},
+            database=workplace.database,
+            artifacts=ArtifactStore(workplace.settings.artifact_root),
+            folder=workplace.settings.data / "runs" / run_id,
+            settings=workplace.settings,
+            forecast=RunEta({"reward": 50.0, STAGE: 100.0, "evaluation": 30.0}),
+            courtesy=Throttle(1),
+            stopping=threading.Event(),
+        )
+
+
+def curve(workplace: Workplace, run_id: str) -> list[tuple[int, float]]:
+    with workplace.database.reading() as session:
+        return metrics.series(session, run_id)[1].get(STAGE, {}).get("kl", [])
+
+
+def test_points_and_progress_are_on_the_row_when_they_come_slowly(
+    workplace: Workplace, run_id: str
+) -> None:
+    clock = Clock()
+    progress = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    for done in (100, 200, 300):
+        clock.now += 5.0
+        progress.advance(done, 1000, {"kl": done / 1000})
+        assert curve(workplace, run_id)[-1] == (done, done / 1000)
+    row = workplace.run(run_id)
+    assert row.stage == STAGE
+    assert row.stage_done == pytest.approx(0.3)
+    # 200 of 1000 in 10 s since the first report, so 700 more take 35 s; then the evaluation.
+    assert row.remaining_s == pytest.approx(15.0 * 0.7 / 0.2 + 30.0 + 50.0)
+
+
+def test_points_are_written_at_once_and_mere_progress_once_a_second(
+    workplace: Workplace, run_id: str
+) -> None:
+    clock = Clock()
+    progress = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    for done in range(1, 11):
+        clock.now += 0.01
+        progress.advance(done, 1000, {"kl": float(done)})
+    assert curve(workplace, run_id) == [(done, float(done)) for done in range(1, 11)]
+    clock.now += 0.9
+    progress.advance(500, 1000)
+    assert workplace.run(run_id).stage_done == pytest.approx(0.01)
+    clock.now += 0.2
+    progress.advance(600, 1000)
+    assert workplace.run(run_id).stage_done == pytest.approx(0.6)
+
+
+def test_going_on_from_a_checkpoint_leaves_a_curve_without_jump_or_gap(
+    workplace: Workplace, run_id: str
+) -> None:
+    clock = Clock()
+    first = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    for done in (100, 200, 300, 400):
+        clock.now += 1.0
+        first.advance(done, 1000, {"kl": 1.0})
+    # Killed; the checkpoint was made at 200.
+    second = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    second.advance(200, 1000)
+    assert curve(workplace, run_id) == [(100, 1.0), (200, 1.0)]
+    for done in (300, 400):
+        clock.now += 1.0
+        second.advance(done, 1000, {"kl": 2.0})
+    assert curve(workplace, run_id) == [(100, 1.0), (200, 1.0), (300, 2.0), (400, 2.0)]
+    # The time of the whole stage is told by the part that was measured.
+    assert second.seconds() == pytest.approx(2.0 / 0.8)
+
+
+def test_a_cancelled_run_stops_at_the_next_report(workplace: Workplace, run_id: str) -> None:
+    context = claimed(workplace, run_id)
+    progress = StageProgress(context, STAGE)
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+    with pytest.raises(RunCancelled) as caught:
+        progress.advance(1, 1000)
+    assert not isinstance(caught.value, WorkerStopping)
+
+
+def test_the_row_is_looked_at_once_a_second_at_most(
+    workplace: Workplace, run_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    context = claimed(workplace, run_id)
+    clock = Clock()
+    monkeypatch.setattr("trainer.runtime.context.time.monotonic", clock)
+    context.check_cancelled()
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+    clock.now += 0.9
+    context.check_cancelled()
+    clock.now += 0.2
+    with pytest.raises(RunCancelled):
+        context.check_cancelled()
+
+
+def test_a_stopping_worker_leaves_at_once(workplace: Workplace, run_id: str) -> None:
+    context = claimed(workplace, run_id)
+    context.stopping.set()
+    with pytest.raises(WorkerStopping):
+        StageProgress(context, STAGE).advance(1, 1000)
+
+
+def test_a_worker_that_lost_its_run_writes_nothing_more(workplace: Workplace, run_id: str) -> None:
+    lost = claimed(workplace, run_id)
+    progress = StageProgress(lost, STAGE)
+    progress.advance(100, 1000, {"kl": 1.0})
+    claimed(workplace, run_id)
+    with pytest.raises(LeaseLost):
+        StageProgress(lost, STAGE).advance(500, 1000, {"kl": 9.0})
+    with pytest.raises(LeaseLost):
+        lost.save_artifact("figure", "x.png", "image/png", b"")
+    with pytest.raises(LeaseLost):
+        lost.finish_stage(STAGE, 1.0)
+    assert curve(workplace, run_id) == [(100, 1.0)]
+    assert not lost.artifacts.exists(f"runs/{run_id}/x.png")
+
+
+def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> None:
+    context = claimed(workplace, run_id)
+    context.check_cancelled()
+    assert not context.courtesy.play_is_on
+    with workplace.database.writing() as session:
+        game = games.create(session, workplace.behaviour_id, Start(1), None)
+        epoch = games.claim(session, game.id, "server", "tab").epoch
+    again = claimed(workplace, run_id)
+    again.check_cancelled()
+    assert again.courtesy.play_is_on
+    with workplace.database.writing() as session:
+        games.release(session, game.id, epoch)
+    last = claimed(workplace, run_id)
+    last.check_cancelled()
+    assert not last.courtesy.play_is_on
+
+
+def test_learning_makes_way_while_somebody_plays() -> None:
+    courtesy = Throttle(4)
+    courtesy.begin()
+    import torch
+
+    before = torch.get_num_threads()
+    assert before == 4
+    courtesy.play_is_on = True
+    courtesy.make_way()
+    assert torch.get_num_threads() == 2
+    courtesy.play_is_on = False
+    courtesy.make_way()
+    assert torch.get_num_threads() == 4
+    torch.set_num_threads(1)

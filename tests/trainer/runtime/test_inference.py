@@ -1,0 +1,287 @@
+"""The inference process and its client, over a real socket."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import stat
+import struct
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.workplace import Workplace, make_workplace
+from trainer.explain.attention import attention_map
+from trainer.policy.networks import Policy, new_policy, save_policy
+from trainer.reward.model import RewardModel
+from trainer.reward.reward_trainer import new_network
+from trainer.runtime.inference import InferenceServer, Networks
+from tril.errors import Invalid, NotFound, Unavailable
+from tril.files.artifact_store import ArtifactStore
+from tril.game.observation import Observations
+from tril.inference import (
+    MAX_BODY_BYTES,
+    MAX_HEADER_BYTES,
+    MAX_OBSERVATIONS,
+    InferenceClient,
+    receive_message,
+)
+from tril.store.training import artifacts
+from tril.store.training.artifacts import path_of
+
+
+@pytest.fixture
+def store(workplace: Workplace) -> ArtifactStore:
+    return ArtifactStore(workplace.settings.artifact_root)
+
+
+@contextmanager
+def serving(workplace: Workplace, most: int = 4) -> Iterator[Networks]:
+    store = ArtifactStore(workplace.settings.artifact_root)
+    networks = Networks(workplace.database, store, most)
+    with InferenceServer(workplace.settings.inference_socket, networks) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        try:
+            yield networks
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@pytest.fixture
+def client(workplace: Workplace) -> InferenceClient:
+    return InferenceClient(workplace.settings.inference_socket, timeout_s=20.0)
+
+
+def some_observations(n: int, seed: int = 0) -> Observations:
+    return np.random.default_rng(seed).integers(0, 256, (n, 4, 84, 84), np.uint8)
+
+
+def a_reward_model(seed: int = 0) -> RewardModel:
+    return RewardModel((new_network(np.random.default_rng(seed)),), (0.5,), (2.0,))
+
+
+def keep(workplace: Workplace, store: ArtifactStore, run_id: str, kind: str, path: Path) -> None:
+    store.put(path_of(run_id, path.name), path.read_bytes())
+    with workplace.database.writing() as session:
+        artifacts.save(session, run_id, kind, path.name, "application/octet-stream", 1)
+
+
+def run_with_networks(workplace: Workplace, store: ArtifactStore, tmp_path: Path) -> str:
+    run_id = workplace.make_run()
+    a_reward_model().save(tmp_path / "reward-model.safetensors")
+    keep(workplace, store, run_id, "reward_model", tmp_path / "reward-model.safetensors")
+    save_policy(new_policy("small", 1e-3, np.random.default_rng(1)), tmp_path / "imitator.zip")
+    keep(workplace, store, run_id, "imitator", tmp_path / "imitator.zip")
+    return run_id
+
+
+def test_answers_equal_what_the_networks_say(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = run_with_networks(workplace, store, tmp_path)
+    observations = some_observations(5)
+    # Where nothing is to be seen there is nothing to mask: a small patch is quick.
+    seen = np.zeros_like(observations[0])
+    seen[:, 40:50, 40:50] = observations[0][:, 40:50, 40:50]
+    policy = Policy(new_policy("small", 1e-3, np.random.default_rng(1)))
+    with serving(workplace):
+        client.ping()
+        rewards = client.reward(run_id, observations)
+        probabilities = client.action_probabilities(run_id, "imitator", observations)
+        attention = client.attention(run_id, seen)
+    np.testing.assert_allclose(rewards, a_reward_model().score(observations), rtol=1e-5)
+    np.testing.assert_allclose(probabilities, policy.probabilities(observations), atol=1e-5)
+    np.testing.assert_allclose(probabilities.sum(1), np.ones(5), rtol=1e-5)
+    np.testing.assert_allclose(
+        attention, attention_map(a_reward_model(), seen), rtol=1e-4, atol=1e-6
+    )
+
+
+def test_more_observations_than_one_message_holds_are_asked_in_parts(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = run_with_networks(workplace, store, tmp_path)
+    observations = np.repeat(some_observations(2), [MAX_OBSERVATIONS, 3], axis=0)
+    with serving(workplace):
+        rewards = client.reward(run_id, observations)
+        assert client.reward(run_id, observations[:0]).shape == (0,)
+    one, other = a_reward_model().score(some_observations(2))
+    assert rewards.shape == (MAX_OBSERVATIONS + 3,)
+    np.testing.assert_allclose(rewards[:MAX_OBSERVATIONS], one, rtol=1e-4)
+    np.testing.assert_allclose(rewards[MAX_OBSERVATIONS:], other, rtol=1e-4)
+
+
+def test_a_run_without_the_network_is_named(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = run_with_networks(workplace, store, tmp_path)
+    with serving(workplace):
+        with pytest.raises(NotFound, match="no clone yet"):
+            client.action_probabilities(run_id, "clone", some_observations(1))
+        with pytest.raises(NotFound, match="no reward model yet"):
+            client.reward("unknown", some_observations(1))
+        with pytest.raises(Invalid, match="no policy 'champion'"):
+            client.action_probabilities(run_id, "champion", some_observations(1))
+        with pytest.raises(Invalid, match="Expected observations uint8"):
+            client.reward(run_id, np.zeros((1, 84, 84), np.uint8))
+
+
+def test_a_model_that_is_made_anew_is_loaded_anew(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = run_with_networks(workplace, store, tmp_path)
+    observations = some_observations(3)
+    with serving(workplace):
+        client.reward(run_id, observations)
+        a_reward_model(7).save(tmp_path / "reward-model.safetensors")
+        keep(workplace, store, run_id, "reward_model", tmp_path / "reward-model.safetensors")
+        rewards = client.reward(run_id, observations)
+    np.testing.assert_allclose(rewards, a_reward_model(7).score(observations), rtol=1e-5)
+
+
+def test_networks_in_memory_are_bounded(
+    workplace: Workplace, store: ArtifactStore, tmp_path: Path
+) -> None:
+    runs = [run_with_networks(workplace, store, tmp_path) for _ in range(3)]
+    networks = Networks(workplace.database, store, most=2)
+    first = networks.reward_model(runs[0])
+    second = networks.reward_model(runs[1])
+    assert networks.reward_model(runs[0]) is first
+    networks.reward_model(runs[2])
+    assert networks.reward_model(runs[0]) is first
+    assert networks.reward_model(runs[1]) is not second
+
+
+def test_the_socket_is_for_its_owner_alone_and_goes_with_the_process(
+    workplace: Workplace, client: InferenceClient
+) -> None:
+    path = workplace.settings.inference_socket
+    with serving(workplace):
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert not path.exists()
+    with pytest.raises(Unavailable, match="inference process does not run"):
+        client.ping()
+
+
+def test_a_path_too_long_for_a_socket_address_works(tmp_path: Path) -> None:
+    folder = tmp_path / ("deep" * 20) / ("deeper" * 20)
+    workplace = make_workplace(folder)
+    assert len(os.fsencode(workplace.settings.inference_socket)) > 108
+    with serving(workplace):
+        InferenceClient(workplace.settings.inference_socket).ping()
+    workplace.database.close()
+
+
+def test_a_connection_that_breaks_is_tried_once_more(workplace: Workplace) -> None:
+    path = workplace.settings.inference_socket
+    asked: list[str] = []
+
+    def break_then_answer() -> None:
+        for _ in range(2):
+            connection, _ = listener.accept()
+            with connection:
+                asked.append(receive_message(connection)[0]["op"])
+                if len(asked) == 2:
+                    text = json.dumps({"ok": True, "n_bytes": 0}).encode()
+                    connection.sendall(struct.pack("<I", len(text)) + text)
+
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(path))
+        listener.listen()
+        thread = threading.Thread(target=break_then_answer)
+        thread.start()
+        InferenceClient(path).ping()
+        thread.join()
+    assert asked == ["ping", "ping"]
+
+
+def ask_raw(workplace: Workplace, content: bytes) -> dict[str, object]:
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.settimeout(20)
+        connection.connect(str(workplace.settings.inference_socket))
+        connection.sendall(content)
+        return receive_message(connection)[0]
+
+
+def framed(header: object) -> bytes:
+    text = json.dumps(header).encode()
+    return struct.pack("<I", len(text)) + text
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (struct.pack("<I", MAX_HEADER_BYTES + 1), "header of at most"),
+        (struct.pack("<I", 4) + b"\xff\xfe{}", "not JSON"),
+        (framed([1, 2]), "not a JSON object"),
+        (framed({"op": "reward", "n_bytes": MAX_BODY_BYTES + 1}), "Expected at most"),
+        (framed({"op": "reward", "n_bytes": -1}), "Expected at most"),
+        (framed({"op": "ping"}), "Expected at most"),
+        (framed({"op": "delete", "n_bytes": 0}), "no operation 'delete'"),
+        (framed({"op": "reward", "n_bytes": 0}), "lacks 'run_id'"),
+        (framed({"op": "reward", "run_id": "x", "n_bytes": 3}) + b"abc", "whole observations"),
+        (framed({"op": "attention", "run_id": "x", "n_bytes": 0}), "one observation"),
+    ],
+)
+def test_bad_requests_are_refused_with_a_reason_and_harm_nothing(
+    workplace: Workplace, client: InferenceClient, content: bytes, reason: str
+) -> None:
+    with serving(workplace):
+        answer = ask_raw(workplace, content)
+        assert answer["ok"] is False
+        assert answer["kind"] == "invalid"
+        assert reason in str(answer["detail"])
+        client.ping()
+
+
+def test_who_goes_away_in_mid_message_harms_nothing(
+    workplace: Workplace, client: InferenceClient
+) -> None:
+    with serving(workplace):
+        for content in (b"", b"\x05", framed({"op": "reward", "n_bytes": 100}) + b"half"):
+            with socket.socket(socket.AF_UNIX) as connection:
+                connection.connect(str(workplace.settings.inference_socket))
+                connection.sendall(content)
+        client.ping()
+
+
+def test_the_process_serves_one_data_folder_alone_and_survives_a_kill(
+    workplace: Workplace, client: InferenceClient
+) -> None:
+    command = [sys.executable, "-m", "cli.main", "inference"]
+    environment = {**os.environ, "TRIL_DATA": str(workplace.settings.data)}
+
+    def start() -> subprocess.Popen[str]:
+        return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+
+    def until_it_answers(process: subprocess.Popen[str]) -> None:
+        assert process.stdout is not None
+        deadline = time.monotonic() + 60
+        while "Inference answers" not in process.stdout.readline():
+            assert time.monotonic() < deadline
+        client.ping()
+
+    with start() as first:
+        until_it_answers(first)
+        with pytest.raises(Unavailable, match="Another inference process"):
+            InferenceServer(
+                workplace.settings.inference_socket,
+                Networks(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
+            )
+        first.kill()
+    assert workplace.settings.inference_socket.exists()
+    with start() as second:
+        until_it_answers(second)
+        second.terminate()
+        assert second.wait(20) == 0
+    assert not workplace.settings.inference_socket.exists()

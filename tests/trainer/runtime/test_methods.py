@@ -1,0 +1,74 @@
+"""Runs whose imitators are not trained on the learned reward, through real worker processes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from stable_baselines3 import PPO
+
+from tests.trainer.runtime.kills import curves_of, finish, flaws
+from tests.trainer.runtime.worker_zygote import Zygote
+from tests.waiting import wait_until
+from tests.workplace import TINY, Workplace
+from tril.jobs import STAGES, Jobs
+from tril.recipes import Recipe, with_values
+from tril.store.models import RunStatus
+from tril.store.training import artifacts, evaluations
+
+STEPS = 400
+
+RECIPES: dict[str, Recipe] = {
+    "dagger": with_values(
+        TINY, {"method": "dagger", "cloning.epochs": 1, "dagger.steps_per_iteration": 200}
+    ),
+    "gail": with_values(
+        TINY,
+        {
+            "method": "gail",
+            "gail.updates": 2,
+            "policy.reward": "softplus",
+            "policy.demonstration_share": 0.0,
+        },
+    ),
+}
+OWN_CURVES = {
+    "dagger": {"hits", "strays", "episode_steps", "agreement", "expert_share", "accuracy"},
+    "gail": {"discriminator_loss", "discriminator_accuracy", "value_loss", "entropy"},
+}
+
+
+@pytest.mark.lengthy
+@pytest.mark.parametrize("method", RECIPES)
+def test_a_run_is_finished_and_whole_whether_it_was_killed_while_it_trained_or_not(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote, method: str
+) -> None:
+    untouched = workplace.make_run(RECIPES[method], STEPS)
+    jobs.enqueue(untouched)
+    finish(workplace, zygote, [untouched])
+    row = workplace.run(untouched)
+    assert row.status == RunStatus.DONE, row.message
+    assert tuple(row.finished_stages) == STAGES[1:]
+    assert OWN_CURVES[method] <= set(curves_of(workplace, untouched)["imitator"])
+    check_results(workplace, untouched)
+
+    killed = workplace.make_run(RECIPES[method], STEPS)
+    jobs.enqueue(killed)
+    with zygote.running(workplace.settings.data):
+        wait_until(lambda: bool(curves_of(workplace, killed).get("imitator")))
+    row = workplace.run(killed)
+    assert (row.status, row.stage) == (RunStatus.RUNNING, "imitator")
+    finish(workplace, zygote, [killed])
+    assert workplace.run(killed).epoch == 2
+    assert flaws(workplace, killed, untouched) == []
+
+
+def check_results(workplace: Workplace, run_id: str) -> None:
+    with workplace.database.reading() as session:
+        games = evaluations.listing(session, run_id)
+        files = {file.name: file for file in artifacts.listing(session, run_id)}
+    assert {game.policy for game in games} == set(evaluations.POLICIES)
+    root = Path(workplace.settings.artifact_root)
+    PPO.load(root / files["imitator.zip"].path)
+    summary = (root / files["summary.md"].path).read_text()
+    assert f"{STEPS:,} steps" in summary

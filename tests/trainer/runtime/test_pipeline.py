@@ -1,0 +1,280 @@
+"""A pipeline's ways around crashes, in this process and without a queue."""
+
+from __future__ import annotations
+
+import errno
+import threading
+from pathlib import Path
+
+import pytest
+
+from tests.workplace import TINY, Workplace
+from trainer.reporting.run_report import describe_example
+from trainer.runtime.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
+from trainer.runtime.stages import demonstrations
+from tril.demonstrator import example_tasks
+from tril.errors import Invalid, Unavailable
+from tril.jobs import STAGES
+from tril.store import behaviours, rankings, recordings
+from tril.store.models import RunStatus, Source
+from tril.store.training import leases, runs
+
+NAME = "worker-0"
+
+
+@pytest.fixture
+def pipeline(workplace: Workplace) -> Pipeline:
+    return Pipeline(workplace.database, workplace.settings, NAME, threading.Event())
+
+
+def only(pipeline: Pipeline, *wanted: str) -> Perform:
+    """Do these stages and then leave, as if the worker had been killed."""
+
+    def perform(run_id: str, stage: str) -> str:
+        return pipeline.perform(run_id, stage) if stage in wanted else "left"
+
+    return perform
+
+
+def test_a_stage_that_the_queue_remembers_and_the_row_does_not_is_done_again(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run()
+    # The queue's record says of every stage that it is finished.
+    assert pipeline.train(run_id, lambda *_: FINISHED) == "given back to the queue"
+    row = workplace.run(run_id)
+    assert row.status == RunStatus.QUEUED
+    assert row.finished_stages == {}
+
+
+def test_a_run_that_another_worker_has_is_left_alone(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        leases.claim(session, run_id, "worker-1", {})
+    assert pipeline.train(run_id, pipeline.perform) == "nothing to do"
+    assert workplace.run(run_id).worker == "worker-1"
+
+
+def test_a_stopping_worker_takes_nothing_up(workplace: Workplace) -> None:
+    stopping = threading.Event()
+    stopping.set()
+    pipeline = Pipeline(workplace.database, workplace.settings, NAME, stopping)
+    run_id = workplace.make_run()
+    assert pipeline.train(run_id, pipeline.perform) == "left in the queue"
+    assert workplace.run(run_id).epoch == 0
+
+
+def test_a_crash_between_the_check_and_the_stop_still_stops_the_run(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run(go_on_anyway=False)
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, NAME, {})
+        assert claim is not None
+        for stage in ("trajectories", "reward", "check"):
+            row = leases.finish_stage(session, claim, stage, 1.0)
+        row.outcome = {"check": {"passed": False, "advice": "Confused."}}
+    assert pipeline.train(run_id, pipeline.perform) == RunStatus.STOPPED
+    assert workplace.run(run_id).message == "Confused."
+
+
+def test_a_run_that_cannot_be_begun_fails_with_a_reason(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.get(session, run_id).recipe = {"name": "of another version"}
+    assert pipeline.train(run_id, pipeline.perform) == RunStatus.FAILED
+    assert "not a recipe of this version" in workplace.run(run_id).message
+
+
+def test_a_run_that_passes_to_another_worker_in_the_middle_is_dropped(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run()
+
+    def perform(run_id: str, stage: str) -> str:
+        if stage == "reward":
+            with workplace.database.writing() as session:
+                assert leases.take_away(session, run_id, runs.get(session, run_id).epoch)
+                assert leases.claim(session, run_id, "worker-1", {}) is not None
+        return pipeline.perform(run_id, stage)
+
+    assert pipeline.train(run_id, perform) == "taken over by another worker"
+    row = workplace.run(run_id)
+    assert (row.status, row.worker) == (RunStatus.RUNNING, "worker-1")
+    assert set(row.finished_stages) == {"trajectories"}
+
+
+def test_each_claim_has_its_own_scratch_folder_with_what_the_last_one_left(tmp_path: Path) -> None:
+    first = take_over_folder(tmp_path / "run", 1)
+    (first / "checkpoint").write_text("at 100")
+    second = take_over_folder(tmp_path / "run", 3)
+    assert (second / "checkpoint").read_text() == "at 100"
+    # The worker that had it before can't find the checkpoint any more, let alone replace it.
+    assert not first.exists()
+    first.mkdir()
+    (first / "checkpoint").write_text("of the past")
+    third = take_over_folder(tmp_path / "run", 4)
+    assert (third / "checkpoint").read_text() == "at 100"
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["4"]
+
+
+def test_scratch_folders_of_runs_that_are_done_or_deleted_are_swept(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    done, deleted, cancelled = (workplace.make_run() for _ in range(3))
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, done, NAME, {})
+        assert claim is not None
+        leases.end(session, claim, RunStatus.DONE)
+        for run_id in (deleted, cancelled):
+            runs.request_cancel(session, run_id)
+        runs.delete(session, deleted)
+    folders = {
+        run_id: workplace.settings.data / "runs" / run_id
+        for run_id in (done, deleted, cancelled, "of another database")
+    }
+    for folder in folders.values():
+        (folder / "1").mkdir(parents=True)
+    pipeline.sweep()
+    left = {run_id for run_id, folder in folders.items() if folder.exists()}
+    assert left == {cancelled, "of another database"}
+
+
+def test_failures_are_explained_with_what_to_do() -> None:
+    full = OSError(errno.ENOSPC, "No space left on device")
+    assert "Free some space" in explain("imitator", full, "x")
+    assert "not enough memory" in explain("imitator", MemoryError(), "x")
+    assert explain("reward", Unavailable("Plain words."), "x") == "Plain words."
+    unexpected = explain("clone", ZeroDivisionError("division by zero"), "abc")
+    assert "ZeroDivisionError: division by zero" in unexpected
+    assert "logs/runs/abc.log" in unexpected
+
+
+@pytest.fixture
+def few_tasks(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Let an example have two demonstrations to rank and a perfect one."""
+
+    def chosen(*arguments: object) -> object:
+        tasks = example_tasks(*arguments)  # type: ignore[arg-type]
+        return [*tasks[:2], tasks[-1]]
+
+    monkeypatch.setattr(demonstrations, "example_tasks", chosen)
+    return 3
+
+
+def make_example(
+    workplace: Workplace, behaviour_id: int, kind: str = "scripted", training_seed: int = 0
+) -> str:
+    with workplace.database.writing() as session:
+        return runs.create(
+            session, behaviour_id, TINY, 64, training_seed, example=True, example_kind=kind
+        ).id
+
+
+def scripted(workplace: Workplace, behaviour_id: int) -> list[int]:
+    with workplace.database.reading() as session:
+        rows = recordings.listing(session, behaviour_id)
+    return sorted(row.id for row in rows if row.source == Source.SCRIPTED)
+
+
+def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
+    workplace: Workplace, pipeline: Pipeline, few_tasks: int
+) -> None:
+    with workplace.database.reading() as session:
+        behaviour_id = workplace.behaviour_id + 1
+        assert rankings.current(session, behaviour_id).revision == 0
+    first = make_example(workplace, behaviour_id)
+    assert pipeline.train(first, only(pipeline, STAGES[0])) == "left"
+    made = scripted(workplace, behaviour_id)
+    assert len(made) == few_tasks
+    with workplace.database.reading() as session:
+        ranking = rankings.current(session, behaviour_id)
+        perfect = recordings.perfect_ids(session, behaviour_id)
+    assert (ranking.change, ranking.tiers) == ("example", [[made[0]], [made[1]]])
+    assert perfect == [made[2]]
+    frozen = {"ranking_revision": 1, "tiers": ranking.tiers, "perfect": perfect}
+    assert workplace.run(first).snapshot == frozen
+    # One that was deleted is made again, the others are not.
+    with workplace.database.writing() as session:
+        recordings.delete(session, recordings.get(session, made[1]), None)
+    second = make_example(workplace, behaviour_id)
+    pipeline.train(second, only(pipeline, STAGES[0]))
+    again = scripted(workplace, behaviour_id)
+    assert len(again) == few_tasks
+    assert len(set(again) & set(made)) == few_tasks - 1
+    snapshot = workplace.run(second).snapshot
+    assert snapshot is not None
+    assert snapshot["tiers"] == [[made[0]], [again[-1]]]
+    # The ranking is somebody's by now: it stays as it is, and the example learns from its own.
+    assert snapshot["ranking_revision"] is None
+    assert workplace.run(first).snapshot == frozen
+
+
+def test_kinds_of_example_keep_apart_from_each_other_and_from_the_library(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(demonstrations, "N_PERFECT", 1)
+    behaviour_id = workplace.behaviour_id + 1
+    learned_from: dict[str, set[int]] = {}
+    for kind, n_ranked in (("human", 12), ("six", 6)):
+        run_id = make_example(workplace, behaviour_id, kind)
+        assert pipeline.train(run_id, only(pipeline, STAGES[0])) == "left"
+        run = workplace.run(run_id)
+        assert run.snapshot is not None
+        ranked = [number for tier in run.snapshot["tiers"] for number in tier]
+        assert len(ranked) == n_ranked
+        assert run.snapshot["ranking_revision"] is None
+        learned_from[kind] = {*ranked, *run.snapshot["perfect"]}
+        with workplace.database.reading() as session:
+            made = recordings.by_ids(session, learned_from[kind]).values()
+            assert recordings.listing(session, behaviour_id) == []
+            assert recordings.perfect_ids(session, behaviour_id) == []
+            assert rankings.current(session, behaviour_id).revision == 0
+            assert not behaviours.counts(session, behaviour_id)[behaviour_id].has_example
+        assert {(row.source, row.run_id) for row in made} == {(Source.SCRIPTED, run_id)}
+        assert [row.perfect for row in made].count(True) == 1
+        names = {row.conditions.get("manner", {}).get("name", "perfect") for row in made}
+        assert names == {"human" if kind == "human" else "perfect"}
+    # The ordinary example finds everything as if there were no other.
+    ordinary = make_example(workplace, behaviour_id)
+    pipeline.train(ordinary, only(pipeline, STAGES[0]))
+    learned_from["scripted"] = set(scripted(workplace, behaviour_id))
+    assert len(learned_from["scripted"]) == 13
+    assert sum(map(len, learned_from.values())) == len(set().union(*learned_from.values()))
+    assert workplace.run(ordinary).outcome == {}
+    with workplace.database.reading() as session:
+        assert rankings.current(session, behaviour_id).change == "example"
+
+
+def test_a_human_example_says_what_order_its_games_should_have_and_is_made_once(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(demonstrations, "N_PERFECT", 1)
+    snapshots, outcomes = [], []
+    for training_seed in (0, 1):
+        run_id = make_example(workplace, workplace.behaviour_id, "human", training_seed)
+        pipeline.train(run_id, only(pipeline, STAGES[0]))
+        run = workplace.run(run_id)
+        snapshots.append(run.snapshot)
+        outcomes.append(run.outcome)
+    assert snapshots[0] == snapshots[1]
+    assert outcomes[0] == outcomes[1]
+    example = outcomes[0]["example"]
+    assert snapshots[0] is not None
+    assert example["kind"] == "human"
+    assert example["given_tiers"] == snapshots[0]["tiers"] != example["true_tiers"]
+    assert len(example["mistakes"]) == 3
+    assert 0.7 < example["tau"] < 1
+    said = describe_example(outcomes[0])
+    assert "of the kind `human`" in said
+    assert "3 pairs of neighbours are ranked the wrong way round" in said
+    assert describe_example({}) == ""
+
+
+def test_an_unknown_kind_of_example_is_refused(workplace: Workplace) -> None:
+    with pytest.raises(Invalid, match="no demonstrations 'seven'"):
+        make_example(workplace, workplace.behaviour_id, "seven")

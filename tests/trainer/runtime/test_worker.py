@@ -1,0 +1,269 @@
+"""Whole runs through real worker processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stable_baselines3 import PPO
+
+from tests.trainer.runtime.worker_zygote import WorkerProcess, Zygote
+from tests.waiting import wait_until
+from tests.workplace import TINY, Workplace
+from trainer.reward.model import RewardModel
+from trainer.runtime.pipeline import TAKEN_OVER
+from tril.jobs import STAGES, Jobs, overall_progress
+from tril.recipes import judged_where_trained, with_values
+from tril.recording import verify
+from tril.store import processes, recordings
+from tril.store.models import RunRow, RunStatus
+from tril.store.training import artifacts, evaluations, metrics
+
+SOON_S = 3.0
+"""Seconds after which a test's worker gives another one up."""
+
+CONFUSED = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9})
+"""Its reward model learns nothing and orders the demonstrations by chance."""
+
+
+def until(what: Callable[[], bool], worker: WorkerProcess | None = None) -> None:
+    wait_until(what, what_was_said=lambda: worker.log.read_text()[-3000:] if worker else "")
+
+
+def until_over(workplace: Workplace, run_id: str, worker: WorkerProcess) -> RunRow:
+    until(lambda: RunStatus(workplace.run(run_id).status).is_over, worker)
+    return workplace.run(run_id)
+
+
+def is_in(workplace: Workplace, run_id: str, stage: str) -> bool:
+    row = workplace.run(run_id)
+    return row.status == RunStatus.RUNNING and row.stage == stage and row.stage_done > 0
+
+
+def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(judged_where_trained(TINY, 1))
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        row = until_over(workplace, run_id, worker)
+        assert row.status == RunStatus.DONE, worker.log.read_text()
+    with workplace.database.reading() as session:
+        games = evaluations.listing(session, run_id)
+        assert {(game.start_number, game.held_out) for game in games} == {(1, False)}
+    assert row.outcome["headline"]["imitator"] is None
+
+
+@pytest.mark.lengthy
+def test_a_run_goes_through_all_stages_and_leaves_its_results(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    scratch = workplace.settings.data / "runs" / run_id
+    with zygote.running(workplace.settings.data) as worker:
+        row = until_over(workplace, run_id, worker)
+        assert row.status == RunStatus.DONE, worker.log.read_text()
+        until(lambda: not scratch.exists(), worker)
+    assert tuple(row.finished_stages) == STAGES[1:]
+    assert row.epoch == 1
+    assert overall_progress(row) == 1.0
+    assert row.remaining_s is None
+    assert row.versions["torch"]
+    assert row.versions["rom_md5"]
+    check_results(workplace, row)
+
+
+def check_results(workplace: Workplace, row: RunRow) -> None:
+    with workplace.database.reading() as session:
+        games = evaluations.listing(session, row.id)
+        files = {file.name: file for file in artifacts.listing(session, row.id)}
+        _, curves = metrics.series(session, row.id)
+        library = recordings.listing(session, workplace.behaviour_id)
+    assert {(game.policy, game.action_selection, game.start_number) for game in games} == {
+        (policy, how, 0) for policy in evaluations.POLICIES for how in evaluations.ACTION_SELECTIONS
+    }
+    assert len(games) == 6
+    for game in games:
+        assert game.recording.conditions == {
+            "policy": game.policy,
+            "action_selection": game.action_selection,
+            **({"sticky_action_probability": 0.25} if game.action_selection == "sticky" else {}),
+        }
+        assert game.held_out
+        assert game.recording.run_id == row.id
+        assert verify(recordings.as_recording(game.recording)).n_cut == 0
+        assert game.targets is not None
+    # What policies play is no part of the person's library.
+    assert {one.id for one in library} == set(workplace.ranked)
+    kinds = {file.kind for file in files.values()}
+    assert {"reward_model", "imitator", "clone", "attention_map", "attention_red_blue"} <= kinds
+    assert {"attention_frame", "figure", "summary"} <= kinds
+    root = Path(workplace.settings.artifact_root)
+    model = RewardModel.load(root / files["reward-model.safetensors"].path)
+    assert model.one > model.zero
+    PPO.load(root / files["imitator.zip"].path)
+    assert set(row.outcome["check"]["predicted_returns"]) == {str(n) for n in workplace.ranked}
+    assert row.outcome["headline"]["imitator"]["targets"]["n"] == 1
+    assert {"loss", "accuracy"} <= set(curves["reward"])
+    assert curves["imitator"]["entropy"][-1][0] == row.steps
+    steps = [step for step, _ in curves["imitator"]["entropy"]]
+    assert steps == sorted(set(steps))
+
+
+ENDLESS = 1_000_000
+
+NEVER_ENDING: dict[str, dict[str, Any]] = {
+    "reward": {"reward.updates": ENDLESS},
+    "check": {"reward.folds": 2, "reward.fold_updates": ENDLESS},
+    "clone": {
+        "cloning.epochs": ENDLESS,
+        "cloning.patience": ENDLESS,
+        "cloning.validation_share": 0.0,
+    },
+    "imitator": {},
+}
+"""What makes each stage one that no test waits for."""
+
+
+@pytest.mark.parametrize("stage", NEVER_ENDING)
+def test_cancelling_takes_effect_within_5_s_in_every_stage_that_learns(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote, stage: str
+) -> None:
+    run_id = workplace.make_run(with_values(TINY, NEVER_ENDING[stage]), steps=ENDLESS)
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        until(lambda: is_in(workplace, run_id, stage), worker)
+        asked_at = time.monotonic()
+        jobs.cancel(run_id)
+        row = until_over(workplace, run_id, worker)
+        assert time.monotonic() - asked_at < 5.0
+    assert row.status == RunStatus.CANCELLED
+    assert set(row.finished_stages) == set(STAGES[1 : STAGES.index(stage)])
+
+
+def test_resuming_a_cancelled_run_goes_on_with_the_stage_that_was_left(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(steps=ENDLESS)
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
+        jobs.cancel(run_id)
+        until_over(workplace, run_id, worker)
+        jobs.resume(run_id)
+        until(lambda: workplace.run(run_id).epoch == 2, worker)
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
+        assert worker.log.read_text().count("stage reward begins") == 1
+
+
+def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(steps=ENDLESS)
+    jobs.enqueue(run_id)
+    data = workplace.settings.data
+    with zygote.running(data) as sleeper:
+        until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
+        os.kill(sleeper.pid, signal.SIGSTOP)
+        with zygote.running(data, lost_after_s=SOON_S) as other:
+            # Until it is claimed the run waits in the queue, from which anybody may take it.
+            until(lambda: workplace.run(run_id).worker.startswith("worker-1"), other)
+            os.kill(sleeper.pid, signal.SIGCONT)
+            until(lambda: TAKEN_OVER in sleeper.log.read_text(), sleeper)
+            until(lambda: is_in(workplace, run_id, "imitator"), other)
+            assert workplace.run(run_id).worker.startswith("worker-1")
+            assert "Traceback" not in sleeper.log.read_text()
+
+
+def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(steps=ENDLESS)
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
+        asked_at = time.monotonic()
+        worker.send(signal.SIGTERM)
+        assert time.monotonic() - asked_at < 10.0
+        row = workplace.run(run_id)
+        assert row.status == RunStatus.QUEUED
+        with workplace.database.reading() as session:
+            assert not processes.is_kind_alive(session, "worker")
+    with zygote.running(workplace.settings.data) as worker:
+        until(lambda: workplace.run(run_id).epoch > row.epoch, worker)
+        until(lambda: is_in(workplace, run_id, "imitator"), worker)
+
+
+def test_two_workers_never_take_the_same_run(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    runs = [workplace.make_run(CONFUSED, go_on_anyway=False) for _ in range(8)]
+    for run_id in runs:
+        jobs.enqueue(run_id)
+    data = workplace.settings.data
+    with zygote.running(data) as first, zygote.running(data) as second:
+        rows = [until_over(workplace, run_id, first) for run_id in runs]
+        assert second.is_alive
+    assert [row.status for row in rows] == [RunStatus.STOPPED] * 8
+    # Every run was claimed exactly once, and both workers had some.
+    assert [row.epoch for row in rows] == [1] * 8
+    assert len({row.worker for row in rows}) == 2
+
+
+def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to_go_on(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(CONFUSED, go_on_anyway=False)
+    jobs.enqueue(run_id)
+    with zygote.running(workplace.settings.data) as worker:
+        row = until_over(workplace, run_id, worker)
+        assert row.status == RunStatus.STOPPED
+        assert "tau" in row.message
+        assert "other demonstrations or another order" in row.message
+        assert not row.outcome["check"]["passed"]
+        assert "clone" not in row.finished_stages
+        jobs.resume(run_id)
+        until(lambda: "clone" in workplace.run(run_id).finished_stages, worker)
+
+
+def test_a_failure_is_explained_and_the_worker_lives_on(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    broken = workplace.make_run()
+    with workplace.database.writing() as session:
+        recording = recordings.get(session, workplace.ranked[1])
+        recording.ram_hashes = ["0" * 16, *recording.ram_hashes[1:]]
+    jobs.enqueue(broken)
+    with zygote.running(workplace.settings.data) as worker:
+        row = until_over(workplace, broken, worker)
+        assert row.status == RunStatus.FAILED
+        assert f"Recording {workplace.ranked[1]}" in row.message
+        log = workplace.settings.data / "logs" / "runs" / f"{broken}.log"
+        assert "Traceback" in log.read_text()
+        assert worker.is_alive
+
+
+@pytest.mark.parametrize("n_workers", [2])
+def test_workers_of_one_data_folder_have_names_of_their_own(
+    workplace: Workplace, zygote: Zygote, n_workers: int
+) -> None:
+    def names() -> set[str]:
+        with workplace.database.reading() as session:
+            return {one.name for one in processes.statuses(session) if one.kind == "worker"}
+
+    workers = [zygote.start(workplace.settings.data) for _ in range(n_workers)]
+    until(lambda: len(names()) == n_workers, workers[0])
+    found = names()
+    for worker in workers:
+        worker.kill()
+    # A number is free again however its worker ended.
+    with zygote.running(workplace.settings.data) as again:
+        until(lambda: "waits for runs" in again.log.read_text(), again)
+        assert names() == found
+    assert {name.rpartition("-")[0] for name in found} == {"worker-0", "worker-1"}

@@ -1,0 +1,231 @@
+"""Backups while everything is in use."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sqlite3
+import threading
+from pathlib import Path
+
+import pytest
+
+from tests.workplace import Workplace
+from tril.errors import Conflict, Unavailable
+from tril.exchange import backup
+from tril.exchange.backup import BackupDamaged, check_backup, make_backup
+from tril.files.artifact_store import ArtifactStore
+from tril.jobs import Jobs
+from tril.recording import verify
+from tril.settings import Settings
+from tril.store import behaviours, rankings, recordings
+from tril.store.database import create_database
+from tril.store.models import RunRow, RunStatus
+from tril.store.schema import check_schema
+from tril.store.training import artifacts
+
+MODEL = b"weights" * 1000
+
+
+def finished_run(workplace: Workplace) -> str:
+    """A run that is done and has a file."""
+    run_id = workplace.make_run()
+    store = ArtifactStore(workplace.settings.artifact_root)
+    size = store.put(artifacts.path_of(run_id, "model.bin"), MODEL)
+    with workplace.database.writing() as session:
+        session.get_one(RunRow, run_id).status = RunStatus.DONE
+        artifacts.save(session, run_id, "model", "model.bin", "application/octet-stream", size)
+    return run_id
+
+
+def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_path: Path) -> None:
+    run_id = finished_run(workplace)
+    made = make_backup(workplace.settings, tmp_path / "backup")
+    assert (made.n_recordings, made.n_runs, made.n_files, made.notices) == (4, 1, 3, ())
+    assert check_backup(tmp_path / "backup") == made
+    assert sorted(path.name for path in (tmp_path / "backup").iterdir()) == [
+        "artifacts",
+        "jobs.sqlite",
+        "manifest.json",
+        "tril.sqlite",
+    ]
+
+    settings = Settings(data=made.folder)
+    database = create_database(settings.application_url)
+    check_schema(database)
+    with database.reading() as session:
+        behaviour = behaviours.by_slug(session, "column-1")
+        tiers = rankings.current(session, behaviour.id).tiers
+        rows = recordings.by_ids(session, workplace.ranked).values()
+    assert tiers == [[key] for key in workplace.ranked]
+    for row in rows:
+        hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+        verify(recordings.as_recording(row), hits)
+    store = ArtifactStore(settings.artifact_root)
+    assert store.get(artifacts.path_of(run_id, "model.bin")) == MODEL
+    jobs = Jobs(database, settings)
+    jobs.reconcile()
+    jobs.close()
+    database.close()
+
+
+def test_it_is_one_state_however_much_is_written_meanwhile(
+    workplace: Workplace, tmp_path: Path
+) -> None:
+    stop, written = threading.Event(), threading.Event()
+    finished: list[bool] = []
+
+    def write() -> None:
+        # In every transaction the notes of two recordings are made equal.
+        number = 0
+        while not stop.is_set():
+            number += 1
+            with workplace.database.writing() as session:
+                for key in workplace.ranked[:2]:
+                    row = recordings.get(session, key)
+                    recordings.update(session, row, notes=f"{number} " * 500)
+            written.set()
+        finished.append(True)
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        assert written.wait(30)
+        for number in range(5):
+            folder = tmp_path / f"backup-{number}"
+            make_backup(workplace.settings, folder)
+            with sqlite3.connect(folder / "tril.sqlite") as copy:
+                notes = copy.execute(
+                    "SELECT notes FROM recordings WHERE id IN (?, ?)", workplace.ranked[:2]
+                ).fetchall()
+            assert notes[0] == notes[1]
+            assert notes[0] != ("",)
+    finally:
+        stop.set()
+        writer.join()
+    assert finished == [True], "no write was refused"
+
+
+def test_what_can_be_made_again_and_what_is_secret_stays_behind(
+    workplace: Workplace, tmp_path: Path
+) -> None:
+    data = workplace.settings.data
+    (data / "cache").mkdir()
+    (data / "cache" / "a.frames").write_bytes(b"x")
+    (data / "secrets.json").write_text("{}")
+    finished_run(workplace)
+    (data / "artifacts" / "runs" / ".half-written").write_bytes(b"x")
+    made = make_backup(workplace.settings, tmp_path / "backup")
+    names = {path.name for path in made.folder.rglob("*")}
+    assert names.isdisjoint({"cache", "a.frames", "secrets.json", ".half-written"})
+
+
+@pytest.mark.parametrize("name", ["tril.sqlite", "jobs.sqlite", "artifacts"])
+def test_a_changed_or_missing_file_is_found(
+    workplace: Workplace, tmp_path: Path, name: str
+) -> None:
+    run_id = finished_run(workplace)
+    made = make_backup(workplace.settings, tmp_path / "backup")
+    file = made.folder / name
+    if file.is_dir():
+        file = file / artifacts.path_of(run_id, "model.bin")
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+    with pytest.raises(BackupDamaged, match="is not what was written"):
+        check_backup(made.folder)
+    file.unlink()
+    with pytest.raises(BackupDamaged, match="is missing"):
+        check_backup(made.folder)
+
+
+def test_what_is_no_backup_is_said(tmp_path: Path) -> None:
+    with pytest.raises(BackupDamaged, match="no backup of Tril"):
+        check_backup(tmp_path)
+    manifest = tmp_path / "manifest.json"
+    for content, reason in [
+        ("{", "can't be read"),
+        ("[]", "something else"),
+        (json.dumps({"format": "tril-backup", "version": 9}), "another version"),
+    ]:
+        manifest.write_text(content)
+        with pytest.raises(BackupDamaged, match=reason):
+            check_backup(tmp_path)
+
+
+def test_a_file_that_a_training_lost_is_no_whole_backup_and_leaves_nothing(
+    workplace: Workplace, tmp_path: Path
+) -> None:
+    run_id = finished_run(workplace)
+    shutil.rmtree(Path(workplace.settings.artifact_root) / "runs" / run_id)
+    (tmp_path / "out").mkdir()
+    with pytest.raises(BackupDamaged, match=f"run {run_id} is missing"):
+        make_backup(workplace.settings, tmp_path / "out" / "backup")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_files_of_a_training_under_way_may_be_newer(workplace: Workplace, tmp_path: Path) -> None:
+    run_id = finished_run(workplace)
+    with workplace.database.writing() as session:
+        session.get_one(RunRow, run_id).status = RunStatus.RUNNING
+    store = ArtifactStore(workplace.settings.artifact_root)
+    store.put(artifacts.path_of(run_id, "model.bin"), MODEL * 2)
+    made = make_backup(workplace.settings, tmp_path / "backup")
+    assert len(made.notices) == 1
+    assert "a moment newer" in made.notices[0]
+
+
+def test_a_training_deleted_between_the_copies_takes_another_try(
+    workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_id = finished_run(workplace)
+    copy_database, copies = backup._copy_database, []
+
+    def copy(source: Path, to: Path) -> None:
+        copy_database(source, to)
+        copies.append(to.name)
+        if copies == ["jobs.sqlite", "tril.sqlite"]:
+            with workplace.database.writing() as session:
+                row = session.get_one(RunRow, run_id)
+                row.deleted_at = row.created_at
+            ArtifactStore(workplace.settings.artifact_root).remove_folder(f"runs/{run_id}")
+
+    monkeypatch.setattr(backup, "_copy_database", copy)
+    made = make_backup(workplace.settings, tmp_path / "backup")
+    assert len(copies) == 4
+    assert made.n_files == 2
+
+
+def test_files_that_lie_elsewhere_are_named(workplace: Workplace, tmp_path: Path) -> None:
+    finished_run(workplace)
+    settings = workplace.settings.model_copy(update={"artifacts_url": "memory://lab"})
+    made = make_backup(settings, tmp_path / "backup")
+    assert made.n_files == 2
+    assert "memory://lab" in made.notices[0]
+
+
+def test_nothing_is_overwritten(workplace: Workplace, tmp_path: Path) -> None:
+    make_backup(workplace.settings, tmp_path / "backup")
+    with pytest.raises(Conflict, match="not empty"):
+        make_backup(workplace.settings, tmp_path / "backup")
+    (tmp_path / "empty").mkdir()
+    make_backup(workplace.settings, tmp_path / "empty")
+
+
+def test_too_little_room_is_said_before(
+    workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(backup, "free_bytes", lambda _folder: 10)
+    with pytest.raises(Unavailable, match="are free"):
+        make_backup(workplace.settings, tmp_path / "backup")
+    assert not (tmp_path / "backup").exists()
+
+
+def test_other_databases_and_folders_without_any_are_refused(tmp_path: Path) -> None:
+    elsewhere = Settings(data=tmp_path / "none", database_url="postgresql+psycopg://db/tril")
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none" / "jobs.sqlite").write_bytes(b"")
+    with pytest.raises(Unavailable, match="pg_dump"):
+        make_backup(elsewhere, tmp_path / "backup")
+    with pytest.raises(Unavailable, match="nothing to back up"):
+        make_backup(Settings(data=tmp_path / "none"), tmp_path / "backup")

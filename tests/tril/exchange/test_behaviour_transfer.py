@@ -1,0 +1,204 @@
+"""Whole behaviours: out of one data folder, into another."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from tests.workplace import Workplace, make_workplace
+from tril.exchange.behaviour_transfer import export_whole, import_whole
+from tril.exchange.formats import BehaviourRefused, behaviour_schema
+from tril.store import behaviours, players, rankings, recordings
+from tril.store.models import RecordingRow, Verification
+
+SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "behaviour-format.schema.json"
+File = dict[str, Any]
+
+
+@pytest.fixture
+def origin(tmp_path: Path) -> Iterator[Workplace]:
+    """Column 1 with a history: ties, an undo, a deletion, a branch, notes, two people."""
+    made = make_workplace(tmp_path / "origin")
+    best, second, third, fourth = made.ranked
+    with made.database.writing() as session:
+        owner = players.owner(session)
+        players.rename(session, owner, "Ada")
+        rankings.save(session, made.behaviour_id, 1, [[best, second], [third], [fourth]], owner.id)
+        rankings.undo(session, made.behaviour_id, 2, owner.id)
+        recordings.delete(session, recordings.get(session, third), owner.id)
+        row = recordings.get(session, second)
+        recordings.update(session, row, perfect=True, notes="Went on from the best.")
+        row.parent_id, row.parent_frame = best, 60
+        row.player_id = players.named(session, "Grace").id
+        row.conditions = {"screen": {"width": 1920}}
+    yield made
+    made.database.close()
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Iterator[Workplace]:
+    made = make_workplace(tmp_path / "other")
+    yield made
+    made.database.close()
+
+
+def exported(workplace: Workplace, slug: str = "column-1") -> File:
+    with workplace.database.reading() as session:
+        content, notices = export_whole(session, behaviours.by_slug(session, slug))
+    assert notices == []
+    read: File = json.loads(json.dumps(content))
+    return read
+
+
+def renumbered(file: File) -> File:
+    """The file with its recordings counted from 1, in their order."""
+    changed = copy.deepcopy(file)
+    numbers = {one["number"]: index for index, one in enumerate(changed["recordings"], start=1)}
+    for one in changed["recordings"]:
+        one["number"] = numbers[one["number"]]
+        if one["parent"]:
+            one["parent"]["number"] = numbers[one["parent"]["number"]]
+    for revision in changed["rankings"]:
+        revision["tiers"] = [[numbers[key] for key in tier] for tier in revision["tiers"]]
+    return changed
+
+
+def test_what_is_imported_elsewhere_and_exported_again_is_the_same_file(
+    origin: Workplace, other: Workplace
+) -> None:
+    file = exported(origin)
+    assert [row["change"] for row in file["rankings"]] == ["edit", "edit", "undo", "deletion"]
+    outcome = import_whole(other.database, json.dumps(file).encode())
+    # Column 1 has recordings there, so it isn't touched.
+    assert (outcome.slug, outcome.was_there) == ("column-1-2", False)
+    assert (outcome.n_recordings, outcome.n_revisions, outcome.notices) == (4, 4, [])
+    again = exported(other, "column-1-2")
+    assert renumbered(again) == renumbered(file) | {"slug": "column-1-2"}
+    assert sum(one["deleted"] for one in again["recordings"]) == 1
+    with other.database.reading() as session:
+        assert {"Player", "Ada", "Grace"} <= set(players.names(session).values())
+        assert len(recordings.listing(session, other.behaviour_id)) == 4
+
+
+def test_undo_goes_on_from_where_it_was(origin: Workplace, other: Workplace) -> None:
+    slug = import_whole(other.database, json.dumps(exported(origin)).encode()).slug
+    with other.database.writing() as session:
+        behaviour = behaviours.by_slug(session, slug)
+        newest = rankings.current(session, behaviour.id)
+        redone = rankings.redo(session, behaviour.id, newest.revision)
+        sizes = [len(tier) for tier in redone.tiers]
+    assert sizes == [2, 1], "the tie is back, without the deleted recording"
+
+
+def test_a_behaviour_that_comes_ready_takes_it_where_it_is_empty(
+    origin: Workplace, other: Workplace
+) -> None:
+    file = exported(origin) | {
+        "slug": "column-2",
+        "name": "Column 2",
+        "target": [[row, 1] for row in range(6)],
+    }
+    content = json.dumps(file).encode()
+    first = import_whole(other.database, content)
+    assert (first.slug, first.was_there) == ("column-2", True)
+    second = import_whole(other.database, content)
+    assert (second.slug, second.was_there) == ("column-2-2", False)
+    third = import_whole(other.database, content, name="Of a colleague")
+    assert (third.slug, third.was_there) == ("of-a-colleague", False)
+
+
+def test_what_is_not_verified_is_left_out_everywhere_and_said(origin: Workplace) -> None:
+    best = origin.ranked[0]
+    with origin.database.writing() as session:
+        session.get_one(RecordingRow, best).verification = Verification.FAILED
+    with origin.database.reading() as session:
+        content, notices = export_whole(session, behaviours.by_slug(session, "column-1"))
+    assert notices == [f"Recording {best} is left out: it is not verified."]
+    assert best not in [one["number"] for one in content["recordings"]]
+    assert best not in [key for row in content["rankings"] for tier in row["tiers"] for key in tier]
+    assert all(one["parent"] is None for one in content["recordings"])
+    import_whole(origin.database, json.dumps(content).encode())
+
+
+def test_the_published_schema_is_the_codes_and_fits_what_is_written(origin: Workplace) -> None:
+    assert json.loads(SCHEMA_FILE.read_text()) == behaviour_schema(), (
+        "Make it again: python -m tril.exchange behaviour > docs/behaviour-format.schema.json"
+    )
+    Draft202012Validator.check_schema(behaviour_schema())
+    Draft202012Validator(behaviour_schema()).validate(exported(origin))
+
+
+def _refused(other: Workplace, content: bytes) -> str:
+    with other.database.reading() as session:
+        before = len(behaviours.listing(session)), len(players.names(session))
+    with pytest.raises(BehaviourRefused) as refusal:
+        import_whole(other.database, content)
+    with other.database.reading() as session:
+        after = len(behaviours.listing(session)), len(players.names(session))
+    assert before == after, "nothing of it is stored"
+    return str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", "which is JSON"),
+        (b"\x89PNG\r\n", "which is JSON"),
+        (b"[1]", "got [1]"),
+        (b'{"format": "zip"}', "got 'zip'"),
+        (b'{"format":"tril-recording","version":1}\n{}', "tril recordings import"),
+        (b'{"format":"tril-behaviour","version":2}', "newer version"),
+        (b'{"format":"tril-behaviour","version":1}', "recordings is missing"),
+        (b"[" * 100_000, "no file of"),
+    ],
+)
+def test_foreign_files_are_refused_with_what_they_are(
+    other: Workplace, content: bytes, reason: str
+) -> None:
+    assert reason in _refused(other, content)
+
+
+def _with(path: str, value: object) -> Callable[[File], None]:
+    def change(file: File) -> None:
+        *way, last = (int(part) if part.isdigit() else part for part in path.split("."))
+        place: Any = file
+        for part in way:
+            place = place[part]
+        place[last] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (_with("recordings.0.recording.hits", [[5, 5]]), "Recording 1 is refused"),
+        (_with("recordings.0.recording.rom_md5", "0" * 32), "another ROM"),
+        (_with("recordings.1.number", 1), "given to 2 recordings"),
+        (_with("recordings.1.parent.number", 77), "goes on from 77, which is not in the file"),
+        (_with("recordings.1.parent.number", 2), "goes on from 2, which is itself"),
+        (_with("recordings.0.recording.actions", ""), "recordings.0.recording.actions"),
+        (_with("recordings.0.played_at", "yesterday"), "played_at"),
+        (_with("recordings.0.played_at", "2026-01-01T00:00:00"), "played_at"),
+        (_with("recordings.0.secret", 1), "recordings.0.secret"),
+        (_with("rankings.0.tiers", [[1], [99]]), "not in the file: 99"),
+        (_with("rankings.0.tiers", [[1], [1]]), "ranks a recording twice: 1"),
+        (_with("rankings.1.revision", 7), "Expected revision 2"),
+        (_with("rankings.1.undo_to", 2), "undo_to of revision 2"),
+        (_with("rankings.3.tiers", [[3]]), "ranks recording 3, which is deleted"),
+        (_with("rankings.0.change", "magic"), "rankings.0.change"),
+        (_with("target", [[6, 0]]), "target.0.0"),
+    ],
+)
+def test_files_that_contradict_themselves_are_refused_whole(
+    origin: Workplace, other: Workplace, change: Callable[[File], None], reason: str
+) -> None:
+    file = renumbered(exported(origin))
+    change(file)
+    assert reason in _refused(other, json.dumps(file).encode())

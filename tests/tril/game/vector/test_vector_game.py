@@ -1,0 +1,350 @@
+import os
+import select
+import signal
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from tril.game.agent import AgentGame
+from tril.game.console import Console
+from tril.game.episode import Ending, EndReason, EpisodeEnded, Start
+from tril.game.observation import Observation
+from tril.game.vector.vector_game import (
+    DemonstrationLog,
+    FinishedGame,
+    FixedStarts,
+    GameProcessFailed,
+    StartSource,
+    TrainingStarts,
+    VectorGame,
+    VectorSnapshot,
+)
+
+ROOT = Path(__file__).parents[4]
+# Short episodes, so that many end within few steps.
+MAX_FRAMES = 120
+DEMONSTRATION = DemonstrationLog(Start(7), bytes([2, 1, 4, 1] * 20))
+
+
+@dataclass
+class Trace:
+    """What a vector gave."""
+
+    observations: list[Observation]
+    steps: list[list[int]]
+    finished: list[FinishedGame]
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Trace)
+            and len(self.observations) == len(other.observations)
+            and all(map(np.array_equal, self.observations, other.observations))
+            and (self.steps, self.finished) == (other.steps, other.finished)
+        )
+
+
+def actions_of(vector: VectorGame, steps: int, seed: int = 0) -> npt.NDArray[np.int64]:
+    return np.random.default_rng(seed).integers(6, size=(steps, vector.n_games))
+
+
+def play(vector: VectorGame, actions: npt.NDArray[np.int64], first: Observation) -> Trace:
+    trace = Trace([first.copy()], [], [])
+    for row in actions:
+        step = vector.step(row)
+        trace.observations.append(step.observations.copy())
+        trace.steps.append(step.steps.tolist())
+        trace.finished.extend(step.finished)
+        assert [one.game for one in step.finished] == np.flatnonzero(step.ended).tolist()
+        for one in step.finished:
+            assert step.reasons[one.game] is one.end
+    return trace
+
+
+def traced(
+    starts: StartSource,
+    *,
+    n_games: int = 3,
+    n_processes: int = 2,
+    steps: int = 70,
+    training_seed: int = 5,
+    sticky: float = 0.0,
+) -> Trace:
+    with VectorGame(
+        n_games,
+        starts,
+        n_processes=n_processes,
+        max_frames=MAX_FRAMES,
+        training_seed=training_seed,
+        sticky_action_probability=sticky,
+    ) as vector:
+        return play(vector, actions_of(vector, steps), vector.reset())
+
+
+MIXED = TrainingStarts(demonstrations=(DEMONSTRATION,), demonstration_share=0.5)
+
+
+def test_a_vector_gives_the_trajectories_of_one_console(console: Console) -> None:
+    starts = tuple(Start(idle) for idle in (3, 50, 97))
+    game = AgentGame(console)
+    with VectorGame(3, FixedStarts(starts), n_processes=2, training_seed=0) as vector:
+        actions = actions_of(vector, 300)
+        trace = play(vector, actions, vector.reset())
+        terminal = vector.step(actions[0]).terminal_observations.copy()
+        resting = vector.resting
+    assert resting.all()
+    assert [one.start for one in sorted(trace.finished, key=lambda one: one.game)] == list(starts)
+    for index, start in enumerate(starts):
+        game.reset(start)
+        np.testing.assert_array_equal(trace.observations[0][index], game.observation)
+        for step, row in enumerate(actions):
+            game.step(int(row[index]))
+            if game.end is not None:
+                break
+            np.testing.assert_array_equal(trace.observations[step + 1][index], game.observation)
+            assert trace.steps[step][index] == game.steps
+        np.testing.assert_array_equal(terminal[index], game.observation)
+        finished = next(one for one in trace.finished if one.game == index)
+        assert finished.actions == game.episode.actions
+        assert finished.hits == finished.own_hits == game.hits
+        assert (finished.end, finished.shots) == (game.end, game.episode.shots)
+
+
+def test_the_number_of_processes_changes_nothing() -> None:
+    one = traced(MIXED, n_processes=1, sticky=0.25)
+    assert len(one.finished) >= 4
+    assert traced(MIXED, n_processes=2, sticky=0.25) == one
+    assert traced(MIXED, n_processes=8, sticky=0.25) == one
+
+
+def test_the_same_training_seed_gives_the_same_games_and_another_others() -> None:
+    first = traced(MIXED)
+    assert traced(MIXED) == first
+    assert traced(MIXED, training_seed=6) != first
+
+
+def test_every_finished_game_replays_from_its_executed_actions(console: Console) -> None:
+    trace = traced(MIXED, sticky=0.25, steps=100)
+    assert {one.first_step > 0 for one in trace.finished} == {True, False}
+    game = AgentGame(console, max_frames=MAX_FRAMES)
+    for one in trace.finished:
+        game.reset(one.start)
+        for action in one.actions:
+            game.advance(action)
+        assert (game.end, game.hits, game.episode.shots) == (one.end, one.hits, one.shots)
+
+
+def test_games_begin_in_the_states_of_a_demonstration_and_keep_its_clock() -> None:
+    source = TrainingStarts(demonstrations=(DEMONSTRATION,), demonstration_share=1.0)
+    trace = traced(source, steps=100)
+    begun = {one.first_step for one in trace.finished}
+    assert len(begun) > 3
+    for one in trace.finished:
+        frames = one.first_step * 4
+        assert one.start == DEMONSTRATION.start
+        assert one.actions[:frames] == DEMONSTRATION.actions[:frames]
+        assert len(one.actions) <= MAX_FRAMES
+        assert all(hit.frame > frames for hit in one.own_hits)
+    whole = [one for one in trace.finished if one.end is EndReason.STEPS]
+    assert whole
+    assert {len(one.actions) for one in whole} == {MAX_FRAMES}
+
+
+def test_a_demonstration_state_is_observed_as_it_was(console: Console) -> None:
+    source = TrainingStarts(demonstrations=(DEMONSTRATION,), demonstration_share=1.0)
+    seen = []
+    replay = AgentGame(console)
+    replay.reset(DEMONSTRATION.start)
+    for frame, action in enumerate(DEMONSTRATION.actions):
+        if frame % 4 == 0:
+            seen.append(replay.observation)
+        replay.advance(action)
+    with VectorGame(6, source, n_processes=1, training_seed=1) as vector:
+        for observation in vector.reset():
+            assert any(np.array_equal(observation, one) for one in seen)
+
+
+def test_the_published_ending_is_an_option() -> None:
+    starts = FixedStarts((Start(0),))
+    with VectorGame(1, starts, ending=Ending.LIFE_COUNTER, training_seed=0) as vector:
+        vector.reset()
+        while not (step := vector.step(np.array([0]))).ended[0]:
+            pass
+    assert step.reasons == (EndReason.LIVES,)
+    assert len(step.finished[0].actions) == 571
+
+
+def test_observations_stay_as_they_are_during_the_next_step() -> None:
+    with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+        vector.reset()
+        actions = actions_of(vector, 20)
+        before = vector.step(actions[0]).observations
+        copy = before.copy()
+        for row in actions[1:]:
+            after = vector.step(row).observations
+            np.testing.assert_array_equal(before, copy)
+            before, copy = after, after.copy()
+
+
+def test_a_restored_snapshot_goes_on_bit_by_bit_in_new_processes(tmp_path: Path) -> None:
+    def make(n_processes: int) -> VectorGame:
+        return VectorGame(
+            3,
+            MIXED,
+            n_processes=n_processes,
+            max_frames=MAX_FRAMES,
+            sticky_action_probability=0.25,
+            training_seed=8,
+        )
+
+    with make(2) as vector:
+        actions = actions_of(vector, 110)
+        first = play(vector, actions[:41], vector.reset())
+        arrays = vector.snapshot().to_arrays()
+        np.savez(tmp_path / "snapshot.npz", sizes=arrays["sizes"], games=arrays["games"])
+        expected = play(vector, actions[41:], first.observations[-1])
+    with np.load(tmp_path / "snapshot.npz", allow_pickle=False) as file:
+        snapshot = VectorSnapshot.from_arrays(dict(file))
+    with make(1) as vector:
+        restored = vector.restore(snapshot)
+        np.testing.assert_array_equal(restored, first.observations[-1])
+        assert play(vector, actions[41:], restored) == expected
+    assert len(expected.finished) > 3
+
+
+def test_a_snapshot_of_another_number_of_games_is_refused() -> None:
+    with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+        vector.reset()
+        snapshot = vector.snapshot()
+        with pytest.raises(ValueError, match="snapshot of 2 games, got 1"):
+            vector.restore(VectorSnapshot(snapshot.games[:1]))
+
+
+def test_wrong_use_is_refused_and_changes_nothing() -> None:
+    with pytest.raises(ValueError, match="at least one game"):
+        VectorGame(0, TrainingStarts(), training_seed=0)
+    with pytest.raises(ValueError, match="2 starts, one per game, got 1"):
+        VectorGame(2, FixedStarts((Start(0),)), training_seed=0)
+    with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+        vector.reset()
+        with pytest.raises(ValueError, match="shape"):
+            vector.step(np.array([0]))
+        with pytest.raises(ValueError, match="from 0 to 5"):
+            vector.step(np.array([0, 6]))
+        with pytest.raises(RuntimeError, match="call step_async first"):
+            vector.step_wait()
+        vector.step_async(np.array([0, 0]))
+        with pytest.raises(RuntimeError, match="call step_wait first"):
+            vector.snapshot()
+        assert vector.step_wait().steps.tolist() == [1, 1]
+
+
+def children() -> set[int]:
+    return set(map(int, Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()))
+
+
+def test_closing_leaves_no_process_behind_and_may_be_done_twice() -> None:
+    before = children()
+    vector = VectorGame(3, TrainingStarts(), n_processes=3, training_seed=0)
+    assert len(children() - before) == 3
+    vector.close()
+    vector.close()
+    assert children() == before
+    with pytest.raises(GameProcessFailed, match="closed"):
+        vector.reset()
+
+
+def test_a_forgotten_vector_closes_itself() -> None:
+    before = children()
+    vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
+    assert children() != before
+    del vector
+    assert children() == before
+
+
+def test_a_killed_process_is_reported() -> None:
+    before = children()
+    with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as vector:
+        vector.reset()
+        process = max(children() - before)
+        os.kill(process, signal.SIGKILL)
+        with pytest.raises(GameProcessFailed, match="exit code -9"):
+            vector.step(np.array([0, 0]))
+
+
+def test_an_error_in_a_process_is_raised_with_its_trace() -> None:
+    with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as vector:
+        vector.reset()
+        first, second = vector.snapshot().games
+        with pytest.raises(GameProcessFailed, match=r"Traceback[\s\S]*version 1, got 9"):
+            vector.restore(VectorSnapshot((first, b"\x09" + second[1:])))
+
+
+def test_a_demonstration_that_goes_on_after_its_end_is_refused() -> None:
+    hit_at_443 = DemonstrationLog(Start(0), bytes(500))
+    source = TrainingStarts(demonstrations=(hit_at_443,), demonstration_share=1.0)
+    with (
+        VectorGame(1, source, n_processes=1, training_seed=0) as vector,
+        pytest.raises(EpisodeEnded, match="ended at frame 443"),
+    ):
+        vector.reset()
+
+
+PARENT = """
+    import os, signal, sys, time
+    import numpy as np
+    from pathlib import Path
+    from tril.game.vector.reset_distribution import TrainingStarts
+    from tril.game.vector.vector_game import VectorGame
+
+    # Ignored where the tests run in the background of a script.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
+    vector.reset()
+    print(Path(f"/proc/self/task/{os.getpid()}/children").read_text(), flush=True)
+    while True:
+        vector.step(np.array([0, 0]))
+"""
+
+
+def kill_group(process: subprocess.Popen[str]) -> None:
+    """Ctrl-C in a terminal: the parent and its processes get it alike."""
+    os.killpg(process.pid, signal.SIGINT)
+
+
+@pytest.mark.parametrize(
+    ("end", "code"), [(subprocess.Popen.kill, -signal.SIGKILL), (kill_group, -signal.SIGINT)]
+)
+def test_the_processes_end_with_their_parent(
+    end: Callable[[subprocess.Popen[str]], None], code: int
+) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(PARENT)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as parent:
+        assert parent.stdout is not None
+        workers = [os.pidfd_open(int(pid)) for pid in parent.stdout.readline().split()]
+        assert len(workers) == 2
+        end(parent)
+        try:
+            for worker in workers:
+                ended, _, _ = select.select([worker], [], [], 20)
+                assert ended, "a process outlived its parent"
+                os.close(worker)
+        except BaseException:
+            parent.kill()
+            raise
+        _, errors = parent.communicate()
+    assert parent.returncode == code
+    # Only the parent's own KeyboardInterrupt: no trace of a process of its.
+    assert errors.count("Traceback") == (code == -signal.SIGINT)

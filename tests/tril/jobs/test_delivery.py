@@ -1,0 +1,217 @@
+"""The run's row and its job stay in step, whatever crashes in between."""
+
+from __future__ import annotations
+
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from dbos import DBOSClient
+
+from tests.waiting import wait_until
+from tests.workplace import Workplace
+from tril.errors import Conflict
+from tril.jobs import Jobs
+from tril.jobs.delivery import GIVEN_UP
+from tril.jobs.queue import open_client
+from tril.store.models import RunStatus
+from tril.store.training import leases, runs
+
+WORKER = Path(__file__).with_name("claiming_worker.py")
+LOST_AFTER_S = 1.0
+PATIENCE_S = 20.0
+
+
+@pytest.fixture
+def jobs(workplace: Workplace) -> Iterator[Jobs]:
+    made = Jobs(workplace.database, workplace.settings, lost_after_s=LOST_AFTER_S)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def queue(workplace: Workplace) -> Iterator[DBOSClient]:
+    client = open_client(workplace.settings)
+    yield client
+    client.destroy()
+
+
+@contextmanager
+def claiming_worker(workplace: Workplace, name: str) -> Iterator[subprocess.Popen[str]]:
+    with subprocess.Popen(
+        [sys.executable, str(WORKER), str(workplace.settings.data), name],
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        yield process
+        process.kill()
+
+
+def said(process: subprocess.Popen[str]) -> str:
+    assert process.stdout is not None
+    return process.stdout.readline().strip()
+
+
+def until(jobs: Jobs, holds: Callable[[], bool]) -> None:
+    def reconciled() -> bool:
+        jobs.reconcile()
+        return holds()
+
+    wait_until(reconciled, PATIENCE_S)
+
+
+def job_status(queue: DBOSClient, run_id: str) -> str | None:
+    found = queue.list_workflows(workflow_ids=[run_id])
+    return found[0].status if found else None
+
+
+def test_a_run_is_enqueued_once_under_its_own_id(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    jobs.enqueue(run_id)
+    jobs.reconcile()
+    (job,) = queue.list_workflows()
+    assert (job.workflow_id, job.status) == (run_id, "ENQUEUED")
+    assert job.input == {"args": (run_id,), "kwargs": {}}
+
+
+def test_a_crash_between_the_row_and_its_job_is_healed(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    assert job_status(queue, run_id) is None
+    jobs.reconcile()
+    assert job_status(queue, run_id) == "ENQUEUED"
+
+
+def test_a_crash_between_resuming_and_the_job_is_healed(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    jobs.cancel(run_id)
+    assert job_status(queue, run_id) == "CANCELLED"
+    with workplace.database.writing() as session:
+        runs.queue_again(session, run_id)
+    jobs.reconcile()
+    assert job_status(queue, run_id) == "ENQUEUED"
+
+
+def test_a_crash_between_cancelling_and_the_job_leaves_a_job_with_nothing_to_do(
+    workplace: Workplace, jobs: Jobs
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+    with claiming_worker(workplace, "worker-0") as process:
+        assert said(process) == f"nothing to do {run_id}"
+    assert workplace.run(run_id).status == RunStatus.CANCELLED
+
+
+def test_an_unreachable_queue_loses_nothing(workplace: Workplace, queue: DBOSClient) -> None:
+    elsewhere = workplace.settings.model_copy(
+        update={"jobs_database_url": f"sqlite:///{workplace.settings.data / 'not-there.sqlite'}"}
+    )
+    cut_off = Jobs(workplace.database, elsewhere)
+    run_id = workplace.make_run()
+    cut_off.enqueue(run_id)
+    cut_off.close()
+    assert workplace.run(run_id).status == RunStatus.QUEUED
+    jobs = Jobs(workplace.database, workplace.settings)
+    jobs.reconcile()
+    jobs.close()
+    assert job_status(queue, run_id) == "ENQUEUED"
+
+
+def test_the_run_of_a_worker_that_is_gone_passes_to_another(
+    workplace: Workplace, jobs: Jobs
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with claiming_worker(workplace, "worker-0") as process:
+        assert said(process) == f"claimed {run_id}"
+        row = workplace.run(run_id)
+        old = leases.Lease(run_id, "worker-0", row.epoch)
+    with claiming_worker(workplace, "worker-1") as process:
+        jobs.reconcile()
+        assert workplace.run(run_id).worker == "worker-0"
+        until(jobs, lambda: workplace.run(run_id).worker == "worker-1")
+        assert said(process) == f"claimed {run_id}"
+    with pytest.raises(leases.LeaseLost), workplace.database.writing() as session:
+        leases.report(session, old, "reward", 0.5, None)
+
+
+def test_a_worker_that_lives_keeps_its_run(workplace: Workplace, jobs: Jobs) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with claiming_worker(workplace, "worker-0") as process:
+        assert said(process) == f"claimed {run_id}"
+        claim = leases.Lease(run_id, "worker-0", workplace.run(run_id).epoch)
+        end = time.monotonic() + 2.5 * LOST_AFTER_S
+        while time.monotonic() < end:
+            with workplace.database.writing() as session:
+                assert leases.beat(session, claim)
+            jobs.reconcile()
+            time.sleep(0.1)
+        assert workplace.run(run_id).epoch == claim.epoch
+
+
+def test_cancelling_the_run_of_a_worker_that_is_gone_ends_it(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with claiming_worker(workplace, "worker-0") as process:
+        said(process)
+    jobs.cancel(run_id)
+    until(jobs, lambda: workplace.run(run_id).status == RunStatus.CANCELLED)
+    jobs.resume(run_id)
+    until(jobs, lambda: job_status(queue, run_id) == "ENQUEUED")
+
+
+def test_a_done_run_is_neither_cancelled_nor_resumed(workplace: Workplace, jobs: Jobs) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", {})
+        assert claim is not None
+        leases.end(session, claim, RunStatus.DONE)
+    with pytest.raises(Conflict):
+        jobs.cancel(run_id)
+    with pytest.raises(Conflict):
+        jobs.resume(run_id)
+
+
+def test_a_run_that_the_queue_has_given_up_fails_with_a_reason_and_can_be_resumed(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with workplace.database.writing() as session:
+        leases.claim(session, run_id, "worker-0", {})
+    with sqlite3.connect(workplace.settings.data / "jobs.sqlite") as connection:
+        connection.execute("UPDATE workflow_status SET status = ?, queue_name = NULL", (GIVEN_UP,))
+    connection.close()
+    jobs.reconcile()
+    row = workplace.run(run_id)
+    assert row.status == RunStatus.FAILED
+    assert "ended without a word" in row.message
+    jobs.resume(run_id)
+    assert job_status(queue, run_id) == "ENQUEUED"
+
+
+def test_reconciling_in_the_background_heals_without_being_asked(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    jobs.start_reconciling(every_s=0.05)
+    run_id = workplace.make_run()
+    deadline = time.monotonic() + PATIENCE_S
+    while job_status(queue, run_id) != "ENQUEUED":
+        assert time.monotonic() < deadline

@@ -1,0 +1,91 @@
+"""Progress over a whole run and what remains of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tests.workplace import TINY, Workplace
+from tril.jobs import STAGES, RunEta, estimate, overall_progress, stages_of
+from tril.jobs.stages import expected_seconds
+from tril.recipes import FAST, RECIPES, Recipe
+from tril.store.models import RunRow, RunStatus
+from tril.store.training import leases
+
+
+def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
+    finished = STAGES[1 : STAGES.index(stage)]
+    return RunRow(
+        recipe=recipe.to_dict(),
+        steps=300_000,
+        example=False,
+        status=RunStatus.RUNNING,
+        stage=stage,
+        stage_done=done,
+        finished_stages=dict.fromkeys(finished, 1.0),
+    )
+
+
+@pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
+def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> None:
+    values = [
+        overall_progress(run_at(stage, done, recipe))
+        for stage in STAGES[1:]
+        for done in (0.0, 0.5, 1.0)
+    ]
+    assert values == sorted(values)
+    assert values[0] == 0.0
+    assert values[-1] == pytest.approx(1.0)
+
+
+def test_the_demonstrations_are_a_stage_of_examples_only() -> None:
+    run = run_at("trajectories", 0.0)
+    assert "demonstrations" not in stages_of(run)
+    run.example = True
+    assert stages_of(run) == STAGES
+
+
+def test_only_the_imitator_takes_longer_with_more_steps() -> None:
+    few, more, most = (expected_seconds(FAST, steps) for steps in (0, 100_000, 1_000_000))
+    assert most["imitator"] - few["imitator"] == pytest.approx(
+        10 * (more["imitator"] - few["imitator"])
+    )
+    del few["imitator"], most["imitator"]
+    assert few == most
+
+
+def test_a_run_of_an_unknown_recipe_still_has_a_progress() -> None:
+    run = run_at("clone", 0.5)
+    run.recipe = {"name": "of another version"}
+    assert overall_progress(run) == pytest.approx(3.5 / 7)
+
+
+def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
+    forecast = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
+    assert forecast.remaining_s({}, "reward", None) == pytest.approx(130.0)
+    # Twice as slow as foreseen so far; the imitator's own rate says 60 s.
+    assert forecast.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
+
+
+@pytest.mark.parametrize("recipe", [TINY, replace(FAST, name="tiny")], ids=["tiny", "fast"])
+def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(
+    workplace: Workplace, recipe: Recipe
+) -> None:
+    with workplace.database.reading() as session:
+        guessed = estimate(session, recipe)
+    assert not guessed.measured
+    # However few its steps were: what judging policies takes is not mistaken for training.
+    steps = 1_000
+    run_id = workplace.make_run(recipe, steps)
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", {})
+        assert claim is not None
+        for stage, seconds in expected_seconds(recipe, steps).items():
+            leases.finish_stage(session, claim, stage, 2 * seconds)
+        leases.end(session, claim, RunStatus.DONE)
+    with workplace.database.reading() as session:
+        measured = estimate(session, recipe)
+    assert measured.measured
+    assert measured.steps_per_s == pytest.approx(guessed.steps_per_s / 2, rel=1e-3)
+    assert measured.overhead_s == pytest.approx(guessed.overhead_s * 2, rel=1e-3)

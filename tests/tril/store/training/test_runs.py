@@ -1,0 +1,223 @@
+"""Runs and claims on a migrated database."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import timedelta
+
+import pytest
+from sqlalchemy import update
+
+from tests.workplace import TINY, Workplace
+from tril.errors import Conflict, Invalid, NotFound
+from tril.store import behaviours, processes, rankings, recordings
+from tril.store.models import RunRow, RunStatus, now
+from tril.store.training import leases, runs
+from tril.store.training.leases import LeaseLost
+
+VERSIONS = {"python": "3.11"}
+
+
+def let_heartbeat_age(workplace: Workplace, run_id: str) -> None:
+    with workplace.database.writing() as session:
+        old = now() - processes.ALIVE_FOR - timedelta(seconds=1)
+        session.execute(update(RunRow).where(RunRow.id == run_id).values(heartbeat_at=old))
+
+
+def test_a_new_run_is_queued_with_the_ranking_frozen(workplace: Workplace) -> None:
+    row = workplace.run(workplace.make_run())
+    assert row.status == RunStatus.QUEUED
+    assert row.snapshot == {
+        "ranking_revision": 1,
+        "tiers": [[number] for number in workplace.ranked],
+        "perfect": [workplace.ranked[0]],
+    }
+    with workplace.database.writing() as session:
+        recordings.delete(session, recordings.get(session, workplace.ranked[3]), None)
+    assert workplace.run(row.id).snapshot == row.snapshot
+
+
+def test_fewer_than_two_tiers_are_refused(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        rankings.save(session, workplace.behaviour_id, 1, [list(workplace.ranked)])
+    with pytest.raises(Invalid, match="at least two tiers"):
+        workplace.make_run()
+
+
+def test_no_perfect_demonstrations_are_refused(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        recordings.update(session, recordings.get(session, workplace.ranked[0]), perfect=False)
+    with pytest.raises(Invalid, match="Mark at least one recording as perfect"):
+        workplace.make_run()
+
+
+def test_a_ranking_that_names_a_deleted_recording_is_refused(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        recordings.get(session, workplace.ranked[2]).deleted_at = now()
+    with pytest.raises(Invalid, match=rf"deleted recordings \({workplace.ranked[2]}\)"):
+        workplace.make_run()
+
+
+def test_a_ranking_of_an_unverified_recording_is_refused(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        recordings.get(session, workplace.ranked[2]).verification = "failed"
+    with pytest.raises(Invalid, match=f"Recordings {workplace.ranked[2]} .* not verified"):
+        workplace.make_run()
+
+
+def test_dagger_is_refused_where_its_expert_knows_nothing(workplace: Workplace) -> None:
+    dagger = replace(TINY, method="dagger")
+    with pytest.raises(Invalid, match="at most 60,000 steps, not 60,001"):
+        workplace.make_run(dagger, steps=60_001)
+    assert workplace.run(workplace.make_run(dagger)).recipe["method"] == "dagger"
+    with workplace.database.writing() as session:
+        free = behaviours.create(session, "Play nicely").id
+    elsewhere = replace(workplace, behaviour_id=free)
+    with pytest.raises(Invalid, match="Play nicely has no target cells"):
+        elsewhere.make_run(dagger)
+
+
+def test_an_example_needs_no_ranking_yet(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        row = runs.create(session, workplace.behaviour_id, TINY, 10, 0, example=True)
+        assert row.snapshot is None
+
+
+def test_only_one_worker_gets_a_run(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        first = leases.claim(session, run_id, "worker-0", VERSIONS)
+    with workplace.database.writing() as session:
+        second = leases.claim(session, run_id, "worker-1", VERSIONS)
+    assert first is not None
+    assert second is None
+    assert workplace.run(run_id).worker == "worker-0"
+    assert workplace.run(run_id).versions == VERSIONS
+
+
+def test_a_worker_that_comes_back_claims_its_run_again_and_the_old_claim_is_void(
+    workplace: Workplace,
+) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        old = leases.claim(session, run_id, "worker-0", VERSIONS)
+    with workplace.database.writing() as session:
+        new = leases.claim(session, run_id, "worker-0", VERSIONS)
+    assert old is not None
+    assert new is not None
+    assert new.epoch == old.epoch + 1
+    with pytest.raises(LeaseLost), workplace.database.writing() as session:
+        leases.report(session, old, "reward", 0.5, None)
+    with workplace.database.writing() as session:
+        assert not leases.beat(session, old)
+        leases.report(session, new, "reward", 0.25, 10.0)
+    assert workplace.run(run_id).stage_done == 0.25
+
+
+def test_another_worker_gets_a_run_whose_worker_is_not_heard_of(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        leases.claim(session, run_id, "worker-0", VERSIONS)
+    let_heartbeat_age(workplace, run_id)
+    with workplace.database.writing() as session:
+        assert leases.claim(session, run_id, "worker-1", VERSIONS) is not None
+
+
+def test_a_run_that_is_over_is_not_claimed(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+    with workplace.database.writing() as session:
+        assert leases.claim(session, run_id, "worker-0", VERSIONS) is None
+
+
+def test_cancelling_a_queued_run_is_immediate(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        assert runs.request_cancel(session, run_id).status == RunStatus.CANCELLED
+
+
+def test_cancelling_asks_a_living_worker_and_does_not_wait_for_a_dead_one(
+    workplace: Workplace,
+) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
+        assert claim is not None
+    with workplace.database.writing() as session:
+        assert runs.request_cancel(session, run_id).status == RunStatus.CANCELLING
+    with workplace.database.reading() as session:
+        assert leases.is_cancelling(session, claim)
+    other = workplace.make_run()
+    with workplace.database.writing() as session:
+        lost = leases.claim(session, other, "worker-1", VERSIONS)
+        assert lost is not None
+    let_heartbeat_age(workplace, other)
+    with workplace.database.writing() as session:
+        assert runs.request_cancel(session, other).status == RunStatus.CANCELLED
+    with pytest.raises(LeaseLost), workplace.database.writing() as session:
+        leases.end(session, lost, RunStatus.DONE)
+
+
+def test_a_stage_that_fails_while_cancelling_ends_as_cancelled(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
+        assert claim is not None
+        runs.request_cancel(session, run_id)
+        leases.end(session, claim, RunStatus.FAILED, "broken")
+    assert workplace.run(run_id).status == RunStatus.CANCELLED
+
+
+def test_resuming_a_stopped_run_means_to_go_on_anyway(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        run_id = runs.create(session, workplace.behaviour_id, TINY, 10, 0).id
+        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
+        assert claim is not None
+        leases.end(session, claim, RunStatus.STOPPED, "confused")
+    with workplace.database.writing() as session:
+        row = runs.queue_again(session, run_id)
+        assert row.status == RunStatus.QUEUED
+        assert row.go_on_anyway
+        assert row.message == ""
+
+
+def test_a_run_that_is_not_over_or_done_is_not_resumed(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with pytest.raises(Conflict, match="not over"), workplace.database.writing() as session:
+        runs.queue_again(session, run_id)
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
+        assert claim is not None
+        leases.end(session, claim, RunStatus.DONE)
+    with pytest.raises(Conflict, match="is done"), workplace.database.writing() as session:
+        runs.queue_again(session, run_id)
+    with pytest.raises(Conflict, match="already over"), workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+
+
+def test_deleting_waits_for_the_end_and_hides_the_run(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with pytest.raises(Conflict, match="Cancel it first"), workplace.database.writing() as session:
+        runs.delete(session, run_id)
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+        runs.delete(session, run_id)
+        assert runs.listing(session) == []
+        assert leases.claim(session, run_id, "worker-0", VERSIONS) is None
+    with pytest.raises(NotFound):
+        workplace.run(run_id)
+
+
+def test_a_run_given_back_waits_again(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
+        assert claim is not None
+        leases.finish_stage(session, claim, "trajectories", 1.5)
+        leases.release(session, claim)
+    row = workplace.run(run_id)
+    assert row.status == RunStatus.QUEUED
+    assert row.finished_stages == {"trajectories": 1.5}
+    with pytest.raises(LeaseLost), workplace.database.writing() as session:
+        leases.finish_stage(session, claim, "reward", 1.0)

@@ -1,0 +1,143 @@
+"""Attention maps: where in a state the reward model looks (thesis, section 6.1).
+
+A 3x3 patch of the game's background is moved over each of the four screens of an observation, one
+screen at a time. The absolute change of R is added to the nine pixels that the patch covers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import torch
+
+from trainer.explain.occlusion import PATCH, OccludedOutputs
+from trainer.progress import NullProgress, Progress
+from trainer.reward.model import RewardModel
+from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.space_invaders import BACKGROUND
+
+POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
+"""Patches per side, all that lie wholly inside. (T-REX's code leaves the last two out.)"""
+
+BATCH = 128
+"""Masked observations per forward pass."""
+
+STATES = (
+    ("minimum", 0.0),
+    ("90th percentile", 0.9),
+    ("95th percentile", 0.95),
+    ("maximum", 1.0),
+)
+"""The states that the thesis looks at, by their place among all states sorted by R."""
+
+
+@dataclass(frozen=True)
+class NamedState:
+    """A state of a demonstration, picked by its reward.
+
+    Attributes:
+        name: One of the names in STATES.
+        trajectory: Index of the trajectory.
+        step: Index of the observation in it; 0 is the start.
+        reward: R of the observation.
+    """
+
+    name: str
+    trajectory: int
+    step: int
+    reward: float
+
+
+def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState, ...]:
+    """Pick the states of minimum, 90th and 95th percentile, and maximum R (thesis, section 6.1).
+
+    Args:
+        rewards: For each ranked demonstration R of its observations, float32 (T + 1,).
+
+    Returns:
+        The states in the order of STATES; of equal rewards the earliest comes first.
+    """
+    if not rewards or not sum(len(part) for part in rewards):
+        raise ValueError("Expected at least one state to pick from.")
+    values = np.concatenate(rewards)
+    origins = [(i, step) for i, part in enumerate(rewards) for step in range(len(part))]
+    order = np.argsort(values, kind="stable")
+    picked = []
+    for name, share in STATES:
+        at = int(order[round(share * (len(values) - 1))])
+        trajectory, step = origins[at]
+        picked.append(NamedState(name, trajectory, step, float(values[at])))
+    return tuple(picked)
+
+
+def attention_map(
+    model: RewardModel, observation: npt.NDArray[np.uint8], progress: Progress | None = None
+) -> npt.NDArray[np.float32]:
+    """Return the attention of the reward model in one state.
+
+    Only patches that change something are tried, and only what they change of the first two layers
+    is computed anew (see OccludedOutputs). Up to rounding, the result equals trying every position
+    by brute force.
+
+    Args:
+        model: The reward model; its raw R is used.
+        observation: uint8 (4, 84, 84).
+        progress: Told about every batch.
+
+    Returns:
+        float32 (4, 84, 84), non-negative, one map for each of the four screens; the published
+        map is their sum.
+
+    Raises:
+        ValueError: The observation has another shape or dtype.
+    """
+    if observation.shape != OBSERVATION_SHAPE or observation.dtype != np.uint8:
+        raise ValueError(
+            f"Expected an observation uint8 {OBSERVATION_SHAPE}, got {observation.dtype}"
+            f" {observation.shape}."
+        )
+    positions = changing_positions(observation)
+    return spread(positions, changes_at(model, observation, positions, progress or NullProgress()))
+
+
+def changes_at(
+    model: RewardModel,
+    observation: npt.NDArray[np.uint8],
+    positions: npt.NDArray[np.int64],
+    progress: Progress,
+) -> npt.NDArray[np.float32]:
+    """Return |R(masked) - R|, float32 (N,), for patches int64 (N, 3): screen, row, column."""
+    changes = np.empty(len(positions), np.float32)
+    with torch.inference_mode():
+        pixels = torch.from_numpy(observation.astype(np.float32))
+        members = [OccludedOutputs(member, pixels) for member in model.members]
+        plain = model.combine([member.plain for member in members])
+        for begin in range(0, len(positions), BATCH):
+            part = positions[begin : begin + BATCH]
+            difference = (model.combine([member.at(part) for member in members]) - plain).abs()
+            changes[begin : begin + BATCH] = difference.numpy()
+            progress.advance(min(begin + BATCH, len(positions)), len(positions))
+    return changes
+
+
+def changing_positions(observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.int64]:
+    """Return the patches that change the observation: int64 (N, 3) of screen, row, column."""
+    differs = observation != BACKGROUND
+    windows = np.lib.stride_tricks.sliding_window_view(differs, (PATCH, PATCH), axis=(1, 2))
+    return np.argwhere(windows.any(axis=(-2, -1)))
+
+
+def spread(
+    positions: npt.NDArray[np.int64], changes: npt.NDArray[np.float32]
+) -> npt.NDArray[np.float32]:
+    """Add each patch's change to the nine pixels that it covers; float32 (4, 84, 84)."""
+    at_corner = np.zeros((OBSERVATION_SHAPE[0], POSITIONS, POSITIONS), np.float64)
+    at_corner[tuple(positions.T)] = changes
+    result = np.zeros(OBSERVATION_SHAPE, np.float64)
+    for row in range(PATCH):
+        for column in range(PATCH):
+            result[:, row : row + POSITIONS, column : column + POSITIONS] += at_corner
+    return result.astype(np.float32)

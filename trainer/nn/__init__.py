@@ -1,0 +1,1 @@
+"""PyTorch foundations: devices, precision, memory layout, optimizer state, seeding."""

@@ -1,0 +1,176 @@
+"""Evaluation: a trained policy plays whole games, each of which becomes a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from trainer.progress import NullProgress, Progress
+from trainer.reward.model import RewardModel
+from tril.game import space_invaders as game
+from tril.game.episode import Ending, EndReason, Hit
+from tril.game.starts import Start
+from tril.game.vector.vector_game import FinishedGame, FixedStarts, VectorGame
+from tril.recording import Recording
+from tril.store.training.evaluations import ActionSelection
+
+STICKY_ACTION_PROBABILITY = 0.25
+"""Of the action selection "sticky", as Machado et al. 2018, section 5.1, propose."""
+
+
+class Actor(Protocol):
+    """A policy that can be asked what it would do."""
+
+    def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+        """Return the probability of each action, float32 (N, 6).
+
+        Args:
+            observations: uint8 (N, 4, 84, 84).
+        """
+
+
+@dataclass(frozen=True)
+class PlayedGame:
+    """One game that a policy has played.
+
+    Attributes:
+        start: How it began.
+        recording: The actions executed, without RAM hashes; a verifying replay adds them.
+        hits: The aliens shot, in order of time.
+        end: Why it ended.
+        shots: Missiles that left the cannon.
+        rewards: R of the start and of the state after each of T steps, float32 (T + 1,); None
+            without a reward model.
+    """
+
+    start: Start
+    recording: Recording
+    hits: tuple[Hit, ...]
+    end: EndReason
+    shots: int
+    rewards: npt.NDArray[np.float32] | None
+
+    @property
+    def predicted_return(self) -> float | None:
+        """Sum of R over the states after each step; None without a reward model."""
+        return None if self.rewards is None else float(self.rewards[1:].sum(dtype=np.float64))
+
+
+def play(
+    actor: Actor,
+    starts: Sequence[Start],
+    action_selection: ActionSelection,
+    *,
+    model: RewardModel | None = None,
+    ending: Ending = Ending.HIT,
+    sampling_seed: int = 0,
+    sticky_action_probability: float | None = None,
+    n_processes: int | None = None,
+    progress: Progress | None = None,
+) -> list[PlayedGame]:
+    """Let a policy play one game from each start, all side by side.
+
+    Args:
+        actor: The policy.
+        starts: Where the games begin.
+        action_selection: "greedy" takes the likeliest action, "sampled" draws by the probabilities,
+            "sticky" takes the likeliest one while actions stick.
+        model: Scores the states that the policy reaches.
+        ending: Which rule for the player's death ends a game.
+        sampling_seed: Of the draws; each game has generators of its own, so that a game does not
+            depend on which others are played beside it.
+        sticky_action_probability: Of repeating the action of the frame before; the recordings
+            hold what was executed. None means that of the action selection.
+        n_processes: As of VectorGame.
+        progress: Told about steps, of the most that a game can have.
+
+    Returns:
+        The games in the order of the starts.
+    """
+    progress = progress or NullProgress()
+    if sticky_action_probability is None:
+        sticky_action_probability = stickiness(action_selection)
+    generators = [
+        np.random.default_rng((sampling_seed, start.idle_frames, start.difficulty))
+        for start in starts
+    ]
+    rewards: list[list[float]] = [[] for _ in starts]
+    finished: dict[int, FinishedGame] = {}
+    with VectorGame(
+        len(starts),
+        FixedStarts(tuple(starts)),
+        n_processes=n_processes,
+        ending=ending,
+        sticky_action_probability=sticky_action_probability,
+        training_seed=sampling_seed,
+    ) as games:
+        observations = games.reset()
+        playing = np.arange(len(starts))
+        _score(model, observations, playing, rewards)
+        while len(playing):
+            actions = np.zeros(len(starts), np.int64)
+            probabilities = actor.probabilities(observations[playing])
+            actions[playing] = _choose(
+                probabilities, action_selection, [generators[i] for i in playing]
+            )
+            step = games.step(actions)
+            ended = step.ended[:, None, None, None]
+            reached = np.where(ended, step.terminal_observations, step.observations)
+            _score(model, reached, playing, rewards)
+            finished |= {one.game: one for one in step.finished}
+            observations = step.observations
+            playing = np.array([i for i in playing if i not in finished], np.int64)
+            progress.advance(int(step.steps.max(initial=0)), game.MAX_STEPS)
+    progress.advance(game.MAX_STEPS, game.MAX_STEPS)
+    return [
+        _played(finished[index], None if model is None else np.array(scores, np.float32))
+        for index, scores in enumerate(rewards)
+    ]
+
+
+def stickiness(action_selection: ActionSelection) -> float:
+    """Return the probability with which games repeat the action of the frame before."""
+    return STICKY_ACTION_PROBABILITY if action_selection == "sticky" else 0.0
+
+
+def _choose(
+    probabilities: npt.NDArray[np.float32],
+    action_selection: ActionSelection,
+    generators: Sequence[np.random.Generator],
+) -> npt.NDArray[np.int64]:
+    if action_selection != "sampled":
+        best: npt.NDArray[np.int64] = probabilities.argmax(1)
+        return best
+    draws = np.array([rng.random() for rng in generators])
+    cumulative = probabilities.astype(np.float64).cumsum(1)
+    drawn = (cumulative < draws[:, None] * cumulative[:, -1:]).sum(1)
+    last = probabilities.shape[1] - 1
+    actions: npt.NDArray[np.int64] = np.minimum(drawn, last).astype(np.int64)
+    return actions
+
+
+def _score(
+    model: RewardModel | None,
+    states: npt.NDArray[np.uint8],
+    playing: npt.NDArray[np.int64],
+    rewards: list[list[float]],
+) -> None:
+    """Add R of the states of the games that are being played to their lists."""
+    if model is not None:
+        for index, reward in zip(playing.tolist(), model.score(states[playing]), strict=True):
+            rewards[index].append(float(reward))
+
+
+def _played(one: FinishedGame, rewards: npt.NDArray[np.float32] | None) -> PlayedGame:
+    return PlayedGame(
+        start=one.start,
+        recording=Recording(one.start, one.actions),
+        hits=one.hits,
+        end=one.end,
+        shots=one.shots,
+        rewards=rewards,
+    )

@@ -1,0 +1,131 @@
+"""stable-baselines3's rollout buffer without its copies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from gymnasium import spaces
+from stable_baselines3.common.buffers import RolloutBuffer
+from torch import Tensor
+
+from trainer.nn.screens import take_screens
+
+
+class Minibatch(NamedTuple):
+    """A part of a rollout, drawn at random; see stable-baselines3's RolloutBufferSamples.
+
+    Attributes:
+        observations: uint8 (B, 4, 84, 84), in channels-last order.
+        actions: int64 (B,).
+        old_log_probs: Logarithm of the probability with which the action was chosen, float32 (B,).
+        advantages: float32 (B,).
+        returns: What the value is to become, float32 (B,).
+        indices: Places in the rollout, int64 (B,).
+    """
+
+    observations: Tensor
+    actions: Tensor
+    old_log_probs: Tensor
+    advantages: Tensor
+    returns: Tensor
+    indices: Tensor
+
+
+class ScreenRolloutBuffer(RolloutBuffer):
+    """A RolloutBuffer whose observations are written once and read once.
+
+    stable-baselines3 allocates the whole buffer anew for each rollout, copies each observation
+    twice when it is added, all of them when the first minibatch is drawn, and each minibatch into
+    a second one. Here the memory stays, observations are written in channels-last order as the
+    convolutions read them, and a minibatch is gathered once, still uint8.
+    """
+
+    def __init__(
+        self,
+        buffer_size: int,
+        observation_space: spaces.Space[Any],
+        action_space: spaces.Space[Any],
+        device: torch.device | str = "cpu",
+        gae_lambda: float = 1.0,
+        gamma: float = 0.99,
+        n_envs: int = 1,
+    ) -> None:
+        assert isinstance(observation_space, spaces.Box)
+        channels, height, width = observation_space.shape
+        self._screens = torch.empty(
+            (buffer_size, n_envs, height, width, channels), dtype=torch.uint8
+        )
+        self._allocated = False
+        super().__init__(
+            buffer_size,
+            observation_space,
+            action_space,
+            device,
+            gae_lambda=gae_lambda,
+            gamma=gamma,
+            n_envs=n_envs,
+        )
+
+    def reset(self) -> None:
+        """Make room for the next rollout in the same memory."""
+        if not self._allocated:
+            shape = (self.buffer_size, self.n_envs)
+            self.actions = np.zeros((*shape, 1), np.int64)
+            self.rewards = np.zeros(shape, np.float32)
+            self.returns = np.zeros(shape, np.float32)
+            self.episode_starts = np.zeros(shape, np.float32)
+            self.values = np.zeros(shape, np.float32)
+            self.log_probs = np.zeros(shape, np.float32)
+            self.advantages = np.zeros(shape, np.float32)
+            self._allocated = True
+        self.pos = 0
+        self.full = False
+
+    def add(
+        self,
+        obs: npt.NDArray[np.uint8],
+        action: npt.NDArray[np.int64],
+        reward: npt.NDArray[np.float32],
+        episode_start: npt.NDArray[np.bool_],
+        value: Tensor,
+        log_prob: Tensor,
+    ) -> None:
+        """Add a step of all games; the arguments are those of RolloutBuffer.add."""
+        self._screens[self.pos] = torch.from_numpy(obs).permute(0, 2, 3, 1)
+        self.actions[self.pos, :, 0] = action
+        self.rewards[self.pos] = reward
+        self.episode_starts[self.pos] = episode_start
+        self.values[self.pos] = value.numpy()
+        self.log_probs[self.pos] = log_prob.numpy()
+        self.pos += 1
+        self.full = self.pos == self.buffer_size
+
+    @property
+    def screens(self) -> Tensor:
+        """All observations, uint8 (steps * games, 4, 84, 84), in channels-last order."""
+        return self._screens.flatten(0, 1).permute(0, 3, 1, 2)
+
+    def minibatches(self, batch_size: int, rng: np.random.Generator) -> Iterator[Minibatch]:
+        """Yield all of the rollout once on the buffer's device, in an order drawn from ``rng``."""
+        if not self.full:
+            raise RuntimeError("The rollout is not complete yet.")
+        screens = self.screens.to(self.device)
+        actions = torch.from_numpy(self.actions.reshape(-1)).to(self.device)
+        log_probs = torch.from_numpy(self.log_probs.reshape(-1)).to(self.device)
+        advantages = torch.from_numpy(self.advantages.reshape(-1)).to(self.device)
+        returns = torch.from_numpy(self.returns.reshape(-1)).to(self.device)
+        order = torch.from_numpy(rng.permutation(len(screens))).to(self.device)
+        for begin in range(0, len(order), batch_size):
+            indices = order[begin : begin + batch_size]
+            yield Minibatch(
+                take_screens(screens, indices),
+                actions[indices],
+                log_probs[indices],
+                advantages[indices],
+                returns[indices],
+                indices,
+            )

@@ -1,0 +1,1 @@
+"""Reports of runs and the results page, the ledger, tables and figures."""

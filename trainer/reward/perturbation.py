@@ -1,0 +1,177 @@
+"""Perturbed demonstrations of perfect games: what worse looks like next to the very best.
+
+A ranking of a dozen games says little about aliens that nobody shot: the network takes them for
+targets. A perfect game that is disturbed for some steps and then goes on as recorded, now out of
+place, hits such aliens, and is worse than it was. Nor does a ranking tell hits from where one
+stands while hitting: a perfect game that goes on without the fire key stands in the same places as
+late, and hits nothing.
+
+That a policy gets worse the more noise it is disturbed by is the idea of D-REX (Brown et al. 2020,
+"Better-than-Demonstrator Imitation Learning via Automatically-Ranked Demonstrations"); here it is
+the demonstration itself that is disturbed, from the emulator's saved states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import or_
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.game.agent import AgentGame, AgentGameState
+from tril.game.console import Console
+from tril.game.controls import Keys, action_for, keys_for
+from tril.game.space_invaders import FRAMES_PER_STEP, Action
+from tril.recording import Recording
+
+SHORTEST_COPY = 20
+"""Steps after the first disturbance; what is lost sooner says nothing but that it was lost."""
+
+LONGEST_COPY = 120
+"""Steps after the first disturbance: a fragment is at most 100 steps long."""
+
+_NO_KEY = Keys(0)
+
+_MISSING_SHARE = 0.5
+"""Chance of a copy to go on without one of the keys, instead of in bursts."""
+
+_MISSING_KEYS = {Keys.FIRE: 2, Keys.LEFT: 1, Keys.RIGHT: 1}
+"""How often each is the missing one, of those that are pressed in the rest of the game."""
+
+_BURST_STEPS = (2, 15)
+_BURST_SHARE = 0.02
+"""Chance per step of a further burst."""
+
+_BURST_ACTIONS = {
+    Action.NOOP: 0.05,
+    Action.FIRE: 0.05,
+    Action.RIGHT: 0.25,
+    Action.LEFT: 0.25,
+    Action.RIGHTFIRE: 0.2,
+    Action.LEFTFIRE: 0.2,
+}
+"""What is held in a burst: mostly what moves, so that the game goes on out of place and shoots down
+the column beside the right one."""
+
+
+@dataclass(frozen=True)
+class PerturbedDemonstration:
+    """A game from its first disturbance on.
+
+    Attributes:
+        original: Index of the game that was disturbed.
+        first_step: Step of the original at which the disturbance begins.
+        observations: uint8 (N + 1, 4, 84, 84): before that step and after each of N that follow.
+    """
+
+    original: int
+    first_step: int
+    observations: npt.NDArray[np.uint8]
+
+
+def perturbed_copies(
+    recordings: Sequence[Recording],
+    copies: int,
+    rng: np.random.Generator,
+    tick: Callable[[], None],
+) -> list[PerturbedDemonstration]:
+    """Disturb games at drawn steps, several times each.
+
+    Args:
+        recordings: The games, none of which goes on after its end.
+        copies: Copies of each; those that are lost within SHORTEST_COPY steps are left out.
+        rng: Where the draws come from.
+        tick: Called after every step played; what it raises ends the work.
+
+    Returns:
+        The copies, of one game after the other.
+    """
+    played, disturbed = AgentGame(Console()), AgentGame(Console())
+    found = []
+    for original, recording in enumerate(recordings):
+        last = len(recording.actions) // FRAMES_PER_STEP - SHORTEST_COPY
+        if last < 1:
+            continue
+        wanted = sorted(rng.integers(0, last, size=copies).tolist())
+        for step, state in _states(played, recording, wanted, tick):
+            observations = _disturb(disturbed, recording, step, state, rng, tick)
+            if len(observations) > SHORTEST_COPY:
+                found.append(PerturbedDemonstration(original, step, observations))
+    return found
+
+
+def _states(
+    game: AgentGame, recording: Recording, wanted: Sequence[int], tick: Callable[[], None]
+) -> list[tuple[int, AgentGameState]]:
+    """Return the states of a recorded game before the wanted steps, in ascending order."""
+    game.reset(recording.start)
+    states = []
+    for step in range(wanted[-1] + 1):
+        states += [(step, game.save())] * wanted.count(step)
+        _play(game, recording, step)
+        tick()
+        if game.end is not None:
+            break
+    return states
+
+
+def _disturb(
+    game: AgentGame,
+    recording: Recording,
+    first_step: int,
+    state: AgentGameState,
+    rng: np.random.Generator,
+    tick: Callable[[], None],
+) -> npt.NDArray[np.uint8]:
+    """Play a game on from a state: without a key, or with bursts of one held action."""
+    game.restore(state)
+    observations = [game.observation]
+    n_steps = len(recording.actions) // FRAMES_PER_STEP
+    steps = range(first_step, min(n_steps, first_step + LONGEST_COPY))
+    missing = _draw_missing(recording, steps, rng)
+    bursts = {} if missing else _draw_bursts(steps, rng)
+    for step in steps:
+        if game.end is not None:
+            break
+        if step in bursts:
+            game.step(bursts[step])
+        else:
+            _play(game, recording, step, missing)
+        observations.append(game.observation)
+        tick()
+    return np.stack(observations)
+
+
+def _draw_missing(recording: Recording, steps: range, rng: np.random.Generator) -> Keys:
+    """Return the key that is missing in these steps; none is where the copy has bursts."""
+    rest = recording.actions[steps.start * FRAMES_PER_STEP : steps.stop * FRAMES_PER_STEP]
+    pressed = reduce(or_, map(keys_for, set(rest)), _NO_KEY)
+    keys = [key for key, weight in _MISSING_KEYS.items() if key & pressed for _ in range(weight)]
+    if not keys or rng.random() >= _MISSING_SHARE:
+        return _NO_KEY
+    return keys[int(rng.integers(len(keys)))]
+
+
+def _draw_bursts(steps: range, rng: np.random.Generator) -> dict[int, Action]:
+    """Return the action held in each step of a burst; the first step begins one."""
+    actions, weights = list(_BURST_ACTIONS), list(_BURST_ACTIONS.values())
+    held: dict[int, Action] = {}
+    for step in steps:
+        if step in held or (step != steps.start and rng.random() >= _BURST_SHARE):
+            continue
+        action = actions[int(rng.choice(len(actions), p=weights))]
+        length = int(rng.integers(*_BURST_STEPS, endpoint=True))
+        held.update(dict.fromkeys(range(step, step + length), action))
+    return held
+
+
+def _play(game: AgentGame, recording: Recording, step: int, missing: Keys = _NO_KEY) -> None:
+    """Play a step as it was recorded, frame by frame: a person may change keys within it."""
+    begin = step * FRAMES_PER_STEP
+    for action in recording.actions[begin : begin + FRAMES_PER_STEP]:
+        if game.end is not None:
+            return
+        game.advance(action_for(keys_for(action) & ~missing))

@@ -1,0 +1,1 @@
+"""The worker and inference processes, and the stages a run goes through."""

@@ -1,0 +1,215 @@
+"""What a stage of a run works with: its data, where it reports to, and when it has to stop."""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from trainer.nn.devices import learning_device
+from trainer.progress import RunCancelled
+from trainer.runtime.throttle import Throttle
+from tril.behaviours import Behaviour
+from tril.demonstrator import SCRIPTED
+from tril.files.artifact_store import ArtifactStore
+from tril.jobs import RunEta
+from tril.recipes import Recipe
+from tril.settings import Settings
+from tril.store import games
+from tril.store.database import Database
+from tril.store.training import artifacts as artifact_rows
+from tril.store.training import leases, metrics
+from tril.store.training.leases import Lease
+
+log = logging.getLogger(__name__)
+
+LOOK_EVERY_S = 1.0
+"""How often the run's row is looked at for a request to stop."""
+
+REPORT_EVERY_S = 1.0
+SETTLED_SHARE = 0.02
+"""Share of a stage that has to be done before its own rate tells what remains."""
+
+
+class WorkerStopping(RunCancelled):
+    """The worker is being stopped: the run goes back to the queue and on from its checkpoint."""
+
+
+@dataclass
+class RunContext:
+    """One claim of one run, as its stages see it.
+
+    Attributes:
+        claim: The worker's claim; everything written to the run carries it.
+        behaviour_id: Id of what is taught.
+        behaviour: What is taught.
+        recipe: How it is learned.
+        steps: PPO steps.
+        training_seed: Feeds every random choice of learning.
+        go_on_anyway: Whether PPO starts even when the check of the ranking fails.
+        snapshot: The frozen ranking, see RunRow; None until an example's demonstrations exist.
+        outcome: What came out of the finished stages.
+        finished: Seconds that each finished stage took.
+        database: The application's database.
+        artifacts: Where files that outlive the run are kept.
+        folder: Scratch folder of the run on this machine, for checkpoints.
+        settings: Settings of the process.
+        forecast: What the run's stages were foreseen to take.
+        courtesy: Makes way for people who play.
+        stopping: Set when the worker is being stopped.
+        example_kind: Name of the kind of an example's demonstrations.
+    """
+
+    claim: Lease
+    behaviour_id: int
+    behaviour: Behaviour
+    recipe: Recipe
+    steps: int
+    training_seed: int
+    go_on_anyway: bool
+    snapshot: dict[str, Any] | None
+    outcome: dict[str, Any]
+    finished: dict[str, float]
+    database: Database
+    artifacts: ArtifactStore
+    folder: Path
+    settings: Settings
+    forecast: RunEta
+    courtesy: Throttle
+    stopping: threading.Event
+    example_kind: str = SCRIPTED.name
+    _looked_at: float = field(default=-1e9, init=False)
+
+    @property
+    def run_id(self) -> str:
+        """Id of the run."""
+        return self.claim.run_id
+
+    @cached_property
+    def device(self) -> torch.device:
+        """Where networks learn; raises Invalid if the settings want what there is not."""
+        return learning_device(self.settings.learning_device)
+
+    def check_cancelled(self) -> None:
+        """Stop here if the run is to stop; looks at the row at most once a second.
+
+        Raises:
+            RunCancelled: The run was cancelled.
+            WorkerStopping: The worker is being stopped.
+            LeaseLost: The run has passed to another worker.
+        """
+        if self.stopping.is_set():
+            raise WorkerStopping
+        if time.monotonic() - self._looked_at < LOOK_EVERY_S:
+            return
+        with self.database.reading() as session:
+            cancelling = leases.is_cancelling(session, self.claim)
+            self.courtesy.play_is_on = games.is_play_on(session)
+        self._looked_at = time.monotonic()
+        if cancelling:
+            raise RunCancelled
+
+    def stage_folder(self, stage: str) -> Path:
+        """Return the folder of a stage's checkpoints on this machine; it is made if missing."""
+        folder = self.folder / stage
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    def save_artifact(
+        self,
+        kind: str,
+        name: str,
+        media_type: str,
+        content: bytes,
+        details: dict[str, Any] | None = None,
+    ) -> None:
+        """Put a file into the artifact store and note it on the run, replacing an earlier one."""
+        with self.database.reading() as session:
+            # A worker that has lost the run must not replace the file of the one that has it.
+            leases.is_cancelling(session, self.claim)
+        size = self.artifacts.put(artifact_rows.path_of(self.run_id, name), content)
+        with self.database.writing() as session:
+            leases.owned(session, self.claim)
+            artifact_rows.save(session, self.run_id, kind, name, media_type, size, details)
+
+    def finish_stage(
+        self, stage: str, seconds: float, outcome: Mapping[str, Any] | None = None
+    ) -> None:
+        """Note that a stage is finished, and what came out of it, in one transaction."""
+        with self.database.writing() as session:
+            row = leases.finish_stage(session, self.claim, stage, seconds)
+            row.outcome = self.outcome = {**row.outcome, **(outcome or {})}
+        self.finished[stage] = seconds
+
+
+class StageProgress:
+    """Where a learning function reports to: the run's row, its curves, and the worker's manners.
+
+    A point is written at once, so that a checkpoint that is saved after it was reported is never
+    ahead of the curve; learning reports at most some hundred points a stage. All else is written
+    once a second.
+
+    Args:
+        context: The run.
+        stage: The stage at work.
+        clock: Seconds, monotonic.
+    """
+
+    def __init__(
+        self, context: RunContext, stage: str, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._context = context
+        self._stage = stage
+        self._clock = clock
+        self._began = self._reported_at = clock()
+        self._first_share: float | None = None
+        self._share = 0.0
+
+    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
+        """Take note of progress, see trainer.progress.Progress.
+
+        The first call of a stage says where it goes on: points beyond it are of an attempt that
+        ended without a checkpoint there, and are dropped.
+        """
+        self._context.courtesy.make_way()
+        self._share = done / total if total else 1.0
+        if self._first_share is None:
+            self._first_share = self._share
+            with self._context.database.writing() as session:
+                leases.owned(session, self._context.claim)
+                metrics.drop_after(session, self._context.run_id, self._stage, done)
+        if values or self._clock() - self._reported_at >= REPORT_EVERY_S:
+            self.report(done, values)
+        self._context.check_cancelled()
+
+    def report(self, step: int = 0, values: Mapping[str, float] | None = None) -> None:
+        """Write how far the stage is, and a point of its curves if there is one."""
+        context = self._context
+        with context.database.writing() as session:
+            leases.report(session, context.claim, self._stage, self._share, self.remaining_s())
+            if values:
+                # JSON has no infinity; a curve has a gap there.
+                point = {name: float(v) for name, v in values.items() if math.isfinite(v)}
+                metrics.add(session, context.run_id, self._stage, step, point)
+        self._reported_at = self._clock()
+
+    def remaining_s(self) -> float:
+        """Return the seconds that the whole run will still take, by the rate measured so far."""
+        gained = self._share - (self._first_share or 0.0)
+        own = None
+        if gained >= SETTLED_SHARE:
+            own = (self._clock() - self._began) * (1.0 - self._share) / gained
+        return self._context.forecast.remaining_s(self._context.finished, self._stage, own)
+
+    def seconds(self) -> float:
+        """Return what the whole stage takes: of one that went on from a checkpoint, all of it."""
+        took = self._clock() - self._began
+        return took / max(SETTLED_SHARE, 1.0 - (self._first_share or 0.0))

@@ -1,0 +1,239 @@
+"""The inference process: answers for trained networks over a local socket."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import logging
+import os
+import signal
+import socket
+import socketserver
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from sqlalchemy.exc import SQLAlchemyError
+
+from trainer.explain.attention import attention_map
+from trainer.policy.networks import Policy, load_policy
+from trainer.reward.model import RewardModel
+from trainer.runtime.logs import set_up_logging
+from trainer.runtime.throttle import learning_threads
+from tril.errors import Invalid, NotFound, TrilError, Unavailable
+from tril.files.artifact_store import ArtifactStore
+from tril.game.observation import OBSERVATION_SHAPE, Observations
+from tril.heartbeat import Heartbeat
+from tril.inference import (
+    OBSERVATION_BYTES,
+    Disconnected,
+    address_of,
+    receive_message,
+    send_message,
+)
+from tril.settings import Settings
+from tril.store.database import Database, create_database
+from tril.store.schema import check_schema
+from tril.store.training import artifacts
+from tril.store.training.evaluations import POLICIES
+
+log = logging.getLogger(__name__)
+
+MOST_NETWORKS = 16
+"""Networks kept in memory; the one that was not asked for longest makes room."""
+
+THREADS = 2
+MESSAGE_TIMEOUT_S = 30.0
+SOCKET_MODE = 0o600
+
+
+def run_inference(settings: Settings) -> None:
+    """Run the inference process until it is told to stop (SIGTERM or Ctrl-C).
+
+    Raises:
+        Unavailable: Another one serves this data folder, or the database is of another version.
+    """
+    set_up_logging()
+    torch.set_num_threads(min(THREADS, learning_threads(0)))
+    database = create_database(settings.application_url)
+    try:
+        check_schema(database)
+        networks = Networks(database, ArtifactStore(settings.artifact_root))
+        server = InferenceServer(settings.inference_socket, networks)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # shutdown waits for the loop that this very thread runs.
+            signal.signal(number, lambda *_: threading.Thread(target=server.shutdown).start())
+        with server, Heartbeat(database, f"inference-{os.getpid()}", "inference"):
+            log.info("Inference answers on %s.", settings.inference_socket)
+            server.serve_forever(poll_interval=0.2)
+    finally:
+        database.close()
+
+
+class Networks:
+    """Trained networks, loaded from the artifact store when they are first asked for.
+
+    Args:
+        database: The application's database.
+        store: The artifact store.
+        most: Networks kept in memory.
+    """
+
+    def __init__(self, database: Database, store: ArtifactStore, most: int = MOST_NETWORKS) -> None:
+        self._database = database
+        self._store = store
+        self._most = most
+        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def reward_model(self, run_id: str) -> RewardModel:
+        """Return a run's reward model; raises NotFound if it has none."""
+        model: RewardModel = self._get(run_id, "reward_model", RewardModel.load)
+        return model
+
+    def policy(self, run_id: str, kind: str) -> Policy:
+        """Return a run's "imitator" or "clone"; raises NotFound if it has none."""
+        policy: Policy = self._get(run_id, kind, load_policy)
+        return policy
+
+    def _get(self, run_id: str, kind: str, load: Callable[[Path], Any]) -> Any:
+        with self._database.reading() as session:
+            row = artifacts.of_kind(session, run_id, kind)
+        # A run that is resumed may make the same file anew.
+        key = (row.id, row.created_at)
+        with self._lock:
+            if key not in self._kept:
+                with self._store.local(row.path) as path:
+                    self._kept[key] = load(path)
+                while len(self._kept) > self._most:
+                    self._kept.popitem(last=False)
+            self._kept.move_to_end(key)
+            return self._kept[key]
+
+
+class InferenceServer(socketserver.ThreadingUnixStreamServer):
+    """Answers requests (see tril.inference) on a local socket that only its owner may use.
+
+    Args:
+        path: The socket; one that a dead process left is replaced.
+        networks: What is asked.
+
+    Raises:
+        Unavailable: Another process answers on it.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, path: Path, networks: Networks) -> None:
+        self.networks = networks
+        self._path = path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._lock_file = path.with_suffix(".lock").open("a")
+        try:
+            # Not flock: its lock would pass on to processes that inherit the descriptor.
+            fcntl.lockf(self._lock_file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as problem:
+            self._lock_file.close()
+            raise Unavailable("Another inference process serves this data folder.") from problem
+        path.unlink(missing_ok=True)
+        earlier = os.umask(0o777 & ~SOCKET_MODE)
+        try:
+            with address_of(path) as address:
+                super().__init__(address, _Handler)
+        finally:
+            os.umask(earlier)
+
+    def server_close(self) -> None:
+        """Close and remove the socket."""
+        super().server_close()
+        self._path.unlink(missing_ok=True)
+        self._lock_file.close()
+
+
+class _Handler(socketserver.BaseRequestHandler):
+    """One connection: one request, one answer."""
+
+    server: InferenceServer
+    request: socket.socket
+
+    def handle(self) -> None:
+        self.request.settimeout(MESSAGE_TIMEOUT_S)
+        # Who has gone away needs no answer.
+        with contextlib.suppress(ConnectionError, TimeoutError):
+            try:
+                header, body = receive_message(self.request)
+                answer, values = answer_to(self.server.networks, header, body)
+            except Disconnected:
+                return
+            except (TrilError, SQLAlchemyError) as problem:
+                answer, values = _refusal(problem), b""
+            except Exception as problem:
+                log.exception("A request failed.")
+                answer, values = _refusal(problem), b""
+            send_message(self.request, answer, values)
+
+
+def answer_to(
+    networks: Networks, header: dict[str, Any], body: bytearray
+) -> tuple[dict[str, Any], bytes]:
+    """Answer one request.
+
+    Returns:
+        The answer's header and its values' bytes.
+
+    Raises:
+        Invalid: The request makes no sense.
+        NotFound: The run has no such network.
+    """
+    op = header.get("op")
+    if op == "ping":
+        return {"ok": True}, b""
+    if op not in {"reward", "attention", "act"}:
+        raise Invalid(f"There is no operation {op!r}; choose ping, reward, attention or act.")
+    run_id, observations = _text(header, "run_id"), _observations(body)
+    if op == "reward":
+        values = networks.reward_model(run_id).score(observations)
+    elif op == "act":
+        policy = _text(header, "policy")
+        if policy not in POLICIES:
+            raise Invalid(f"There is no policy {policy!r}; choose one of {', '.join(POLICIES)}.")
+        values = networks.policy(run_id, policy).probabilities(observations)
+    else:
+        if len(observations) != 1:
+            raise Invalid(f"Expected one observation for attention, got {len(observations)}.")
+        values = attention_map(networks.reward_model(run_id), observations[0])
+    return {"ok": True}, np.ascontiguousarray(values, np.float32).tobytes()
+
+
+def _text(header: dict[str, Any], name: str) -> str:
+    value = header.get(name)
+    if not isinstance(value, str):
+        raise Invalid(f"The request lacks {name!r}.")
+    return value
+
+
+def _observations(body: bytearray) -> Observations:
+    if len(body) % OBSERVATION_BYTES:
+        raise Invalid(
+            f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
+        )
+    return np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
+
+
+def _refusal(problem: Exception) -> dict[str, Any]:
+    kinds = {Invalid: "invalid", NotFound: "not_found"}
+    kind = next(
+        (name for which, name in kinds.items() if isinstance(problem, which)), "unavailable"
+    )
+    detail = (
+        str(problem)
+        if isinstance(problem, TrilError)
+        else (
+            f"The inference process failed at this request ({type(problem).__name__}: {problem})."
+        )
+    )
+    return {"ok": False, "kind": kind, "detail": detail}

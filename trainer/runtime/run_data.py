@@ -1,0 +1,180 @@
+"""What a run learns from, loaded when a stage first needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trainer.policy.networks import Policy, load_policy
+from trainer.progress import NullProgress, Progress
+from trainer.reward.model import RewardModel
+from trainer.reward.perturbation import PerturbedDemonstration, perturbed_copies
+from trainer.reward.preference_dataset import PerfectGames
+from trainer.runtime.artifact_files import stored_file
+from trainer.runtime.context import RunContext
+from tril.errors import Invalid
+from tril.game.console import Console
+from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
+from tril.store import recordings
+
+REWARD_MODEL = "reward-model.safetensors"
+NETWORK = "application/octet-stream"
+
+_COPIES_STREAM = 1_000_033
+"""Keeps the draws of perturbed demonstrations apart from others of the same training seed."""
+
+
+class RunData:
+    """The demonstrations and models of one claim of a run.
+
+    Every stage may ask for what an earlier one made: it is kept in memory while the claim lasts,
+    and loaded or derived again by the next claim.
+
+    Args:
+        context: The run.
+    """
+
+    def __init__(self, context: RunContext) -> None:
+        self.context = context
+        self._trajectories: dict[int, Trajectory] = {}
+        self._recordings: dict[int, Recording] = {}
+        self._reward_model: RewardModel | None = None
+        self._copies: list[PerturbedDemonstration] | None = None
+
+    @property
+    def tiers(self) -> list[list[int]]:
+        """The ranked recordings' ids, best tier first."""
+        return [list(tier) for tier in self._snapshot["tiers"]]
+
+    @property
+    def ranked(self) -> list[int]:
+        """The ranked recordings' ids, best first."""
+        return [number for tier in self.tiers for number in tier]
+
+    @property
+    def perfect(self) -> list[int]:
+        """The perfect recordings' ids."""
+        return list(self._snapshot["perfect"])
+
+    @property
+    def index_tiers(self) -> list[list[int]]:
+        """The tiers as indices into ``ranked_trajectories``."""
+        place = {number: index for index, number in enumerate(self.ranked)}
+        return [[place[number] for number in tier] for tier in self.tiers]
+
+    @property
+    def ranked_trajectories(self) -> list[Trajectory]:
+        """What an agent would have seen and done in the ranked recordings, in that order."""
+        return self.trajectories(self.ranked)
+
+    @property
+    def perfect_trajectories(self) -> list[Trajectory]:
+        """What an agent would have seen and done in the perfect recordings, in that order."""
+        return self.trajectories(self.perfect)
+
+    @property
+    def perfect_games(self) -> PerfectGames:
+        """The perfect demonstrations, and perturbed ones where the recipe learns from them."""
+        place = {number: index for index, number in enumerate(self.ranked)}
+        ranked_as = [place.get(number) for number in self.perfect]
+        return PerfectGames(self.perfect_trajectories, ranked_as, self._perturbed_copies)
+
+    def forget_copies(self) -> None:
+        """Free the perturbed demonstrations (250 MB) once the reward is learned and checked."""
+        self._copies = None
+
+    @property
+    def _perturbed_copies(self) -> list[PerturbedDemonstration]:
+        context, recipe = self.context, self.context.recipe.reward
+        if not recipe.perturbed_share:
+            return []
+        if self._copies is None:
+            found = self.recordings(self.perfect)
+            rng = np.random.default_rng([context.training_seed, _COPIES_STREAM])
+            self._copies = perturbed_copies(
+                [found[number] for number in self.perfect],
+                recipe.perturbed_copies,
+                rng,
+                context.check_cancelled,
+            )
+        return self._copies
+
+    @property
+    def _snapshot(self) -> dict[str, Any]:
+        assert self.context.snapshot is not None
+        return self.context.snapshot
+
+    def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:
+        """Return recordings by id; deleted ones too, since the run was made with them."""
+        missing = [number for number in ids if number not in self._recordings]
+        with self.context.database.reading() as session:
+            found = recordings.by_ids(session, missing)
+            self._recordings |= {n: recordings.as_recording(row) for n, row in found.items()}
+        gone = [number for number in ids if number not in self._recordings]
+        if gone:
+            raise Invalid(f"Recordings {gone} of this training are no longer in the database.")
+        return {number: self._recordings[number] for number in ids}
+
+    def trajectories(
+        self, ids: Sequence[int], progress: Progress | None = None
+    ) -> list[Trajectory]:
+        """Replay recordings through an agent's eyes.
+
+        Args:
+            ids: Which recordings.
+            progress: Told after each.
+
+        Raises:
+            Invalid: A recording no longer replays to what was recorded.
+        """
+        progress = progress or NullProgress()
+        console: Console | None = None
+        wanted = self.recordings(ids)
+        for count, (number, recording) in enumerate(wanted.items(), start=1):
+            if number not in self._trajectories:
+                console = console or Console()
+                try:
+                    self._trajectories[number] = trajectory(recording, console)
+                except RecordingRefused as refusal:
+                    raise Invalid(f"Recording {number} can't be learned from: {refusal}") from (
+                        refusal
+                    )
+                self.context.check_cancelled()
+            progress.advance(count, len(wanted))
+        return [self._trajectories[number] for number in ids]
+
+    def keep_reward_model(self, model: RewardModel) -> None:
+        """Put the reward model into the artifact store."""
+        path = self.context.stage_folder("reward") / REWARD_MODEL
+        model.save(path)
+        self.context.save_artifact("reward_model", path.name, NETWORK, path.read_bytes())
+        self._reward_model = model
+
+    def keep_policy(self, kind: str, path: Path) -> None:
+        """Put the file of the "imitator" or the "clone" into the artifact store."""
+        self.context.save_artifact(kind, path.name, NETWORK, path.read_bytes())
+
+    @property
+    def reward_model(self) -> RewardModel:
+        """The run's reward model, from the artifact store."""
+        if self._reward_model is None:
+            context = self.context
+            with stored_file(
+                context.database, context.artifacts, context.run_id, "reward_model"
+            ) as path:
+                self._reward_model = RewardModel.load(path)
+        return self._reward_model
+
+    def actor(self, kind: str) -> Policy:
+        """Return the "imitator" or the "clone", from the artifact store."""
+        with self.policy_file(kind) as path:
+            return load_policy(path)
+
+    def policy_file(self, kind: str) -> AbstractContextManager[Path]:
+        """Give the file of the "imitator" or the "clone", from the artifact store."""
+        context = self.context
+        return stored_file(context.database, context.artifacts, context.run_id, kind)

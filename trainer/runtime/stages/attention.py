@@ -1,0 +1,91 @@
+"""Where the reward model looks, as pictures, and the summary of the whole run."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from trainer.explain.attention import NamedState, attention_map, pick_states
+from trainer.progress import Part, Progress
+from trainer.reporting.figures import attention_picture, frame_picture
+from trainer.reporting.run_report import write_report
+from trainer.runtime.run_data import RunData
+from tril.game.console import Console
+from tril.game.episode import Episode
+from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.recording import Recording, replay
+
+PNG = "image/png"
+SUMMARY = "summary.md"
+FIGURES = ("aliens.png", "returns.png", "extrapolation.png", "curves.png")
+
+
+def draw_attention(data: RunData, progress: Progress) -> dict[str, Any]:
+    """Draw the attention maps of the states of minimum, high and maximum reward, and sum up."""
+    rewards = []
+    for trajectory in data.ranked_trajectories:
+        rewards.append(data.reward_model.score(trajectory.observations))
+        data.context.check_cancelled()
+    states = pick_states(rewards)
+    for index, state in enumerate(states):
+        part = Part(progress, index / len(states), (index + 1) / len(states))
+        _draw_state(data, state, part)
+    _sum_up(data)
+    return {}
+
+
+def _draw_state(data: RunData, state: NamedState, progress: Progress) -> None:
+    observation = data.ranked_trajectories[state.trajectory].observations[state.step]
+    maps = attention_map(data.reward_model, observation, progress)
+    number = data.ranked[state.trajectory]
+    screen = screen_at(data.recordings([number])[number], state.step)
+    name = f"attention-{state.name.replace(' ', '-')}"
+    details = {
+        "state": state.name,
+        "reward": state.reward,
+        "recording_id": number,
+        "step": state.step,
+    }
+    files = {
+        ("attention_map", f"{name}.png", PNG): attention_picture(maps.sum(0), "perceptual"),
+        ("attention_red_blue", f"{name}-red-blue.png", PNG): attention_picture(
+            maps.sum(0), "red-blue"
+        ),
+        ("attention_frame", f"{name}-frame.png", PNG): frame_picture(screen),
+        ("attention", f"{name}.npy", "application/octet-stream"): _npy(maps),
+    }
+    for (kind, file_name, media_type), content in files.items():
+        data.context.save_artifact(kind, file_name, media_type, content, details)
+
+
+def screen_at(recording: Recording, step: int) -> npt.NDArray[np.uint8]:
+    """Return the screen, uint8 (210, 160, 3) RGB, that a step of a recording ended on."""
+    console = Console()
+    found: list[npt.NDArray[np.uint8]] = []
+
+    def look(episode: Episode) -> None:
+        # A step that the episode's end cut short ends on the last frame.
+        if episode.frame == min(step * FRAMES_PER_STEP, recording.n_frames):
+            found.append(console.screen_rgb())
+
+    replay(recording, console, look)
+    return found[0]
+
+
+def _npy(values: npt.NDArray[np.float32]) -> bytes:
+    target = io.BytesIO()
+    np.save(target, values, allow_pickle=False)
+    return target.getvalue()
+
+
+def _sum_up(data: RunData) -> None:
+    context = data.context
+    folder = context.stage_folder("attention")
+    page = write_report(context.database, context.artifacts, context.run_id, folder)
+    context.save_artifact("summary", SUMMARY, "text/markdown", page.read_bytes())
+    for name in FIGURES:
+        if (folder / name).exists():
+            context.save_artifact("figure", name, PNG, (folder / name).read_bytes())

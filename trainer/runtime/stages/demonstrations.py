@@ -1,0 +1,134 @@
+"""The first stage of an example: the scripted demonstrations, made and ranked where missing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from trainer.progress import Progress
+from trainer.runtime.run_data import RunData
+from tril.demonstrator import (
+    N_PERFECT,
+    SCRIPTED,
+    Demonstration,
+    ExampleKind,
+    Judgement,
+    ShownGame,
+    carry_out,
+    example_tasks,
+    judge_example,
+    kind_named,
+)
+from tril.game.console import Console
+from tril.game.episode import EndReason
+from tril.recording import verify
+from tril.store import rankings, recordings
+from tril.store.models import RecordingRow, RecordingState, Source, Verification
+from tril.store.training import leases
+
+TASK = "demonstration"
+"""Name, in a scripted recording's conditions, of its number among the example's demonstrations."""
+
+TIER = "tier"
+"""Of its plan's number; none if it is perfect."""
+
+KIND = "example_kind"
+"""Of the example that it belongs to; absent in the ordinary one."""
+
+SEED = "example_seed"
+"""Of what seeds the ranking mistakes; absent in the ordinary one."""
+
+
+def make_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
+    """Make the demonstrations that the behaviour lacks, rank them, and freeze them for the run.
+
+    An example always learns from its own demonstrations in the order that they were made to have.
+    Those of the ordinary example become the behaviour's ranking where there is none; a ranking of
+    a person's stays as it is. Those of another kind belong to the run that made them, outside the
+    library, and later runs of that kind use them too.
+
+    Returns:
+        For kinds other than the ordinary one: the kind, the order that the games should have and
+        the one that they are given.
+    """
+    context = data.context
+    kind = kind_named(context.example_kind)
+    rng = np.random.default_rng(context.training_seed)
+    tasks = example_tasks(context.behaviour, rng, N_PERFECT, kind)
+    with context.database.reading() as session:
+        made = set(_made(session, context.behaviour_id, kind))
+    console = Console()
+    for number, task in enumerate(tasks):
+        if number not in made:
+            (demonstration,) = carry_out([task])
+            verified = verify(demonstration.recording, console=console)
+            with context.database.writing() as session:
+                leases.owned(session, context.claim)
+                recordings.add(
+                    session,
+                    context.behaviour_id,
+                    verified.recording,
+                    verified.replay,
+                    Source.SCRIPTED,
+                    run_id=None if kind == SCRIPTED else context.run_id,
+                    perfect=demonstration.perfect,
+                    notes=demonstration.notes,
+                    conditions=_conditions(number, demonstration)
+                    | _conditions_of_kind(kind, context.training_seed),
+                )
+        progress.advance(number + 1, len(tasks))
+    judgement = _freeze(data, kind)
+    return {} if kind == SCRIPTED else {"example": {"kind": kind.name, **judgement.to_dict()}}
+
+
+def _conditions(number: int, demonstration: Demonstration) -> dict[str, Any]:
+    tier = None if demonstration.perfect else demonstration.plan.number
+    return {TASK: number, TIER: tier} | demonstration.conditions
+
+
+def _conditions_of_kind(kind: ExampleKind, example_seed: int) -> dict[str, Any]:
+    return {} if kind == SCRIPTED else {KIND: kind.name, SEED: example_seed}
+
+
+def _made(session: Session, behaviour_id: int, kind: ExampleKind) -> dict[int, RecordingRow]:
+    """Return the example's demonstrations that are there, by number, the oldest of each."""
+    return {
+        row.conditions[TASK]: row
+        for row in recordings.listing(session, behaviour_id, with_policies=kind != SCRIPTED)
+        if row.source == Source.SCRIPTED
+        and row.state == RecordingState.KEPT
+        and row.verification == Verification.VERIFIED
+        and TASK in row.conditions
+        and row.conditions.get(KIND, SCRIPTED.name) == kind.name
+    }
+
+
+def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
+    context = data.context
+    with context.database.writing() as session:
+        run = leases.owned(session, context.claim)
+        made = [row for _, row in sorted(_made(session, context.behaviour_id, kind).items())]
+        shown = {row.id: _shown(row) for row in made if row.conditions[TIER] is not None}
+        perfect = [row.id for row in made if row.conditions[TIER] is None]
+        example_seed = made[0].conditions.get(SEED, context.training_seed)
+        judgement = judge_example(context.behaviour, kind, shown, example_seed)
+        tiers = [list(tier) for tier in judgement.given.tiers]
+        ranking = rankings.current(session, context.behaviour_id)
+        if kind == SCRIPTED and not ranking.tiers:
+            ranking = rankings.save(
+                session, context.behaviour_id, ranking.revision, tiers, change="example"
+            )
+        run.snapshot = context.snapshot = {
+            "ranking_revision": ranking.revision if ranking.tiers == tiers else None,
+            "tiers": tiers,
+            "perfect": perfect,
+        }
+    return judgement
+
+
+def _shown(row: RecordingRow) -> ShownGame:
+    hits = tuple((hit.row, hit.column) for hit in recordings.hits_of(row))
+    end = None if row.end is None else EndReason(row.end)
+    return ShownGame(row.conditions[TIER], hits, end)

@@ -1,0 +1,123 @@
+"""The games that the trained policies play, each one a verified recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from trainer.policy.evaluation import PlayedGame, play, stickiness
+from trainer.progress import Part, Progress
+from trainer.runtime.run_data import RunData
+from tril.behaviours import score
+from tril.game.console import Console
+from tril.game.episode import Ending
+from tril.game.starts import evaluation_number, evaluation_start
+from tril.recording import verify
+from tril.store import recordings
+from tril.store.models import Source
+from tril.store.training import evaluations, leases
+from tril.store.training.evaluations import (
+    ACTION_SELECTIONS,
+    POLICIES,
+    ActionSelection,
+    EvaluationKey,
+)
+
+
+def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
+    """Play the missing evaluation games of both policies, with each action selection."""
+    context = data.context
+    recipe = context.recipe.evaluation
+    numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
+    with context.database.reading() as session:
+        played = evaluations.played(session, context.run_id)
+    console = Console()
+    rounds = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
+    for index, (policy, action_selection) in enumerate(rounds):
+        missing = [n for n in numbers if EvaluationKey(policy, action_selection, n) not in played]
+        part = Part(progress, index / len(rounds), (index + 1) / len(rounds))
+        if missing:
+            games = play(
+                data.actor(policy),
+                [evaluation_start(number) for number in missing],
+                action_selection,
+                model=data.reward_model,
+                ending=Ending(context.recipe.ending),
+                sampling_seed=context.training_seed,
+                n_processes=min(len(missing), context.courtesy.threads),
+                progress=part,
+            )
+            keep_games(data, policy, action_selection, missing, games, console)
+        part.advance(1, 1)
+    return {"headline": headline(data)}
+
+
+def keep_games(
+    data: RunData,
+    policy: str,
+    action_selection: ActionSelection,
+    numbers: Sequence[int],
+    games: Sequence[PlayedGame],
+    console: Console,
+) -> None:
+    """Verify a policy's games by replaying them on a console and store them, all or none."""
+    context = data.context
+    seen = starts_seen(data)
+    verified = []
+    for game in games:
+        verified.append(verify(game.recording, console=console))
+        context.check_cancelled()
+    with context.database.writing() as session:
+        leases.owned(session, context.claim)
+        for number, game, confirmed in zip(numbers, games, verified, strict=True):
+            row = recordings.add(
+                session,
+                context.behaviour_id,
+                confirmed.recording,
+                confirmed.replay,
+                Source.POLICY,
+                run_id=context.run_id,
+                conditions=conditions_of(policy, action_selection),
+            )
+            found = score(
+                context.behaviour, tuple((hit.row, hit.column) for hit in confirmed.replay.hits)
+            )
+            evaluations.add(
+                session,
+                context.run_id,
+                EvaluationKey(policy, action_selection, number),
+                row.id,
+                held_out=number not in seen,
+                predicted_return=game.predicted_return,
+                score=found,
+            )
+
+
+def conditions_of(policy: str, action_selection: ActionSelection) -> dict[str, Any]:
+    """Return how a policy's game was played, as its recording says it."""
+    sticky = stickiness(action_selection)
+    return {"policy": policy, "action_selection": action_selection} | (
+        {"sticky_action_probability": sticky} if sticky else {}
+    )
+
+
+def starts_seen(data: RunData) -> set[int]:
+    """Return the evaluation starts from which demonstrations or training games of the run began."""
+    shown = data.recordings([*data.ranked, *data.perfect])
+    numbers = {evaluation_number(recording.start) for recording in shown.values()}
+    shown_from = {number for number in numbers if number is not None}
+    return shown_from | set(data.context.recipe.policy.own_starts)
+
+
+def headline(data: RunData) -> dict[str, Any]:
+    """Return the run's figures for the lists: means of the greedy games from held-out starts."""
+    context = data.context
+    check = context.outcome["check"]
+    with context.database.reading() as session:
+        games = evaluations.listing(session, context.run_id)
+    found = evaluations.summaries(games)
+    greedy = {policy: found.get((policy, "greedy")) for policy in POLICIES}
+    return {
+        **{policy: summary and summary.to_dict() for policy, summary in greedy.items()},
+        **{name: check[name] for name in ("tau", "pair_accuracy", "held_out_accuracy")},
+    }

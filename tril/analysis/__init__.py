@@ -1,0 +1,1 @@
+"""Figures about finished games and runs: summaries, extrapolation, the reward alarm."""

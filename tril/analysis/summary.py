@@ -1,0 +1,111 @@
+"""What a policy's evaluation games come to: means with intervals, and who won."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+RESAMPLES = 2000
+RESAMPLING_SEED = 20
+"""Fixed, so that the same games always give the same interval."""
+
+
+@dataclass(frozen=True)
+class GameFigures:
+    """One evaluation game in numbers.
+
+    Attributes:
+        targets: Target cells hit; None, as strays and order errors, for behaviours without target.
+        strays: Hits outside the target.
+        order_errors: Target hits out of order.
+        steps: How many steps it lasted.
+        died: Whether it ended by a hit on the player.
+        predicted_return: Sum of R over its observations, if it was computed.
+    """
+
+    targets: int | None
+    strays: int | None
+    order_errors: int | None
+    steps: int
+    died: bool
+    predicted_return: float | None
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A mean with its 95% bootstrap interval over n games."""
+
+    mean: float
+    low: float
+    high: float
+    n: int
+
+
+@dataclass(frozen=True)
+class PolicySummary:
+    """Means over a policy's games; None where games have no such number."""
+
+    targets: Interval | None
+    strays: Interval | None
+    order_errors: Interval | None
+    steps: Interval
+    death_rate: Interval
+    predicted_return: Interval | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The summary as JSON-ready data."""
+        return asdict(self)
+
+
+def interval(values: Sequence[float]) -> Interval:
+    """Return the mean of values and its 95% interval by resampling them (percentile bootstrap).
+
+    Raises:
+        ValueError: There are no values.
+    """
+    if not values:
+        raise ValueError("Expected at least one value.")
+    numbers = np.asarray(values, np.float64)
+    rng = np.random.default_rng(RESAMPLING_SEED)
+    means = rng.choice(numbers, (RESAMPLES, len(numbers))).mean(1)
+    low, high = np.percentile(means, [2.5, 97.5])
+    return Interval(float(numbers.mean()), float(low), float(high), len(numbers))
+
+
+def summarise(games: Sequence[GameFigures]) -> PolicySummary:
+    """Return the means of a policy's games.
+
+    Raises:
+        ValueError: There are no games.
+    """
+
+    def mean_of(value: Callable[[GameFigures], float | None]) -> Interval | None:
+        values = [number for game in games if (number := value(game)) is not None]
+        return interval(values) if values else None
+
+    return PolicySummary(
+        targets=mean_of(lambda game: game.targets),
+        strays=mean_of(lambda game: game.strays),
+        order_errors=mean_of(lambda game: game.order_errors),
+        steps=interval([game.steps for game in games]),
+        death_rate=interval([float(game.died) for game in games]),
+        predicted_return=mean_of(lambda game: game.predicted_return),
+    )
+
+
+def winner(imitator: GameFigures, clone: GameFigures) -> Literal["imitator", "clone", "tie"] | None:
+    """Tell who won a start, as in the thesis: more targets hit, then fewer strays, else a tie.
+
+    Returns:
+        None for behaviours without a target.
+    """
+    if imitator.targets is None or clone.targets is None:
+        return None
+    ours = (imitator.targets, -(imitator.strays or 0))
+    theirs = (clone.targets, -(clone.strays or 0))
+    if ours == theirs:
+        return "tie"
+    return "imitator" if ours > theirs else "clone"

@@ -1,0 +1,52 @@
+"""Scripted demonstrations as JSON Lines: ``python -m tril.exchange.demonstrations column-1``."""
+
+import argparse
+import json
+import sys
+from typing import Any
+
+import numpy as np
+
+from tril.behaviours import BUILT_IN
+from tril.demonstrator import N_PERFECT, Demonstration, make_example
+from tril.exchange.formats import to_exchange
+
+
+def demonstration_object(demonstration: Demonstration, tier: int | None = None) -> dict[str, Any]:
+    """Return a demonstration in the exchange format.
+
+    Args:
+        demonstration: A game of the scripted player.
+        tier: Its tier in the ranking, from 1; None takes its plan's number, or none if it is
+            perfect.
+    """
+    return to_exchange(
+        demonstration.recording,
+        hits=demonstration.replay.hits,
+        end=demonstration.replay.end,
+        tier=None if demonstration.perfect else tier or demonstration.plan.number,
+        perfect=demonstration.perfect,
+        source="scripted",
+        conditions=demonstration.conditions,
+        notes=demonstration.notes,
+    )
+
+
+def main() -> None:
+    """Make the demonstrations of a ready-made behaviour and print each when it is done."""
+    behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("behaviour", choices=list(behaviours))
+    parser.add_argument("--perfect", type=int, default=N_PERFECT, help="how many perfect ones")
+    parser.add_argument("--seed", type=int, default=0, help="training seed")
+    parser.add_argument("--processes", type=int, default=1)
+    chosen = parser.parse_args()
+    rng = np.random.default_rng(chosen.seed)
+    example = make_example(behaviours[chosen.behaviour], rng, chosen.perfect, chosen.processes)
+    for demonstration in example:
+        sys.stdout.write(json.dumps(demonstration_object(demonstration)) + "\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,215 @@
+"""The form of a behaviour's file: what is taught, its recordings, every ranking revision.
+
+docs/behaviour-format.md explains it. docs/behaviour-format.schema.json is generated from the model
+by ``python -m tril.exchange behaviour``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import AwareDatetime, BeforeValidator, ConfigDict, Field, ValidationError
+
+from tril.errors import Invalid
+from tril.exchange.formats.recording_object import (
+    FORMAT,
+    Cell,
+    RecordingObject,
+    StrictModel,
+    number,
+    plain,
+    reasons,
+    shortened,
+)
+from tril.game.space_invaders import COLUMNS, MAX_FRAMES, ROWS
+from tril.recording import RecordingRefused
+
+BEHAVIOUR_FORMAT = "tril-behaviour"
+BEHAVIOUR_VERSION = 1
+
+MAX_RECORDINGS = 10_000
+MAX_REVISIONS = 100_000
+
+_Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
+_Time = Annotated[AwareDatetime, Field(strict=False)]
+
+
+class BehaviourRefused(Invalid):
+    """A file that is no behaviour of Tril, or contradicts itself."""
+
+
+class _Closed(StrictModel):
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+
+class ParentObject(_Closed):
+    """The recording that another goes on from."""
+
+    model_config = ConfigDict(title="Parent")
+
+    number: _Number = Field(description="Its number in this file.")
+    frame: int = Field(ge=0, le=MAX_FRAMES, description="The last frame that both share.")
+
+
+class NumberedRecording(_Closed):
+    """A recording in the library of a behaviour."""
+
+    model_config = ConfigDict(title="Numbered recording")
+
+    number: _Number = Field(description="By which rankings and others in this file name it.")
+    recording: RecordingObject = Field(
+        description="In the exchange format of recordings; tier and parent have no meaning here."
+    )
+    player: str | None = Field(default=None, min_length=1, max_length=80, description="Who played.")
+    played_at: _Time
+    unfinished: bool = Field(default=False, description="Whether its game was abandoned.")
+    deleted: bool = Field(
+        default=False, description="Whether it was deleted; earlier revisions may still name it."
+    )
+    parent: ParentObject | None = None
+
+
+class RevisionObject(_Closed):
+    """One revision of the ranking, as it was saved."""
+
+    model_config = ConfigDict(title="Revision")
+
+    revision: _Number
+    tiers: list[Annotated[list[_Number], Field(min_length=1)]] = Field(
+        description="Numbers of recordings, best tier first."
+    )
+    change: Literal["edit", "undo", "redo", "import", "deletion", "example"]
+    player: str | None = Field(default=None, min_length=1, max_length=80)
+    saved_at: _Time
+    undo_to: int | None = Field(default=None, ge=0, description="What an undo brings back.")
+    redo_to: int | None = Field(default=None, ge=1, description="What a redo brings back.")
+
+
+class BehaviourObject(_Closed):
+    """One behaviour of Tril with all that was played and ranked of it, see behaviour-format.md."""
+
+    model_config = ConfigDict(title="Tril behaviour")
+
+    format: Literal["tril-behaviour"]
+    version: Annotated[Literal[1], BeforeValidator(number)]
+    game: Literal["space_invaders"]
+    slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
+    name: str = Field(min_length=1, max_length=120)
+    description: str = Field(default="", max_length=2000)
+    target: list[Cell] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=ROWS * COLUMNS,
+        description="Aliens to hit: [row from the bottom, column from the left], from 0; null"
+        " where hits do not describe the behaviour.",
+    )
+    ordered: bool = Field(default=False, description="Whether they have to be hit in this order.")
+    recordings: list[NumberedRecording] = Field(max_length=MAX_RECORDINGS)
+    rankings: list[RevisionObject] = Field(
+        max_length=MAX_REVISIONS, description="Every revision, from 1 on; the last is in force."
+    )
+
+
+def behaviour_schema() -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a behaviour's file."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **BehaviourObject.model_json_schema(),
+    }
+
+
+def parse_behaviour(content: bytes) -> BehaviourObject:
+    """Check the form of a behaviour's file; nothing is played.
+
+    Raises:
+        BehaviourRefused: It is something else, of a newer version, or contradicts itself; the
+            message names what is wrong.
+    """
+    given = _object(content)
+    try:
+        behaviour = BehaviourObject.model_validate(plain(given))
+    except RecursionError:
+        raise BehaviourRefused("It is nested too deeply to be a behaviour.") from None
+    except ValidationError as error:
+        raise BehaviourRefused(" ".join(reasons(error))) from None
+    except RecordingRefused as error:
+        raise BehaviourRefused(str(error)) from None
+    contradictions = list(_contradictions(behaviour))
+    if contradictions:
+        more = f" And {len(contradictions) - 4} more." if len(contradictions) > 4 else ""
+        raise BehaviourRefused(" ".join(contradictions[:4]) + more)
+    return behaviour
+
+
+def _object(content: bytes) -> dict[str, Any]:
+    """Return the object in a file, telling what a file of another kind is."""
+    first = content.lstrip().partition(b"\n")[0]
+    if f'"{FORMAT}"'.encode() in first and f'"{BEHAVIOUR_FORMAT}"'.encode() not in first:
+        raise BehaviourRefused(
+            "It holds recordings, not a behaviour. Import them into a behaviour with `tril "
+            "recordings import`."
+        )
+    try:
+        given = json.loads(content.decode("utf-8-sig"))
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise BehaviourRefused(
+            f"It is no file of `tril behaviours export`, which is JSON: {error}."
+        ) from None
+    if not isinstance(given, dict) or given.get("format") != BEHAVIOUR_FORMAT:
+        found = given.get("format") if isinstance(given, dict) else given
+        raise BehaviourRefused(
+            "It is no file of `tril behaviours export`: expected the format"
+            f" {BEHAVIOUR_FORMAT!r}, got {shortened(repr(found))}."
+        )
+    version = given.get("version")
+    if isinstance(version, int) and version > BEHAVIOUR_VERSION:
+        raise BehaviourRefused(
+            f"It was written by a newer version of Tril (format version {version}, this one reads"
+            f" {BEHAVIOUR_VERSION}). Update Tril."
+        )
+    return given
+
+
+def _contradictions(behaviour: BehaviourObject) -> Iterator[str]:
+    by_number = {played.number: played for played in behaviour.recordings}
+    twice = Counter(played.number for played in behaviour.recordings)
+    for found, times in twice.items():
+        if times > 1:
+            yield f"The number {found} is given to {times} recordings."
+    for played in behaviour.recordings:
+        parent = played.parent
+        if parent is not None and (
+            parent.number not in by_number or parent.number == played.number
+        ):
+            yield (
+                f"Recording {played.number} goes on from {parent.number}, which is"
+                f" {'itself' if parent.number == played.number else 'not in the file'}."
+            )
+    for place, saved in enumerate(behaviour.rankings, start=1):
+        yield from _wrong_revision(place, saved, set(by_number))
+    if behaviour.rankings:
+        for ranked in (found for tier in behaviour.rankings[-1].tiers for found in tier):
+            one = by_number.get(ranked)
+            if one is not None and (one.deleted or one.unfinished):
+                yield (
+                    f"The last revision ranks recording {ranked}, which is"
+                    f" {'deleted' if one.deleted else 'unfinished'}."
+                )
+
+
+def _wrong_revision(place: int, saved: RevisionObject, known: set[int]) -> Iterator[str]:
+    if saved.revision != place:
+        yield f"Expected revision {place} of the ranking, got {saved.revision}."
+        return
+    ranked = [found for tier in saved.tiers for found in tier]
+    if missing := sorted(set(ranked) - known):
+        names = ", ".join(map(str, missing[:10]))
+        yield f"Revision {place} ranks recordings that are not in the file: {names}."
+    if twice := sorted(found for found, times in Counter(ranked).items() if times > 1):
+        yield f"Revision {place} ranks a recording twice: {', '.join(map(str, twice[:10]))}."
+    for what, other in (("undo_to", saved.undo_to), ("redo_to", saved.redo_to)):
+        if other is not None and other >= place:
+            yield f"{what} of revision {place} is {other}, which comes not before it."

@@ -1,0 +1,117 @@
+"""A bounded folder of files that can be made again: frames, thumbnails, whatever a replay yields.
+
+Files are named by what they are made of, so none ever goes stale; the ones that were not used for
+the longest time go first. Several processes may share one folder.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from tril.files.artifact_store import write_whole
+
+_LOG = logging.getLogger(__name__)
+
+_SWEPT_TO = 0.9
+"""Share of the limit that a sweep leaves, so that not every new file sweeps."""
+_ABANDONED_AFTER_S = 600.0
+"""Age after which a temporary file is one that a killed process left."""
+
+
+class Cache:
+    """Files by name in a folder, never more than a limit.
+
+    Args:
+        folder: Where they are; made when the first one is kept.
+        limit_bytes: What they may take together; 0 keeps none.
+    """
+
+    def __init__(self, folder: Path, limit_bytes: int) -> None:
+        self._folder = folder
+        self._limit_bytes = limit_bytes
+        self._lock = threading.Lock()
+        self._making: dict[str, threading.Lock] = {}
+        self._used_bytes: int | None = None
+
+    def get(self, name: str, make: Callable[[], bytes]) -> bytes:
+        """Return a file's content; what is not there is made, once for all who ask meanwhile.
+
+        A disk on which it can't be kept is no reason not to answer.
+
+        Args:
+            name: What it is made of, in letters, digits, dots and hyphens.
+            make: Makes the content.
+        """
+        if not name.replace("-", "").replace(".", "").isalnum() or name.startswith("."):
+            raise ValueError(f"Expected a plain file name, got {name!r}.")
+        with self._lock:
+            lock = self._making.setdefault(name, threading.Lock())
+        with lock:
+            try:
+                content = self._read(name)
+                if content is None:
+                    content = make()
+                    self._keep(name, content)
+            finally:
+                with self._lock:
+                    self._making.pop(name, None)
+        return content
+
+    def _read(self, name: str) -> bytes | None:
+        path = self._folder / name
+        try:
+            content = path.read_bytes()
+            os.utime(path)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            _LOG.warning("The cached file %s can't be read: %s", name, error)
+            return None
+        return content
+
+    def _keep(self, name: str, content: bytes) -> None:
+        if len(content) > self._limit_bytes:
+            return
+        try:
+            write_whole(self._folder / name, content)
+        except OSError as error:
+            _LOG.warning("The file %s could not be cached: %s", name, error)
+            return
+        with self._lock:
+            if self._used_bytes is None:
+                self._used_bytes = sum(size for _, size, _ in self._files())
+            else:
+                self._used_bytes += len(content)
+            if self._used_bytes > self._limit_bytes:
+                self._used_bytes = self._sweep()
+
+    def _files(self) -> list[tuple[float, int, Path]]:
+        """Return (time of last use, size, path) of every file, temporary ones too."""
+        found = []
+        with os.scandir(self._folder) as entries:
+            for entry in entries:
+                try:
+                    status = entry.stat(follow_symlinks=False)
+                except FileNotFoundError:
+                    continue
+                if entry.is_file(follow_symlinks=False):
+                    found.append((status.st_mtime, status.st_size, Path(entry.path)))
+        return found
+
+    def _sweep(self) -> int:
+        used = 0
+        room = int(self._limit_bytes * _SWEPT_TO)
+        for used_at, size, path in sorted(self._files(), reverse=True):
+            is_temporary = path.name.startswith(".")
+            if is_temporary and time.time() - used_at < _ABANDONED_AFTER_S:
+                continue
+            if is_temporary or used + size > room:
+                path.unlink(missing_ok=True)
+            else:
+                used += size
+        return used

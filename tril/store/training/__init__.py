@@ -1,0 +1,1 @@
+"""What the database holds of trainings: runs, leases, metrics, evaluations, artifacts."""

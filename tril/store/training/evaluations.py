@@ -1,0 +1,124 @@
+"""The evaluation games of runs."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session, joinedload
+
+from tril.analysis.summary import GameFigures, PolicySummary, summarise
+from tril.behaviours import Score
+from tril.game.episode import EndReason
+from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.store.changes import note_change
+from tril.store.models import EvaluationRow
+
+POLICIES = ("imitator", "clone")
+
+ActionSelection = Literal["greedy", "sampled", "sticky"]
+ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")
+"""How a policy's actions come about: the likeliest one; drawn by their probabilities; the likeliest
+one, repeated at random by the machine. Runs of earlier versions have no sticky games."""
+
+
+@dataclass(frozen=True)
+class EvaluationKey:
+    """Names one evaluation game of a run.
+
+    Attributes:
+        policy: One of POLICIES.
+        action_selection: One of ACTION_SELECTIONS.
+        start_number: The evaluation start.
+    """
+
+    policy: str
+    action_selection: str
+    start_number: int
+
+
+def add(
+    session: Session,
+    run_id: str,
+    key: EvaluationKey,
+    recording_id: int,
+    held_out: bool,
+    predicted_return: float | None,
+    score: Score | None,
+) -> EvaluationRow:
+    """Add one evaluation game.
+
+    Args:
+        session: The transaction.
+        run_id: The run whose policy played.
+        key: Which game.
+        recording_id: The recording that it left.
+        held_out: Whether no demonstration of the run began from this start.
+        predicted_return: Sum of R over the game's observations.
+        score: How its hits compare with the target; None for behaviours without one.
+    """
+    row = EvaluationRow(
+        run_id=run_id,
+        policy=key.policy,
+        action_selection=key.action_selection,
+        start_number=key.start_number,
+        held_out=held_out,
+        recording_id=recording_id,
+        predicted_return=predicted_return,
+        targets=None if score is None else score.targets,
+        strays=None if score is None else score.strays,
+        order_errors=None if score is None else score.order_errors,
+    )
+    session.add(row)
+    session.flush()
+    note_change(session, "run", run_id)
+    return row
+
+
+def played(session: Session, run_id: str) -> set[EvaluationKey]:
+    """Return which games of a run have been played."""
+    query = select(EvaluationRow.policy, EvaluationRow.action_selection, EvaluationRow.start_number)
+    rows = session.execute(query.where(EvaluationRow.run_id == run_id))
+    return {
+        EvaluationKey(policy, action_selection, number) for policy, action_selection, number in rows
+    }
+
+
+def listing(session: Session, run_id: str) -> list[EvaluationRow]:
+    """Return a run's evaluation games with their recordings, by start number."""
+    query = (
+        select(EvaluationRow)
+        .where(EvaluationRow.run_id == run_id)
+        .options(joinedload(EvaluationRow.recording))
+        .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.action_selection)
+    )
+    return list(session.scalars(query))
+
+
+def figures_of(row: EvaluationRow) -> GameFigures:
+    """Return an evaluation game, loaded with its recording, in numbers."""
+    return GameFigures(
+        targets=row.targets,
+        strays=row.strays,
+        order_errors=row.order_errors,
+        steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
+        died=row.recording.end == EndReason.HIT,
+        predicted_return=row.predicted_return,
+    )
+
+
+def summaries(games: Sequence[EvaluationRow]) -> dict[tuple[str, str], PolicySummary]:
+    """Return means over the games from held-out starts, by policy and action selection.
+
+    Args:
+        games: A run's evaluation games, loaded with their recordings.
+    """
+    groups: dict[tuple[str, str], list[GameFigures]] = defaultdict(list)
+    for row in games:
+        if row.held_out:
+            groups[row.policy, row.action_selection].append(figures_of(row))
+    order = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
+    return {key: summarise(groups[key]) for key in order if key in groups}

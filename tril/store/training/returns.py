@@ -1,0 +1,63 @@
+"""What a run's reward model says of its demonstrations and of its evaluation games."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from typing import cast, get_args
+
+from sqlalchemy.orm import Session
+
+from tril.analysis.extrapolation import JudgedGame, JudgedGames, Player, true_quantity
+from tril.behaviours import score
+from tril.store import behaviours, recordings
+from tril.store.models import EvaluationRow, RunRow, Source
+
+_PLAYERS: dict[str, Player] = {
+    Source.PERSON: "person",
+    Source.SCRIPTED: "demonstrator",
+    Source.POLICY: "imitator",
+}
+
+
+def judged_games(
+    session: Session, run: RunRow, games: Sequence[EvaluationRow]
+) -> list[JudgedGames]:
+    """Return all games whose predicted return is known, the demonstrations first.
+
+    Args:
+        session: The transaction.
+        run: The run.
+        games: Its evaluation games, loaded with their recordings.
+
+    Returns:
+        By who played; nothing for behaviours without target cells, where no game has a worth.
+    """
+    behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
+    if behaviour.target is None:
+        return []
+    check = run.outcome.get("check", {})
+    returns = {int(key): value for key, value in check.get("predicted_returns", {}).items()}
+    found: dict[tuple[Player, bool], list[JudgedGame]] = defaultdict(list)
+    for number, row in recordings.by_ids(session, list(returns)).items():
+        worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
+        assert worth is not None
+        quantity = true_quantity(worth.targets, worth.strays)
+        game = JudgedGame(quantity, returns[number], number)
+        found[_PLAYERS[row.source], True].append(game)
+    for played in games:
+        if played.predicted_return is None or played.targets is None or played.strays is None:
+            continue
+        quantity = true_quantity(played.targets, played.strays)
+        game = JudgedGame(quantity, played.predicted_return, played.recording_id)
+        found[cast(Player, played.policy), False].append(game)
+    return [
+        JudgedGames(player, demonstrated, tuple(found[player, demonstrated]))
+        for player, demonstrated in sorted(found, key=_place)
+    ]
+
+
+def _place(group: tuple[Player, bool]) -> tuple[bool, int]:
+    """Return what puts the demonstrations first and those who play in their usual order."""
+    player, demonstrated = group
+    return not demonstrated, get_args(Player).index(player)
