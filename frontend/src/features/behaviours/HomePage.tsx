@@ -62,7 +62,7 @@ export function HomePage() {
 }
 
 function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }) {
-  const example = all.find((one) => one.ready_made && one.slug === "column-1");
+  const example = all.find((one) => one.built_in && one.slug === "column-1");
   return (
     <>
       <section className={styles.hero}>

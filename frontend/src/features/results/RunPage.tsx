@@ -3,7 +3,7 @@ import { type ReactNode, useMemo, useState } from "react";
 
 import { resultsQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
-import type { Behaviour, PolicyChoiceSummary, PolicySummary, Run, RunResults } from "@/api/types";
+import type { Behaviour, PolicyGamesSummary, PolicySummary, Run, RunResults } from "@/api/types";
 import { RunStatus } from "@/components/Badges";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { WatchDialog } from "@/components/recording/WatchDialog";
@@ -184,18 +184,18 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
   ].filter((plan) => plan !== null && plan !== false);
 }
 
-type Choice = PolicyChoiceSummary["choice"];
+type ActionSelection = PolicyGamesSummary["action_selection"];
 
-/** Ways of playing beside the headline's; runs of earlier versions have no sticky games. */
-const OTHER_CHOICES = [
+/** Beside greedy, the headline's; runs of earlier versions have no sticky games. */
+const OTHER_SELECTIONS = [
   {
-    choice: "sampled",
+    selection: "sampled",
     title: "With actions drawn by chance instead",
     note: "Each policy draws its action by the probabilities that it gives them.",
     label: "Imitator and clone, actions drawn by chance",
   },
   {
-    choice: "sticky",
+    selection: "sticky",
     title: "With sticky actions",
     note:
       "Each policy takes the action it thinks best, but at every frame there is a chance of 25 % " +
@@ -205,12 +205,12 @@ const OTHER_CHOICES = [
 ] as const;
 
 function Result({ results, behaviour }: { results: RunResults; behaviour: Behaviour }) {
-  const find = (policy: "imitator" | "clone", choice: Choice): PolicySummary | null =>
-    results.summaries.find((one) => one.policy === policy && one.choice === choice)?.summary ??
-    null;
-  const both = (choice: Choice) => ({
-    imitator: find("imitator", choice),
-    clone: find("clone", choice),
+  const find = (policy: "imitator" | "clone", selection: ActionSelection): PolicySummary | null =>
+    results.summaries.find((one) => one.policy === policy && one.action_selection === selection)
+      ?.summary ?? null;
+  const both = (selection: ActionSelection) => ({
+    imitator: find("imitator", selection),
+    clone: find("clone", selection),
   });
   const greedy = both("greedy");
   const n = greedy.imitator?.steps.n ?? greedy.clone?.steps.n ?? 0;
@@ -221,11 +221,11 @@ function Result({ results, behaviour }: { results: RunResults; behaviour: Behavi
         Means of {count(n, "game")} from starts that no training or demonstration game began from,
         with 95 % bootstrap intervals. Each policy takes the action it thinks best.
       </p>
-      {OTHER_CHOICES.map(({ choice, title, note, label }) => {
-        const found = both(choice);
+      {OTHER_SELECTIONS.map(({ selection, title, note, label }) => {
+        const found = both(selection);
         return (
           (found.imitator ?? found.clone) && (
-            <details key={choice} className={styles.choice}>
+            <details key={selection} className={styles.choice}>
               <summary className={styles.note}>{title}</summary>
               <p className={styles.note}>{note}</p>
               <SummaryTable {...found} behaviour={behaviour} label={label} />

@@ -34,7 +34,7 @@ export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
   const values = { ...defaultsOf(recipe), ...edits };
   const missing = missingFor(behaviour);
-  const example = missing !== null && behaviour.ready_made && behaviour.n_recordings === 0;
+  const example = missing !== null && behaviour.built_in && behaviour.n_recordings === 0;
   const errors = tried ? errorsIn(values) : {};
 
   const start = useMutation({

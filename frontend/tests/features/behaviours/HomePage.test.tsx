@@ -14,7 +14,7 @@ const SUMMARY = {
   strays: INTERVAL,
   order_errors: null,
   steps: INTERVAL,
-  hit_share: INTERVAL,
+  death_rate: INTERVAL,
   predicted_return: null,
 };
 const HEADLINE = {

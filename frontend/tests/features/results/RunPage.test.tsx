@@ -21,7 +21,7 @@ const SUMMARY: PolicySummary = {
   strays: { mean: 0.2, low: 0, high: 0.5, n: 23 },
   order_errors: null,
   steps: { mean: 288, low: 270, high: 300, n: 23 },
-  hit_share: { mean: 0.13, low: 0, high: 0.3, n: 23 },
+  death_rate: { mean: 0.13, low: 0, high: 0.3, n: 23 },
   predicted_return: null,
 };
 
@@ -126,8 +126,8 @@ describe("the results", () => {
   });
   const results: Partial<RunResults> = {
     summaries: [
-      { policy: "imitator", choice: "greedy", summary: SUMMARY },
-      { policy: "clone", choice: "greedy", summary: { ...SUMMARY, targets: null } },
+      { policy: "imitator", action_selection: "greedy", summary: SUMMARY },
+      { policy: "clone", action_selection: "greedy", summary: { ...SUMMARY, targets: null } },
     ],
     comparison: [{ start_number: 0, held_out: false, imitator, clone, winner: "imitator" }],
     games: [imitator, game({ start_number: 3 }), game({ start_number: 3, policy: "clone" })],
@@ -195,7 +195,7 @@ describe("the results", () => {
       ...results,
       summaries: [
         ...(results.summaries ?? []),
-        { policy: "imitator", choice: "sticky", summary: sticky },
+        { policy: "imitator", action_selection: "sticky", summary: sticky },
       ],
     });
     await userEvent.click(await screen.findByText("With sticky actions"));

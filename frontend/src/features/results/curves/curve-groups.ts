@@ -70,7 +70,7 @@ const PLAN: readonly GroupPlan[] = [
       },
       {
         title: "Games ended by a bomb",
-        curves: [{ key: "hit_share", name: "share" }],
+        curves: [{ key: "death_rate", name: "share" }],
         format: percentage,
         range: SHARE,
       },

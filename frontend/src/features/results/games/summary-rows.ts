@@ -37,7 +37,7 @@ function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
   return [
     ...target,
     { key: "steps", name: "Game length, steps of 300", write: oneDigit, high: MAX_STEPS },
-    { key: "hit_share", name: "Games ended by a bomb", write: wholePercent, high: 1 },
+    { key: "death_rate", name: "Games ended by a bomb", write: wholePercent, high: 1 },
     { key: "predicted_return", name: "Predicted return", write: measured },
   ];
 }

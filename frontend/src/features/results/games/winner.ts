@@ -21,7 +21,9 @@ export function furtherRows(
   shown: readonly ComparisonRow[],
 ): readonly ComparisonRow[] {
   const done = new Set(shown.map((row) => row.start_number));
-  const greedy = games.filter((game) => game.choice === "greedy" && !done.has(game.start_number));
+  const greedy = games.filter(
+    (game) => game.action_selection === "greedy" && !done.has(game.start_number),
+  );
   const starts = [...new Set(greedy.map((game) => game.start_number))].sort((a, b) => a - b);
   return starts.map((start) => {
     const from = greedy.filter((game) => game.start_number === start);

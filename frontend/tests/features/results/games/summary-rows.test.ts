@@ -9,7 +9,7 @@ describe("the summary", () => {
     strays: interval,
     order_errors: interval,
     steps: interval,
-    hit_share: { mean: 0.25, low: 0.1, high: 0.4, n: 23 },
+    death_rate: { mean: 0.25, low: 0.1, high: 0.4, n: 23 },
     predicted_return: { mean: -2, low: -5, high: 1, n: 23 },
   };
 

@@ -32,7 +32,7 @@ describe("the further starts", () => {
       game({ start_number: 3 }),
       game({ start_number: 4 }),
       game({ start_number: 0 }),
-      game({ start_number: 5, choice: "sampled" }),
+      game({ start_number: 5, action_selection: "sampled" }),
     ];
     const shown = [{ start_number: 0, held_out: true, imitator: null, clone: null, winner: null }];
     const rows = furtherRows(games, shown);
