@@ -3,7 +3,7 @@ import { Dialog } from "@/components/controls/Dialog";
 import { movedBetween, type Tiers } from "@/features/ranking/order/order";
 import { recordingName } from "@/lib/recordings";
 
-import styles from "./RankPage.module.css";
+import styles from "./ConflictDialog.module.css";
 
 interface ConflictDialogProps {
   theirs: Tiers;

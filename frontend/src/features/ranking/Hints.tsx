@@ -6,7 +6,7 @@ import { Icon } from "@/components/controls/Icon";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
 import { count } from "@/lib/format";
 
-import styles from "./RankPage.module.css";
+import styles from "./Hints.module.css";
 
 const GOOD_NUMBER = 12;
 

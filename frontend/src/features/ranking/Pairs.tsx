@@ -4,7 +4,7 @@ import type { BranchPair, Verdict } from "@/features/ranking/order/branch-pairs"
 import { FRAME_RATE_HZ, seconds } from "@/lib/format";
 import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
 
-import styles from "./RankPage.module.css";
+import styles from "./Pairs.module.css";
 
 interface PairsProps {
   pairs: readonly BranchPair[];

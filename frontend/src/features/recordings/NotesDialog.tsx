@@ -4,8 +4,9 @@ import type { Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { Field } from "@/components/controls/Field";
-import styles from "@/features/recordings/library/RecordingCard.module.css";
 import { recordingName } from "@/lib/recordings";
+
+import styles from "./NotesDialog.module.css";
 
 const MOST_CHARACTERS = 4000;
 

@@ -4,10 +4,10 @@ import { Link, useNavigate, useSearchParams } from "react-router";
 
 import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
-import { ColumnBars, SourceBadge, VerifiedBadge } from "@/components/Badges";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
+import { SourceBadge } from "@/components/recording/SourceBadge";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
@@ -17,6 +17,8 @@ import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
 
+import { VerifiedBadge } from "./badges";
+import { ColumnBars } from "./ColumnBars";
 import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingPage.module.css";
 

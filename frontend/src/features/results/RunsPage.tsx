@@ -3,7 +3,6 @@ import { Link } from "react-router";
 
 import { runsQuery } from "@/api/runs";
 import type { Behaviour, Interval, Run } from "@/api/types";
-import { RunStatus } from "@/components/Badges";
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { ThingMark } from "@/components/game/ThingMark";
@@ -11,6 +10,7 @@ import { bounds, count, duration, fixed, NONE, shortCount } from "@/lib/format";
 import { isActive, runName, standing } from "@/lib/runs";
 
 import { Ago } from "./Ago";
+import { RunStatus } from "./RunStatus";
 import styles from "./RunsPage.module.css";
 
 /** A behaviour's runs, side by side with their parameters and results. */

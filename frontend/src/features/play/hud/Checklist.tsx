@@ -4,8 +4,9 @@ import { Link } from "react-router";
 import { checklistQuery } from "@/api/behaviours";
 import type { Behaviour } from "@/api/types";
 import { Icon } from "@/components/controls/Icon";
-import styles from "@/features/play/PlayPage.module.css";
 import { recordingName } from "@/lib/recordings";
+
+import styles from "./Checklist.module.css";
 
 /** Which demonstrations an agent would learn well from are there, and which are missing. */
 export function Checklist({ behaviour }: { behaviour: Behaviour }) {

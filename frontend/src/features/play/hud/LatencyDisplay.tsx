@@ -1,9 +1,10 @@
 import { useEffect, useState } from "react";
 
-import styles from "@/features/play/PlayPage.module.css";
 import type { GameStream } from "@/features/play/stream/game-stream";
 import type { LatencySummary } from "@/features/play/stream/latency";
 import { fixed, NONE, whole } from "@/lib/format";
+
+import styles from "./LatencyDisplay.module.css";
 
 const REFRESH_MS = 500;
 

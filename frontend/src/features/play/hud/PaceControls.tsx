@@ -1,8 +1,9 @@
 import { Button } from "@/components/controls/Button";
 import { steers } from "@/features/play/input/intents";
-import styles from "@/features/play/PlayPage.module.css";
 import type { GameState } from "@/features/play/stream/game-stream";
 import { SPEEDS } from "@/features/play/stream/text-messages";
+
+import styles from "./PaceControls.module.css";
 
 interface PaceControlsProps {
   state: GameState;

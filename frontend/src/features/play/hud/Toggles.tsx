@@ -2,13 +2,14 @@ import type { ReactNode } from "react";
 import { Link } from "react-router";
 
 import { Button } from "@/components/controls/Button";
-import styles from "@/features/play/PlayPage.module.css";
 import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "@/features/play/settings/settings";
 import { type Setting, useSetting } from "@/features/play/settings/stored";
 import { canSound } from "@/features/play/sound/use-sounds";
 import type { Marks } from "@/features/play/stage/marks";
 import { recordingName } from "@/lib/recordings";
 import { playedBy, thingColour } from "@/lib/things";
+
+import styles from "./Toggles.module.css";
 
 interface TogglesProps {
   hasTarget: boolean;

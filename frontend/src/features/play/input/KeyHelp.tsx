@@ -1,10 +1,8 @@
 import { Fragment } from "react";
-import { Link } from "react-router";
 
-import type { Behaviour } from "@/api/types";
-import styles from "@/features/play/PlayPage.module.css";
 import { useSetting } from "@/features/play/settings/stored";
 
+import styles from "./KeyHelp.module.css";
 import { type Control, keyName, KEYS } from "./keys";
 
 /** Which keys do what. */
@@ -34,24 +32,5 @@ export function KeyHelp() {
       </dt>
       <dd>frame by frame</dd>
     </dl>
-  );
-}
-
-/** What to do with the recordings that are there. */
-export function Tip({ behaviour }: { behaviour: Behaviour }) {
-  const { n_recordings: n, id } = behaviour;
-  if (n < 2) {
-    return (
-      <p className={styles.tip}>
-        Two recordings are the least that can be ranked; about a dozen, from perfect to hopeless, is
-        what an agent learns well from.
-      </p>
-    );
-  }
-  return (
-    <p className={styles.tip}>
-      {n} recordings so far. <Link to={`/behaviours/${id}/rank`}>Put them in order</Link> whenever
-      you like.
-    </p>
   );
 }

@@ -2,10 +2,10 @@ import { useEffect, useState } from "react";
 
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import styles from "@/features/play/PlayPage.module.css";
 import { useSetting } from "@/features/play/settings/stored";
 
 import { addKey, type Control, CONTROLS, DEFAULT_KEYS, keyName, KEYS, withoutKey } from "./keys";
+import styles from "./KeysDialog.module.css";
 
 export const CONTROL_NAMES: Readonly<Record<Control, string>> = {
   left: "Left",

@@ -1,8 +1,7 @@
 import type { PointerEvent } from "react";
 
-import styles from "@/features/play/PlayPage.module.css";
-
 import { FIRE, LEFT, RIGHT } from "./keys";
+import styles from "./TouchPad.module.css";
 
 const BUTTONS = [
   { name: "Left", sign: "←", bit: LEFT },

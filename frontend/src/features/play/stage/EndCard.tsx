@@ -3,11 +3,11 @@ import { type RefObject, useImperativeHandle } from "react";
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import type { Wish } from "@/features/play/input/intents";
-import styles from "@/features/play/PlayPage.module.css";
 import type { Ended } from "@/features/play/stream/text-messages";
 import { count, FRAME_RATE_HZ, seconds } from "@/lib/format";
 
-import { Overlay } from "./Overlays";
+import { Overlay } from "./Overlay";
+import styles from "./Overlay.module.css";
 import { useDecision } from "./use-decision";
 
 /** Lets key presses reach the card. */

@@ -1,12 +1,12 @@
 import { useEffect, useRef } from "react";
 
-import styles from "@/features/play/PlayPage.module.css";
 import type { GameStream } from "@/features/play/stream/game-stream";
 import { resolveColour } from "@/lib/css-colour";
 import type { ScreenSize } from "@/lib/game/use-screen-size";
 import { playedBy, thingColour } from "@/lib/things";
 
 import { type Marks, MarksPainter } from "./marks";
+import styles from "./MarksCanvas.module.css";
 import type { Frames } from "./use-screen";
 
 interface MarksCanvasProps extends Marks {

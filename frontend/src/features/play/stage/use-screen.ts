@@ -1,6 +1,6 @@
 import { type RefObject, useCallback, useMemo, useRef } from "react";
 
-import type { ClockHandle } from "@/features/play/hud/Hud";
+import type { ClockHandle } from "@/features/play/hud/Clock";
 import type { GameScreen, SeenFrame } from "@/features/play/stream/game-stream";
 import type { Palette, ScreenPainter } from "@/lib/game/screen";
 

@@ -11,10 +11,10 @@ import {
   tierOf,
   type Tiers,
 } from "@/features/ranking/order/order";
-import styles from "@/features/ranking/RankPage.module.css";
 import { classes } from "@/lib/classes";
 import { count } from "@/lib/format";
 
+import styles from "./Board.module.css";
 import { useDropPlace } from "./DragBoard";
 import { gapPlace, tierPlace, TRAY } from "./places";
 import { type Move, RankCard } from "./RankCard";

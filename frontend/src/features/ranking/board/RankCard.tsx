@@ -1,11 +1,11 @@
 import type { ReactNode } from "react";
 
 import type { Behaviour, Recording } from "@/api/types";
-import { SourceBadge } from "@/components/Badges";
 import { IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { RecordingScreen, useLookedAt } from "@/components/recording/RecordingScreen";
+import { SourceBadge } from "@/components/recording/SourceBadge";
 import { classes } from "@/lib/classes";
 import { courseInWords, hitCells, recordingName, scoreInWords } from "@/lib/recordings";
 

@@ -1,8 +1,8 @@
 import { memo, useSyncExternalStore } from "react";
 
-import styles from "@/features/recordings/RecordingPage.module.css";
 import type { Playback } from "@/lib/game/playback";
 
+import styles from "./ActionLanes.module.css";
 import { actionInWords, lanesOf } from "./actions";
 
 const LANE_HEIGHT = 8;

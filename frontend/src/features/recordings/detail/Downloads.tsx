@@ -7,8 +7,8 @@ import { Button } from "@/components/controls/Button";
 import buttonStyles from "@/components/controls/Button.module.css";
 import { Icon } from "@/components/controls/Icon";
 import { Notice } from "@/components/feedback/States";
-import styles from "@/features/recordings/RecordingPage.module.css";
 
+import styles from "./Downloads.module.css";
 import { saveFile } from "./save-file";
 
 const CLIPS: readonly (readonly [kind: ClipKind, name: string, hint: string])[] = [

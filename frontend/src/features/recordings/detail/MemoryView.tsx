@@ -4,11 +4,11 @@ import { useState, useSyncExternalStore } from "react";
 import { memoryQuery } from "@/api/recordings";
 import type { RecordingCourse } from "@/api/types";
 import { Failed, Loading } from "@/components/feedback/States";
-import styles from "@/features/recordings/RecordingPage.module.css";
 import { classes } from "@/lib/classes";
 import type { Playback } from "@/lib/game/playback";
 
 import { hex, memoryAt } from "./memory";
+import styles from "./MemoryView.module.css";
 
 const BYTES_PER_LINE = 16;
 

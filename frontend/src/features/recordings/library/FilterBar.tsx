@@ -1,8 +1,8 @@
 import type { Behaviour, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
-import styles from "@/features/recordings/RecordingsPage.module.css";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
+import styles from "./FilterBar.module.css";
 
 const SHOW_NAMES: Readonly<Record<Filter["show"], string>> = {
   all: "All",

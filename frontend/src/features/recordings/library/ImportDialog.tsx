@@ -8,9 +8,10 @@ import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { Checkbox } from "@/components/controls/Field";
 import { Notice } from "@/components/feedback/States";
-import styles from "@/features/recordings/RecordingsPage.module.css";
 import { classes } from "@/lib/classes";
 import { bytes, count } from "@/lib/format";
+
+import styles from "./ImportDialog.module.css";
 
 /** Takes recordings from a file, replays each, and says which were refused and why. */
 export function ImportDialog({

@@ -8,11 +8,11 @@ import { Button } from "@/components/controls/Button";
 import buttonStyles from "@/components/controls/Button.module.css";
 import { Icon } from "@/components/controls/Icon";
 import { Failed, Loading } from "@/components/feedback/States";
-import styles from "@/features/recordings/RecordingsPage.module.css";
 import { count } from "@/lib/format";
 
 import { chosen, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
 import { FilterBar } from "./FilterBar";
+import styles from "./Library.module.css";
 import { RecordingCard } from "./RecordingCard";
 import { NOTHING, selectedOf, toggled } from "./selection";
 import { SelectionBar } from "./SelectionBar";

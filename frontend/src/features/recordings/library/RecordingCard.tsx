@@ -2,16 +2,12 @@ import { memo, useState } from "react";
 import { Link } from "react-router";
 
 import type { Behaviour, Recording } from "@/api/types";
-import {
-  ColumnBars,
-  LatencyBadge,
-  PaceBadge,
-  SourceBadge,
-  VerifiedBadge,
-} from "@/components/Badges";
 import { IconButton } from "@/components/controls/Button";
 import { RecordingScreen, useLookedAt } from "@/components/recording/RecordingScreen";
+import { SourceBadge } from "@/components/recording/SourceBadge";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { LatencyBadge, PaceBadge, VerifiedBadge } from "@/features/recordings/badges";
+import { ColumnBars } from "@/features/recordings/ColumnBars";
 import { NotesDialog } from "@/features/recordings/NotesDialog";
 import { classes } from "@/lib/classes";
 import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";

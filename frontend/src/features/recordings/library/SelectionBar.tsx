@@ -4,9 +4,10 @@ import { Button } from "@/components/controls/Button";
 import buttonStyles from "@/components/controls/Button.module.css";
 import { Icon } from "@/components/controls/Icon";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
-import styles from "@/features/recordings/RecordingsPage.module.css";
 import { classes } from "@/lib/classes";
 import { count } from "@/lib/format";
+
+import styles from "./SelectionBar.module.css";
 
 /** Most that are changed or exported at once; the server takes no more. */
 const MOST = 500;

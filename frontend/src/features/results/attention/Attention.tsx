@@ -1,7 +1,7 @@
-import { useState } from "react";
+import { useMemo, useState } from "react";
 
-import type { AttentionMap, Recording } from "@/api/types";
-import type { Watched } from "@/features/results/games/Comparison";
+import type { AttentionMap, Recording, RunResults } from "@/api/types";
+import type { Watched } from "@/features/results/watched";
 import { FRAMES_PER_STEP, measured } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
@@ -19,17 +19,23 @@ const MAP_PIXELS = 84;
 const MAP_SCALE = 3;
 
 interface AttentionProps {
-  maps: readonly AttentionMap[];
-  /** The ranked recordings, which the states come from. */
-  recordings: ReadonlyMap<number, Recording>;
+  results: RunResults;
   onWatch: (watched: Watched) => void;
 }
 
 /** What the reward model looks at, from its lowest state to its highest. */
-export function Attention({ maps, recordings, onWatch }: AttentionProps) {
+export function Attention({ results, onWatch }: AttentionProps) {
+  const recordings = useMemo(
+    () => new Map(results.check?.returns.map(({ recording }) => [recording.id, recording])),
+    [results],
+  );
   const [colours, setColours] = useState<ColourMap>("perceptual");
   return (
     <>
+      <p className={styles.note}>
+        One patch of the screen is occluded at a time; the more R changes, the brighter (or redder)
+        the patch. Shown for four states of the ranked recordings, from the lowest R to the highest.
+      </p>
       <fieldset className={styles.bar}>
         <legend className="visually-hidden">Colour map</legend>
         <span aria-hidden="true">Colours</span>
@@ -48,7 +54,7 @@ export function Attention({ maps, recordings, onWatch }: AttentionProps) {
         </span>
       </fieldset>
       <div className={styles.maps}>
-        {maps.map((map) => (
+        {results.attention.map((map) => (
           <MapFigure
             key={map.state}
             map={map}

@@ -2,10 +2,10 @@ import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
 
 import { Failed, Loading } from "@/components/feedback/States";
-import styles from "@/features/results/RunPage.module.css";
 
 import { Chart } from "./Chart";
 import { curveGroups } from "./curve-groups";
+import styles from "./Curves.module.css";
 import { useMetricsQuery } from "./metrics";
 
 /** A run's curves, as they grow. */

@@ -1,18 +1,13 @@
 import type { Behaviour, ComparisonRow, Recording, RunResults } from "@/api/types";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
+import type { Watched } from "@/features/results/watched";
 import { count, NONE } from "@/lib/format";
 import { endInWords, hitCells } from "@/lib/recordings";
-import { playedBy, type Thing } from "@/lib/things";
+import { playedBy, type Thing, THING_NAMES } from "@/lib/things";
 
 import styles from "./Comparison.module.css";
 import { furtherRows } from "./winner";
-
-export interface Watched {
-  readonly recording: Recording;
-  readonly title: string;
-  readonly frame?: number;
-}
 
 interface ComparisonProps {
   results: RunResults;
@@ -139,16 +134,9 @@ function Winner({ winner }: { winner: ComparisonRow["winner"] }) {
   return winner === "tie" ? <>Tie</> : <ThingMark thing={winner} />;
 }
 
-const NAMES: Readonly<Record<Thing, string>> = {
-  imitator: "Imitator",
-  clone: "Clone",
-  person: "Person",
-  demonstrator: "Demonstrator",
-};
-
 function GameCell({
   thing,
-  name = NAMES[thing],
+  name = THING_NAMES[thing],
   recording,
   behaviour,
   from,

@@ -1,9 +1,10 @@
 import type { JudgedGames } from "@/api/types";
 import { ThingMark } from "@/components/game/ThingMark";
+import tables from "@/features/results/tables.module.css";
 import { fixed, measured, NONE, whole } from "@/lib/format";
 
 import { marksOf, returnOf, worthOf } from "./judged-games";
-import styles from "./RewardCheck.module.css";
+import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 import { wholeTicks } from "./ticks";
 
@@ -41,20 +42,20 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
 /** The same in numbers. */
 function Groups({ judged }: { judged: readonly JudgedGames[] }) {
   return (
-    <table className={styles.table} aria-label="Predicted returns and worth of games">
+    <table className={tables.table} aria-label="Predicted returns and worth of games">
       <thead>
         <tr>
           <th scope="col">Games of</th>
-          <th scope="col" className={styles.number}>
+          <th scope="col" className={tables.number}>
             Games
           </th>
-          <th scope="col" className={styles.number}>
+          <th scope="col" className={tables.number}>
             Worth
           </th>
-          <th scope="col" className={styles.number}>
+          <th scope="col" className={tables.number}>
             Predicted return
           </th>
-          <th scope="col" className={styles.right}>
+          <th scope="col" className={tables.right}>
             Kendall&rsquo;s tau
           </th>
         </tr>
@@ -66,10 +67,10 @@ function Groups({ judged }: { judged: readonly JudgedGames[] }) {
               <ThingMark thing={group.player} hollow={!group.demonstrated} />
               <small>{group.demonstrated ? "learned from" : "never seen"}</small>
             </th>
-            <td className={styles.number}>{group.games.length}</td>
-            <td className={styles.number}>{between(worthOf([group]), whole)}</td>
-            <td className={styles.number}>{between(returnOf([group]), measured)}</td>
-            <td className={styles.right}>{group.tau === null ? NONE : fixed(group.tau, 2)}</td>
+            <td className={tables.number}>{group.games.length}</td>
+            <td className={tables.number}>{between(worthOf([group]), whole)}</td>
+            <td className={tables.number}>{between(returnOf([group]), measured)}</td>
+            <td className={tables.right}>{group.tau === null ? NONE : fixed(group.tau, 2)}</td>
           </tr>
         ))}
       </tbody>

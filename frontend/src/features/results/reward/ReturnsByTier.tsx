@@ -3,11 +3,11 @@ import { measured } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 import { playedBy } from "@/lib/things";
 
-import styles from "./RewardCheck.module.css";
+import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 
 /** Predicted returns against tiers: falling from left to right where the model agrees. */
-export function Scatter({ returns }: { returns: RankingCheck["returns"] }) {
+export function ReturnsByTier({ returns }: { returns: RankingCheck["returns"] }) {
   const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
   return (
     <figure className={styles.scatter}>

@@ -1,20 +1,21 @@
 import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
-import { SourceBadge } from "@/components/Badges";
-import type { Watched } from "@/features/results/games/Comparison";
+import { SourceBadge } from "@/components/recording/SourceBadge";
+import tables from "@/features/results/tables.module.css";
+import type { Watched } from "@/features/results/watched";
 import { count, fixed, measured, percent } from "@/lib/format";
 import { recordingName, scoreInWords } from "@/lib/recordings";
 
-import { Scatter } from "./ReturnsByTier";
-import styles from "./RewardCheck.module.css";
+import { ReturnsByTier } from "./ReturnsByTier";
+import styles from "./reward.module.css";
 
-interface CheckProps {
+interface RewardCheckProps {
   check: RankingCheck;
   behaviour: Behaviour;
   onWatch: (watched: Watched) => void;
 }
 
 /** Whether the learned reward agrees with the ranking, recording by recording. */
-export function Check({ check, behaviour, onWatch }: CheckProps) {
+export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
   return (
     <>
       <Numbers check={check} />
@@ -22,7 +23,7 @@ export function Check({ check, behaviour, onWatch }: CheckProps) {
       {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
-        <Scatter returns={check.returns} />
+        <ReturnsByTier returns={check.returns} />
       </div>
     </>
   );
@@ -42,12 +43,12 @@ function Numbers({ check }: { check: RankingCheck }) {
         <dd>{fixed(check.tau, 2)}</dd>
       </div>
       <div>
-        <dt>Pairs of snippets put right</dt>
+        <dt>Fragment pairs in order</dt>
         <dd>{percent(check.pair_accuracy)}</dd>
       </div>
       {check.held_out_accuracy !== null && (
         <div>
-          <dt>Pairs with recordings left out put right</dt>
+          <dt>Held-out pairs in order</dt>
           <dd>{percent(check.held_out_accuracy)}</dd>
         </div>
       )}
@@ -99,16 +100,16 @@ function names(ids: readonly number[]): string {
   return ids.map((id) => recordingName({ id })).join(", ");
 }
 
-function Returns({ check, behaviour, onWatch }: CheckProps) {
+function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
   const best = Math.max(...check.returns.map((one) => one.predicted_return));
   return (
-    <table className={styles.table} aria-label="Predicted returns">
+    <table className={tables.table} aria-label="Predicted returns">
       <thead>
         <tr>
           <th scope="col">Tier</th>
           <th scope="col">Recording</th>
           <th scope="col">Played by</th>
-          <th scope="col" className={styles.right}>
+          <th scope="col" className={tables.right}>
             Predicted return
           </th>
         </tr>
@@ -129,7 +130,7 @@ function Returns({ check, behaviour, onWatch }: CheckProps) {
             <td>
               <SourceBadge recording={recording} />
             </td>
-            <td className={isOdd(check, index) ? `${styles.right} ${styles.odd}` : styles.right}>
+            <td className={isOdd(check, index) ? `${tables.right} ${styles.odd}` : tables.right}>
               {measured(value)}
               {value === best && tier > 1 && <span className="visually-hidden"> (highest)</span>}
             </td>

@@ -1,9 +1,8 @@
-import type { Artifact, Run } from "@/api/types";
-import { ValueTable } from "@/components/ValueTable";
-import comparison from "@/features/results/reward/RewardCheck.module.css";
-import styles from "@/features/results/RunPage.module.css";
-import { bytes, moment, whole } from "@/lib/format";
-import { type ValueRow, valueRows } from "@/lib/recipe-values";
+import type { Artifact } from "@/api/types";
+import tables from "@/features/results/tables.module.css";
+import { bytes } from "@/lib/format";
+
+import styles from "./Files.module.css";
 
 const KINDS: Readonly<Record<string, string>> = {
   reward_model: "Reward model",
@@ -20,12 +19,12 @@ const KINDS: Readonly<Record<string, string>> = {
 export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
   return (
     <div className={styles.scroll}>
-      <table className={comparison.table} aria-label="Files">
+      <table className={tables.table} aria-label="Files">
         <thead>
           <tr>
             <th scope="col">File</th>
             <th scope="col">What it is</th>
-            <th scope="col" className={comparison.right}>
+            <th scope="col" className={tables.right}>
               Size
             </th>
           </tr>
@@ -39,47 +38,11 @@ export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
                 </a>
               </td>
               <td>{KINDS[file.kind] ?? file.kind.replaceAll("_", " ")}</td>
-              <td className={comparison.right}>{bytes(file.size_bytes)}</td>
+              <td className={tables.right}>{bytes(file.size_bytes)}</td>
             </tr>
           ))}
         </tbody>
       </table>
     </div>
   );
-}
-
-/** Everything that a run was made with. */
-export function Parameters({ run }: { run: Run }) {
-  const rows: ValueRow[] = [
-    { section: "", name: "run", value: run.id },
-    { section: "", name: "recipe", value: run.recipe },
-    { section: "", name: "steps", value: whole(run.steps) },
-    { section: "", name: "training seed", value: whole(run.training_seed) },
-    { section: "", name: "go on anyway", value: run.go_on_anyway ? "yes" : "no" },
-    { section: "", name: "ranking revision", value: numberOr(run.ranking_revision) },
-    { section: "", name: "ranked recordings", value: numberOr(run.n_ranked) },
-    { section: "", name: "perfect recordings", value: numberOr(run.n_perfect) },
-    { section: "", name: "queued", value: moment(run.created_at) },
-    { section: "", name: "started", value: timeOr(run.started_at) },
-    { section: "", name: "finished", value: timeOr(run.finished_at) },
-    ...Object.entries(run.versions).map(([name, value]) => ({ section: "versions", name, value })),
-  ];
-  const recipe = valueRows(run.recipe_values).filter(({ section }) => section !== "");
-  return (
-    <div className={styles.parameters}>
-      <ValueTable rows={rows} label="Parameters and versions" />
-      <details>
-        <summary className={styles.note}>All values of the recipe</summary>
-        <ValueTable rows={recipe} label="Values of the recipe" />
-      </details>
-    </div>
-  );
-}
-
-function numberOr(value: number | null): string {
-  return value === null ? "not known yet" : whole(value);
-}
-
-function timeOr(time: string | null): string {
-  return time === null ? "not yet" : moment(time);
 }

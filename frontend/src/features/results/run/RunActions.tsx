@@ -8,8 +8,9 @@ import type { Run } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { useToast } from "@/components/feedback/Toasts";
-import styles from "@/features/results/RunPage.module.css";
 import { isActive, runName } from "@/lib/runs";
+
+import styles from "./RunActions.module.css";
 
 /** Cancel while it goes; resume and delete when it doesn't. */
 export function RunActions({ run }: { run: Run }) {

@@ -1,11 +1,10 @@
-import type { ReactNode } from "react";
-
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { AlienGrid } from "@/components/game/AlienGrid";
-import styles from "@/features/play/PlayPage.module.css";
 import type { GameState } from "@/features/play/stream/game-stream";
-import { classes } from "@/lib/classes";
+
+import { Overlay } from "./Overlay";
+import styles from "./Overlay.module.css";
 
 interface StageOverlayProps {
   state: GameState | null;
@@ -129,19 +128,4 @@ export function StageOverlay(props: StageOverlayProps) {
     case "ended":
       return null;
   }
-}
-
-/** A layer over the game's screen. */
-export function Overlay({
-  opaque = false,
-  className,
-  children,
-}: {
-  opaque?: boolean;
-  className?: string | undefined;
-  children: ReactNode;
-}) {
-  return (
-    <div className={classes(styles.overlay, opaque && styles.opaque, className)}>{children}</div>
-  );
 }

@@ -1,7 +1,7 @@
 import { render, screen } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 
-import { StageOverlay } from "@/features/play/stage/Overlays";
+import { StageOverlay } from "@/features/play/stage/StageOverlay";
 import type { GameState, Phase } from "@/features/play/stream/game-stream";
 
 function state(phase: Phase): GameState {

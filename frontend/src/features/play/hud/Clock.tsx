@@ -1,11 +1,8 @@
 import { type RefObject, useImperativeHandle, useRef } from "react";
 
-import type { Behaviour } from "@/api/types";
-import { AlienGrid } from "@/components/game/AlienGrid";
-import styles from "@/features/play/PlayPage.module.css";
-import type { HitAt } from "@/features/play/stream/text-messages";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
-import { gridState } from "@/lib/game/aliens";
+
+import styles from "./Clock.module.css";
 
 /** Shows the time without React: it changes sixty times a second. */
 export interface ClockHandle {
@@ -47,36 +44,4 @@ export function Clock({ handle }: { handle: RefObject<ClockHandle | null> }) {
 
 function stepWords(frame: number): string {
   return `step ${Math.floor(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
-}
-
-/** What was hit so far, on and off target. */
-export function Score({ hits, behaviour }: { hits: readonly HitAt[]; behaviour: Behaviour }) {
-  const cells = hits.map(({ row, column }) => [row, column] as const);
-  const { hit, stray } = gridState(cells, behaviour.target);
-  return (
-    <div className={styles.score}>
-      <AlienGrid hits={cells} target={behaviour.target} scale={2} />
-      <dl>
-        {behaviour.target ? (
-          <>
-            <div>
-              <dt>Targets hit</dt>
-              <dd>
-                {hit.length} <small>of {behaviour.target.length}</small>
-              </dd>
-            </div>
-            <div>
-              <dt>Strays</dt>
-              <dd>{stray.length}</dd>
-            </div>
-          </>
-        ) : (
-          <div>
-            <dt>Aliens hit</dt>
-            <dd>{hits.length}</dd>
-          </div>
-        )}
-      </dl>
-    </div>
-  );
 }
