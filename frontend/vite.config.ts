@@ -21,7 +21,9 @@ export default defineConfig({
   },
   server: {
     host: "127.0.0.1",
-    proxy: { "/api": { target: server, ws: true, changeOrigin: true, headers: { origin: server } } },
+    proxy: {
+      "/api": { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
+    },
   },
   test: {
     restoreMocks: true,
@@ -31,7 +33,10 @@ export default defineConfig({
     // As many processes as cores; by default one fewer, which on two cores leaves half idle.
     maxWorkers: "100%",
     projects: [
-      { extends: true, test: { name: "logic", environment: "node", include: ["tests/**/*.test.ts"] } },
+      {
+        extends: true,
+        test: { name: "logic", environment: "node", include: ["tests/**/*.test.ts"] },
+      },
       {
         extends: true,
         test: {
