@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cli.commands.runs import chosen_recipe, print_results, start_run
-from cli.follow import follow, say_how_it_ended, worker_at_hand
+from cli.follow import follow, say_how_it_ended, standby_worker
 from cli.output import console, errors
 from cli.workspace import open_workspace
 from tril.demonstrator import KINDS, SCRIPTED
@@ -48,8 +48,8 @@ def demo(
             example=True,
             example_kind=demonstrations,
         )
-        with worker_at_hand(workspace):
-            row = follow(workspace, run_id)
+        with standby_worker(workspace) as worker:
+            row = follow(workspace, run_id, worker)
         if not say_how_it_ended(row):
             raise typer.Exit(1)
         folder = output or workspace.settings.data / "results" / run_id

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.commands.runs import chosen_recipe, start_run
-from cli.follow import worker_at_hand
+from cli.follow import StandbyWorker, standby_worker
 from cli.output import console, errors
 from cli.progress import progress_bar
 from cli.workspace import Workspace, open_workspace
@@ -110,8 +110,9 @@ def reproduce(
         missing = [] if page_only else Ledger(output).missing(cells)
         if missing:
             errors.print(f"{len(missing)} of {len(cells)} results are missing.")
-            with worker_at_hand(workspace):
-                failed = _compute(workspace, {cell: cells[cell] for cell in missing}, output)
+            with standby_worker(workspace) as worker:
+                chosen_cells = {cell: cells[cell] for cell in missing}
+                failed = _compute(workspace, chosen_cells, output, worker)
         else:
             failed = 0
         if extrapolation and chosen.method == "ppo" and not page_only:
@@ -159,7 +160,9 @@ def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) ->
         console.print(f"{label}: done")
 
 
-def _compute(workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path) -> int:
+def _compute(
+    workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path, worker: StandbyWorker
+) -> int:
     """Train the cells and write each into the ledger when it is done; return how many failed."""
     from trainer.reporting.ledger import Ledger, read_entry
     from trainer.reporting.results_page import cell_folder, write_page
@@ -184,6 +187,7 @@ def _compute(workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path) -
             Ledger(output).add(entry)
             write_page(output, COMMAND)
             console.print(f"{cell_folder(entry)}: done")
+        worker.ensure()
         time.sleep(POLL_S)
     return failed
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shutil
-from importlib.metadata import version
 
 from fastapi import APIRouter, Request
 
-from server.api.schemas.system import Storage, System
+from server.api.schemas.system import ProcessStatus, Storage, System
 from server.dependencies import ReadSession, services_of
+from tril import __version__
 from tril.store import processes
 
 router = APIRouter(tags=["system"])
@@ -19,12 +19,10 @@ def get_system(request: Request, session: ReadSession) -> System:
     """Return the state of the processes and the disk usage."""
     services = services_of(request)
     settings, use = services.settings, services.storage.use()
-    return System.model_validate(
-        {
-            "version": version("tril"),
-            "processes": processes.statuses(session),
-            "disk_free_bytes": shutil.disk_usage(settings.data).free,
-            "data_bytes": use.total_bytes,
-            "storage": Storage.of(use, cache_limit_bytes=settings.cache_limit_bytes),
-        }
+    return System(
+        version=__version__,
+        processes=[ProcessStatus.model_validate(found) for found in processes.statuses(session)],
+        disk_free_bytes=shutil.disk_usage(settings.data).free,
+        data_bytes=use.total_bytes,
+        storage=Storage.of(use, cache_limit_bytes=settings.cache_limit_bytes),
     )

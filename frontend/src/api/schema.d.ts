@@ -948,7 +948,7 @@ export interface components {
         };
         /**
          * ClipKind
-         * @description What a recording can be made into.
+         * @description The formats of clips.
          * @enum {string}
          */
         ClipKind: "gif" | "webp" | "mp4";

@@ -10,8 +10,8 @@ import pytest
 
 from server.web import http_protocol
 from server.web.http_protocol import MAX_HEAD_BYTES
-from tests.server.live import TIMEOUT_S, LiveServer, live_server
-from tests.workplace import Workplace
+from testsupport.live import TIMEOUT_S, LiveServer, live_server
+from testsupport.workplace import Workplace
 from tril.store.changes import note_change
 
 MANY_BYTES = 512 * MAX_HEAD_BYTES

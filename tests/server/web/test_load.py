@@ -11,23 +11,23 @@ from contextlib import ExitStack
 import httpx2
 import pytest
 
-from tests.server.live import TIMEOUT_S, cookie
-from tests.server.processes import ServerProcess, server_process
-from tests.workplace import make_workplace
+from testsupport.live import TIMEOUT_S, cookie
+from testsupport.processes import TrilProcess, server_process
+from testsupport.workplace import make_workplace
 from tril.store.database import create_database
 
 N_REQUESTS = 60
 
 
 @pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TrilProcess]:
     made = make_workplace(tmp_path_factory.mktemp("load") / "data")
     made.database.close()
     with server_process(made.settings.data) as running:
         yield running
 
 
-def request(server: ServerProcess, method: str, path: str, body: object = None) -> bytes:
+def request(server: TrilProcess, method: str, path: str, body: object = None) -> bytes:
     content = b"" if body is None else json.dumps(body).encode()
     head = (
         f"{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{server.settings.port}\r\n"
@@ -43,7 +43,7 @@ def status(client: socket.socket) -> int:
 
 
 def test_sixty_requests_at_once_are_all_answered_and_health_meanwhile(
-    server: ServerProcess,
+    server: TrilProcess,
 ) -> None:
     wanted = (
         ("PATCH", "/api/player", {"name": "Ada"}, 200),
@@ -77,7 +77,7 @@ def test_sixty_requests_at_once_are_all_answered_and_health_meanwhile(
     assert answers == {(method, path, code): each for method, path, _, code in wanted}
 
 
-def test_an_upload_is_read_only_in_its_turn(server: ServerProcess) -> None:
+def test_an_upload_is_read_only_in_its_turn(server: TrilProcess) -> None:
     body = b'{"format": "unknown"}'
     head = (
         f"POST /api/behaviours/1/recordings/import HTTP/1.1\r\n"

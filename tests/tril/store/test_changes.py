@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.store.changes import MAX_GAPS, ChangeReader, note_change
 from tril.store.database import Database
 from tril.store.models import ChangeRow
