@@ -18,7 +18,8 @@ from tril.behaviours import BUILT_IN
 from tril.demonstrator import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained
+from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained, recipe_from_dict
+from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
 
@@ -194,14 +195,16 @@ def _compute(
 
 def _runs_of(workspace: Workspace, cells: Mapping[Cell, Recipe]) -> list[str]:
     """Return a run for each cell: one that is there and not lost, else a new one."""
-    from trainer.reporting.ledger import read_cell
+    from trainer.reporting.ledger import Cell
 
+    present: dict[Cell, str] = {}
     with workspace.database.reading() as session:
-        present = {
-            read_cell(session, row): row.id
-            for row in reversed(runs.listing(session))
-            if _is_usable(row)
-        }
+        for slug in {cell.behaviour for cell in cells}:
+            rows = runs.listing(session, behaviours.by_slug(session, slug).id)
+            for row in filter(_is_usable, reversed(rows)):
+                recipe = recipe_from_dict(row.recipe)
+                cell = Cell.of(slug, recipe, row.steps, row.training_seed, row.example_kind)
+                present[cell] = row.id
     return [
         present.get(cell)
         or start_run(

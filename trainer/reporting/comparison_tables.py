@@ -57,7 +57,7 @@ def kinds_lines(entries: Sequence[Entry]) -> list[str]:
                 group.seeds,
                 *_imitator(group),
                 group.shown("clone", "greedy", "targets"),
-                group.shown("clone", "greedy", "is_hit", ".0%"),
+                group.shown("clone", "greedy", "died", ".0%"),
                 *_check(group),
             )
             for group in groups
@@ -141,7 +141,7 @@ def _imitator(group: ResultGroup) -> tuple[str, ...]:
     return (
         group.shown("imitator", "greedy", "targets"),
         group.shown("imitator", "greedy", "strays"),
-        group.shown("imitator", "greedy", "is_hit", ".0%"),
+        group.shown("imitator", "greedy", "died", ".0%"),
         group.shown("imitator", "sampled", "targets"),
     )
 

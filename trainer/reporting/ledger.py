@@ -13,8 +13,6 @@ from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy.orm import Session
-
 from tril.analysis.summary import GameFigures, PolicySummary, summarise
 from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
@@ -29,7 +27,7 @@ from tril.recipes import (
 )
 from tril.store import behaviours, recordings
 from tril.store.database import Database
-from tril.store.models import RunRow
+from tril.store.models import RunRow, RunStatus
 from tril.store.training import evaluations, runs
 
 FILE_NAME = "ledger.jsonl"
@@ -223,17 +221,6 @@ def values_digest(part: RewardRecipe) -> str:
     return _digest(_uncommon(part))
 
 
-def read_cell(session: Session, run: RunRow) -> Cell:
-    """Name the cell of a run.
-
-    Raises:
-        Invalid: The run's recipe is one of another version.
-    """
-    slug = behaviours.get(session, run.behaviour_id).slug
-    recipe = recipe_from_dict(run.recipe)
-    return Cell.of(slug, recipe, run.steps, run.training_seed, run.example_kind)
-
-
 def read_entry(database: Database, run_id: str) -> Entry:
     """Read a finished run as an entry of the ledger.
 
@@ -243,14 +230,20 @@ def read_entry(database: Database, run_id: str) -> Entry:
     """
     with database.reading() as session:
         run = runs.get(session, run_id)
-        if run.finished_at is None:
+        if run.status != RunStatus.DONE or run.finished_at is None:
             raise Invalid(f"Run {run_id} is {run.status}; only a finished one is a result.")
         tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
         shown = recordings.by_ids(session, [number for tier in tiers for number in tier])
         check = run.outcome.get("check") or {}
         returns = {int(k): float(v) for k, v in check.get("predicted_returns", {}).items()}
         return Entry(
-            cell=read_cell(session, run),
+            cell=Cell.of(
+                behaviours.get(session, run.behaviour_id).slug,
+                recipe_from_dict(run.recipe),
+                run.steps,
+                run.training_seed,
+                run.example_kind,
+            ),
             finished_at=run.finished_at.isoformat(timespec="seconds"),
             seconds={name: round(s, 1) for name, s in run.finished_stages.items()},
             check={

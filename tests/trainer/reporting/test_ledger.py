@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from testsupport.workplace import Workplace
 from trainer.reporting.ledger import (
     DEVICE,
     PRECISION,
@@ -15,12 +16,15 @@ from trainer.reporting.ledger import (
     Ledger,
     LedgerDemonstration,
     LedgerGame,
+    read_entry,
     recipe_digest,
 )
 from trainer.reporting.results_page import cell_folder, write_page
 from tril.analysis.summary import GameFigures
 from tril.errors import Invalid
 from tril.recipes import ABLATIONS, FAST, PAPER, judged_where_trained, with_values
+from tril.store.models import RunStatus, now
+from tril.store.training import runs
 
 
 def game(policy: str, start: int, targets: int, strays: int, *, hit: bool = False) -> LedgerGame:
@@ -197,3 +201,13 @@ def test_results_of_other_values_and_other_numbers_are_told_apart(tmp_path: Path
     assert here.startswith("- [Column 2, 1,000 steps")
     assert here.endswith("learned in bfloat16")
     assert on_gpu.endswith("learned in bfloat16, on a GPU")
+
+
+@pytest.mark.parametrize("status", [RunStatus.CANCELLED, RunStatus.STOPPED, RunStatus.FAILED])
+def test_only_a_run_that_is_done_is_a_result(workplace: Workplace, status: RunStatus) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        row = runs.get(session, run_id)
+        row.status, row.finished_at = status, now()
+    with pytest.raises(Invalid, match=f"{run_id} is {status}"):
+        read_entry(workplace.database, run_id)
