@@ -11,12 +11,12 @@ from cli.commands.reproduce import _runs_of
 from cli.main import app
 from cli.workspace import Workspace
 from testsupport.workplace import TINY, Workplace
-from trainer.reporting.ledger import Cell
+from trainer.reporting.ledger import LedgerCell
 from tril.store import behaviours
 from tril.store.models import RunStatus
 from tril.store.training import runs
 
-CELL = Cell.of("column-1", TINY, 256, 0)
+CELL = LedgerCell.of("column-1", TINY, 256, 0)
 
 
 def example_run(workplace: Workplace, behaviour_id: int, status: RunStatus) -> str:
@@ -63,11 +63,11 @@ def test_runs_of_deleted_behaviours_are_passed_over(workplace: Workplace) -> Non
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("--ablation --recipe paper", "known of the recipe fast alone"),
-        ("--ablation --set policy.n_epochs=9", "known of the recipe fast alone"),
-        ("--ablation --own-starts", "each by itself"),
-        ("--ablation --demonstrations human", "each by itself"),
-        ("--own-starts --demonstrations six", "each by itself"),
+        ("--ablation --recipe paper", "built-in recipe fast alone"),
+        ("--ablation --set policy.n_epochs=9", "built-in recipe fast alone"),
+        ("--ablation --own-starts", "Choose one of"),
+        ("--ablation --demonstrations human", "Choose one of"),
+        ("--own-starts --demonstrations six", "Choose one of"),
         ("--demonstrations seven", "there are scripted, human, six"),
     ],
 )
