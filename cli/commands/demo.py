@@ -34,7 +34,8 @@ def demo(
     ] = None,
 ) -> None:
     """Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures."""
-    from trainer.reporting.run_report import describe_example, write_report
+    from trainer.reporting.run_entry import describe_example
+    from trainer.reporting.run_report import write_report
 
     with open_workspace() as workspace:
         chosen = chosen_recipe(recipe, value)
