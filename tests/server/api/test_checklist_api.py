@@ -1,4 +1,4 @@
-"""Which demonstrations of a behaviour are there, over HTTP."""
+"""The checklist of a behaviour's demonstrations over HTTP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A server answers everybody, however many ask at once."""
+"""Many requests at once, and uploads that wait."""
 
 from __future__ import annotations
 
