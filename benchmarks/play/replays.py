@@ -26,10 +26,10 @@ import numpy as np
 from tril.behaviours import BUILT_IN
 from tril.cores import core_count
 from tril.demonstrator import example_plans
-from tril.demonstrator.manner import HUMAN
-from tril.demonstrator.person import PersonLikePlayer
+from tril.demonstrator.error_model import HUMAN
+from tril.demonstrator.human_like import HumanLikePlayer
 from tril.demonstrator.plans import draw_hits
-from tril.demonstrator.player import Style
+from tril.demonstrator.player import PlayStyle
 from tril.exchange.formats import from_exchange, to_exchange
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
@@ -71,7 +71,7 @@ def _play_as_a_person(recorder: Recorder, number: int, rng: np.random.Generator)
     behaviour = BUILT_IN[number % len(BUILT_IN)]
     plans = example_plans(behaviour)
     plan = plans[number // len(BUILT_IN) % len(plans)]
-    PersonLikePlayer(recorder, draw_hits(plan, rng), Style(), HUMAN, rng).play()
+    HumanLikePlayer(recorder, draw_hits(plan, rng), PlayStyle(), HUMAN, rng).play()
 
 
 def replays(line: str) -> int | None:

@@ -17,7 +17,7 @@ from server.api.schemas import (
 )
 from server.dependencies import BehaviourId, Reading, Writing
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.demonstrator import PlayedGame, example_plans, tick
+from tril.demonstrator import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
 from tril.game.episode import EndReason
 from tril.store import behaviours, recordings
@@ -59,7 +59,7 @@ def get_checklist(session: Reading, behaviour_id: BehaviourId) -> Checklist:
         for row in recordings.listing(session, behaviour_id)
         if row.verification == Verification.VERIFIED
     }
-    ticks = tick(plans, games)
+    ticks = match_plans(plans, games)
     return Checklist(
         planned=[
             PlannedDemonstration(
@@ -104,8 +104,8 @@ def delete_behaviour(session: Writing, behaviour_id: BehaviourId) -> None:
     behaviours.delete(session, behaviours.get(session, behaviour_id))
 
 
-def _played(row: RecordingRow) -> PlayedGame:
-    return PlayedGame(
+def _played(row: RecordingRow) -> GameOutcome:
+    return GameOutcome(
         hits=tuple((hit.row, hit.column) for hit in recordings.hits_of(row)),
         end=None if row.end is None else EndReason(row.end),
         n_frames=row.n_frames,

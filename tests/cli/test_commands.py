@@ -124,7 +124,7 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 @pytest.mark.usefixtures("data_folder")
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
-    assert "there are scripted, human, six, twenty-four, no-wrong, no-gradual" in output
+    assert "choose one of scripted, human, six, twenty-four, no-wrong, no-gradual" in output
 
 
 @pytest.mark.parametrize(
@@ -155,4 +155,4 @@ def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path:
     ):
         assert "each by itself" in _run("reproduce", *two, "-o", str(tmp_path), status=1)
     output = _run("reproduce", "--demonstrations", "seven", "-o", str(tmp_path), status=1)
-    assert "there are scripted, human, six" in output
+    assert "choose one of scripted, human, six" in output
