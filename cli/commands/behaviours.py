@@ -97,7 +97,7 @@ def export_file(
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             row = find_behaviour(session, behaviour)
-            content, notices = behaviour_transfer.export_whole(session, row)
+            content, notices = behaviour_transfer.export_behaviour(session, row)
         place = output or Path(f"{row.slug}.tril.json")
         try:
             write_whole(place, f"{json.dumps(content, indent=1)}\n".encode())
@@ -128,7 +128,7 @@ def import_file(
         except OSError as error:
             raise Invalid(f"{file} can't be read: {error.strerror}.") from error
         try:
-            outcome = behaviour_transfer.import_whole(workspace.database, content, name)
+            outcome = behaviour_transfer.import_behaviour(workspace.database, content, name)
         except BehaviourRefused as refusal:
             raise Invalid(f"{file} is refused: {refusal}") from refusal
     if as_json:

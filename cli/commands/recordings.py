@@ -106,7 +106,9 @@ def export(
     """Write a behaviour's recordings as JSON Lines, the ranked ones first, best to worst."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         of = find_behaviour(session, behaviour)
-        lines = [json.dumps(entry) for entry in recording_transfer.export_behaviour(session, of.id)]
+        lines = [
+            json.dumps(entry) for entry in recording_transfer.export_recordings(session, of.id)
+        ]
     text = "".join(f"{line}\n" for line in lines)
     if output is None:
         sys.stdout.write(text)
@@ -134,7 +136,7 @@ def verify_all(behaviour: BehaviourOption) -> None:
         raise typer.Exit(1)
 
 
-def _report(path: Path, outcome: recording_transfer.Imported, as_json: bool) -> None:
+def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_json: bool) -> None:
     if as_json:
         print_json(
             {

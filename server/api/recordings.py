@@ -27,8 +27,7 @@ from server.dependencies import BehaviourId, Reading, RecordingId, Writing, serv
 from server.derived import Derived, version_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
-from tril.exchange.recording_transfer import Imported, export_behaviour, import_recordings
-from tril.exchange.recording_transfer import export_recording as exchanged
+from tril.exchange import recording_transfer
 from tril.game.space_invaders import RAM_NAMES
 from tril.recording import Recording as Played
 from tril.store import behaviours, players, recordings
@@ -101,11 +100,11 @@ async def import_recordings_file(
     content = await request.body()
     services = services_of(request)
 
-    def add() -> Imported:
+    def add() -> recording_transfer.RecordingImportResult:
         with services.database.reading() as session:
             behaviours.get(session, behaviour_id)
             player_id = players.owner(session).id
-        return import_recordings(
+        return recording_transfer.import_recordings(
             services.database,
             behaviour_id,
             content,
@@ -139,9 +138,9 @@ def export_recordings(
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
     row = behaviours.get(session, behaviour_id)
     only = None if recording is None else _of_behaviour(session, behaviour_id, recording)
-    lines = (json.dumps(item) for item in export_behaviour(session, behaviour_id, only))
+    items = recording_transfer.export_recordings(session, behaviour_id, only)
     return Response(
-        "".join(f"{line}\n" for line in lines),
+        "".join(f"{json.dumps(item)}\n" for item in items),
         media_type=JSON_LINES,
         headers=_download(f"{row.slug}.jsonl"),
     )
@@ -279,7 +278,7 @@ def export_recording(session: Reading, recording_id: RecordingId) -> Response:
     """Return one recording in the exchange format."""
     row = recordings.get(session, recording_id)
     return Response(
-        json.dumps(exchanged(session, row), indent=2),
+        json.dumps(recording_transfer.export_recording(session, row), indent=2),
         media_type="application/json",
         headers=_download(f"recording-{row.id}.json"),
     )

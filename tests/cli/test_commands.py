@@ -110,7 +110,7 @@ def test_a_backup_is_made_checked_and_worked_on(
     assert (found["n_recordings"], found["n_runs"]) == (3, 0)
     assert "not empty" in _run("backup", str(tmp_path / "backup"), status=1)
     assert "Name the folder" in _run("backup", "--check", status=1)
-    assert "no backup" in _run("backup", str(tmp_path), "--check", status=1)
+    assert "not a Tril backup" in _run("backup", str(tmp_path), "--check", status=1)
     monkeypatch.setenv("TRIL_DATA", str(tmp_path / "backup"))
     assert "3 of 3 recordings verify" in _run("recordings", "verify", "-b", "column-1")
 

@@ -132,7 +132,7 @@ def test_a_changed_or_missing_file_is_found(
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 1
     file.write_bytes(content)
-    with pytest.raises(BackupDamaged, match="is not what was written"):
+    with pytest.raises(BackupDamaged, match="was changed after"):
         check_backup(made.folder)
     file.unlink()
     with pytest.raises(BackupDamaged, match="is missing"):
@@ -140,12 +140,12 @@ def test_a_changed_or_missing_file_is_found(
 
 
 def test_what_is_no_backup_is_said(tmp_path: Path) -> None:
-    with pytest.raises(BackupDamaged, match="no backup of Tril"):
+    with pytest.raises(BackupDamaged, match="not a Tril backup"):
         check_backup(tmp_path)
     manifest = tmp_path / "manifest.json"
     for content, reason in [
         ("{", "can't be read"),
-        ("[]", "something else"),
+        ("[]", "another format"),
         (json.dumps({"format": "tril-backup", "version": 9}), "another version"),
     ]:
         manifest.write_text(content)
@@ -172,7 +172,7 @@ def test_files_of_a_training_under_way_may_be_newer(workplace: Workplace, tmp_pa
     store.put(artifacts.path_of(run_id, "model.bin"), MODEL * 2)
     made = make_backup(workplace.settings, tmp_path / "backup")
     assert len(made.notices) == 1
-    assert "a moment newer" in made.notices[0]
+    assert "slightly newer" in made.notices[0]
 
 
 def test_a_training_deleted_between_the_copies_takes_another_try(

@@ -1,7 +1,7 @@
 """File formats: one recording as a JSON object, many as JSON Lines, a whole behaviour.
 
 See docs/exchange-format.md and docs/behaviour-format.md. ``python -m tril.exchange`` prints their
-JSON Schemas, which are generated from the models in recording_object.py and behaviour_file.py.
+JSON Schemas.
 """
 
 from tril.exchange.formats.behaviour_file import (
@@ -10,18 +10,24 @@ from tril.exchange.formats.behaviour_file import (
     BehaviourObject,
     BehaviourRefused,
     NumberedRecording,
+    RevisionObject,
     behaviour_schema,
     parse_behaviour,
 )
-from tril.exchange.formats.jsonl import MAX_OBJECT_BYTES, MAX_OBJECTS, Line, read_lines
-from tril.exchange.formats.recording_file import Exchanged, from_exchange, ranked, to_exchange
+from tril.exchange.formats.jsonl import MAX_OBJECT_BYTES, MAX_OBJECTS, JsonLine, read_lines
+from tril.exchange.formats.recording_file import (
+    ImportedRecording,
+    dump_recording,
+    load_recording,
+    ranking_of,
+)
 from tril.exchange.formats.recording_object import (
     FORMAT,
     MAX_NOTES_LENGTH,
     VERSION,
     Source,
-    parse,
-    schema,
+    parse_recording,
+    recording_schema,
 )
 
 __all__ = [
@@ -34,16 +40,17 @@ __all__ = [
     "VERSION",
     "BehaviourObject",
     "BehaviourRefused",
-    "Exchanged",
-    "Line",
+    "ImportedRecording",
+    "JsonLine",
     "NumberedRecording",
+    "RevisionObject",
     "Source",
     "behaviour_schema",
-    "from_exchange",
-    "parse",
+    "dump_recording",
+    "load_recording",
     "parse_behaviour",
-    "ranked",
+    "parse_recording",
+    "ranking_of",
     "read_lines",
-    "schema",
-    "to_exchange",
+    "recording_schema",
 ]
