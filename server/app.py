@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from importlib.metadata import version
 from pathlib import Path
 
 from fastapi import APIRouter, FastAPI
@@ -28,6 +27,7 @@ from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
 from server.web import middleware, problems
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
+from tril import __version__
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
 
@@ -53,7 +53,7 @@ def create_app(
 
     app = FastAPI(
         title="Tril",
-        version=version("tril"),
+        version=__version__,
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,

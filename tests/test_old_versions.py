@@ -19,7 +19,7 @@ from starlette.testclient import TestClient
 
 from server.web.security import Access
 from tests.server.clients import build_frontend, signed_in
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from trainer.policy.networks import load_policy
 from trainer.reporting.ledger import Cell, Ledger, read_entry, recipe_digest
 from trainer.reporting.results_page import write_page

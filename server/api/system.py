@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import asdict
-from importlib.metadata import version
 
 from fastapi import APIRouter, Request
 
 from server.api.schemas import Health, ProcessStatus, Storage, System
 from server.dependencies import Reading, services_of
+from tril import __version__
 from tril.store import processes
 
 router = APIRouter(tags=["system"])
@@ -28,7 +28,7 @@ def get_system(request: Request, session: Reading) -> System:
     services = services_of(request)
     settings, use = services.settings, services.storage.use()
     return System(
-        version=version("tril"),
+        version=__version__,
         processes=[ProcessStatus(**asdict(found)) for found in processes.statuses(session)],
         disk_free_bytes=shutil.disk_usage(settings.data).free,
         data_bytes=use.total_bytes,

@@ -16,7 +16,7 @@ from server.web.problems import problem
 from server.web.security import COOKIE_LIFETIME_S
 from tril.errors import Unavailable
 
-FRONTEND = Path(__file__).resolve().parents[2] / "frontend" / "dist"
+FRONTEND = Path(__file__).with_name("static")
 _HASHED = "/assets/"
 """Under which the build puts files whose names change with their content."""
 _FOR_EVER = "public, max-age=31536000, immutable"

@@ -17,7 +17,7 @@ import psutil
 
 from cli.supervision.supervisor import Child, Supervisor
 from cli.workspace import bring_up_to_date
-from tests.waiting import wait_until
+from testsupport.waiting import wait_until
 from tril.settings import Settings
 
 Lines = queue.Queue[tuple[str, str]]

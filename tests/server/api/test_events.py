@@ -14,8 +14,8 @@ from starlette.testclient import TestClient
 from server.app import create_app
 from server.web.pages import check_frontend
 from tests.server.clients import build_frontend, signed_in
-from tests.server.live import LiveServer, live_server
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, live_server
+from testsupport.workplace import Workplace
 from tril.errors import Unavailable
 from tril.store.changes import note_change
 from tril.store.database import create_database

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workplace import TINY
+from testsupport.workplace import TINY
 from trainer.progress import NullProgress
 from trainer.reporting.extrapolation import (
     Extrapolation,

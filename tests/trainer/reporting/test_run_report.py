@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
 from trainer.reporting.run_report import write_report
 from tril.behaviours import Score
 from tril.files.artifact_store import ArtifactStore

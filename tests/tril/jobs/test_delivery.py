@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from dbos import DBOSClient
 
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Conflict
 from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
