@@ -296,9 +296,9 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
 
     def look(episode: Episode) -> None:
         if episode.frame == 0:
-            view.begin(console)
+            view.reset(console)
         else:
-            view.watch(console, episode.frame)
+            view.update(console, episode.frame)
         if episode.frame % game.FRAMES_PER_STEP == 0:
             view.observe(observations[episode.frame // game.FRAMES_PER_STEP])
 

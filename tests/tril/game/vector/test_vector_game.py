@@ -21,7 +21,7 @@ from tril.game.vector.vector_game import (
     FinishedGame,
     FixedStarts,
     GameProcessFailed,
-    StartSource,
+    ResetDistribution,
     TrainingStarts,
     VectorGame,
     VectorSnapshot,
@@ -68,7 +68,7 @@ def play(vector: VectorGame, actions: npt.NDArray[np.int64], first: Observation)
 
 
 def traced(
-    starts: StartSource,
+    starts: ResetDistribution,
     *,
     n_games: int = 3,
     n_processes: int = 2,
@@ -97,8 +97,8 @@ def test_a_vector_gives_the_trajectories_of_one_console(console: Console) -> Non
         actions = actions_of(vector, 300)
         trace = play(vector, actions, vector.reset())
         terminal = vector.step(actions[0]).terminal_observations.copy()
-        resting = vector.resting
-    assert resting.all()
+        inactive = vector.inactive
+    assert inactive.all()
     assert [one.start for one in sorted(trace.finished, key=lambda one: one.game)] == list(starts)
     for index, start in enumerate(starts):
         game.reset(start)
