@@ -73,12 +73,14 @@ def import_files(
     files: Annotated[list[Path], typer.Argument(help="Recordings: JSON or JSON Lines.")],
     behaviour: BehaviourOption,
     rank: Annotated[
-        bool, typer.Option("--rank", help="The files are in order from best to worst.")
+        bool, typer.Option("--rank", help="Rank the recordings in the files' order, best first.")
     ] = False,
-    perfect: Annotated[bool, typer.Option("--perfect", help="All are perfect games.")] = False,
+    perfect: Annotated[
+        bool, typer.Option("--perfect", help="Mark all recordings as perfect.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Add recordings; each is replayed and verified, and each refusal gives its reason."""
+    """Import recordings after verifying each by a replay."""
     refused = 0
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
@@ -103,7 +105,7 @@ def export(
     behaviour: BehaviourOption,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
 ) -> None:
-    """Write a behaviour's recordings as JSON Lines, the ranked ones first, best to worst."""
+    """Export a behaviour's recordings as JSON Lines, ranked ones first, best to worst."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         of = find_behaviour(session, behaviour)
         lines = [
@@ -119,7 +121,7 @@ def export(
 
 @app.command("verify")
 def verify_all(behaviour: BehaviourOption) -> None:
-    """Replay every recording of a behaviour and say which differ from what was recorded."""
+    """Verify every recording of a behaviour by a replay."""
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             rows = recordings.listing(session, find_behaviour(session, behaviour).id)

@@ -121,7 +121,7 @@ def test_a_changed_action_is_noticed_as_soon_as_it_changes_the_ram_at_a_hash(
     if ram_each_second(recording.actions) == ram_each_second(bytes(changed)):
         assert verify(forged, console=console).replay.ram_hashes == recording.ram_hashes
     else:
-        with pytest.raises(RecordingRefused, match="differs from what was recorded"):
+        with pytest.raises(RecordingRefused, match="differs from the recording"):
             verify(forged, console=console)
 
 
