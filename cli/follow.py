@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+import typer
 from rich.progress import (
     BarColumn,
     Progress,
@@ -165,12 +166,18 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
             time.sleep(POLL_S)
 
 
-def report_outcome(row: RunRow) -> bool:
-    """Print the outcome of a run that is not done; return whether it is done."""
-    if row.status == RunStatus.DONE:
-        return True
-    errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
-    return False
+def follow_to_end(workspace: Workspace, run_id: str) -> RunRow:
+    """Follow a run with a standby worker; print its outcome and exit unless it is done.
+
+    Raises:
+        typer.Exit: The run was cancelled, stopped or failed.
+    """
+    with standby_worker(workspace) as worker:
+        row = follow(workspace, run_id, worker)
+    if row.status != RunStatus.DONE:
+        errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
+        raise typer.Exit(1)
+    return row
 
 
 def duration(seconds: float) -> str:

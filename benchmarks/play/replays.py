@@ -30,7 +30,7 @@ from tril.demonstrator.error_model import HUMAN
 from tril.demonstrator.human_like import HumanLikePlayer
 from tril.demonstrator.plans import draw_hits
 from tril.demonstrator.player import PlayStyle
-from tril.exchange.formats import dump_recording, load_recording
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start

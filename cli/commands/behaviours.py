@@ -15,7 +15,7 @@ from cli.workspace import find_behaviour, open_workspace
 from tril.behaviours import Cell
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
-from tril.exchange.formats import BehaviourRefused
+from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
 from tril.store import behaviours
 

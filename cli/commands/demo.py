@@ -16,7 +16,7 @@ from cli.commands.runs import (
     print_results,
     start_run,
 )
-from cli.follow import follow, report_outcome, standby_worker
+from cli.follow import follow_to_end
 from cli.output import console, errors
 from cli.workspace import open_workspace
 from tril.demonstrator import KINDS, SCRIPTED
@@ -53,10 +53,7 @@ def demo(
             example=True,
             example_kind=demonstrations,
         )
-        with standby_worker(workspace) as worker:
-            row = follow(workspace, run_id, worker)
-        if not report_outcome(row):
-            raise typer.Exit(1)
+        row = follow_to_end(workspace, run_id)
         folder = output or workspace.settings.data / "results" / run_id
         store = ArtifactStore(workspace.settings.artifact_root)
         page = write_report(workspace.database, store, run_id, folder)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from cli.follow import duration, follow, report_outcome, standby_worker
+from cli.follow import duration, follow_to_end
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
 from tril.analysis.summary import PolicySummary
@@ -100,10 +100,7 @@ def train(
         if not wait:
             console.print(run_id)
             return
-        with standby_worker(workspace) as worker:
-            row = follow(workspace, run_id, worker)
-        if not report_outcome(row):
-            raise typer.Exit(1)
+        row = follow_to_end(workspace, run_id)
         print_results(workspace, row)
 
 

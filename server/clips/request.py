@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from enum import StrEnum
 
-from tril.exchange.formats import dump_recording, load_recording
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.recording import Recording
 
 

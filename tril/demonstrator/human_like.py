@@ -14,7 +14,7 @@ import numpy as np
 
 from tril.behaviours import Cell
 from tril.demonstrator.error_model import ErrorModel
-from tril.demonstrator.player import PlayStyle, column_centre, draw_times
+from tril.demonstrator.player import PlayStyle, column_centre, draw_times, rest, towards
 from tril.game import space_invaders as game
 from tril.game.aliens import missile_in_air
 from tril.game.episode import Episode
@@ -172,12 +172,12 @@ class HumanLikePlayer:
         if at is None:
             return self._stroll(seen, place, wait_steps=1)
         if self._is_under_fire(at - game.MISSILE_OFFSET, seen):
-            return _rest(1)
+            return rest(1)
         if frame < self._settled_at + self._error_model.reaction_frames:
-            return _rest(1)  # Where it came to stand is not visible yet.
+            return rest(1)  # Where it came to stand is not visible yet.
         if abs(seen.player_x + game.MISSILE_OFFSET - at) > _LOOKS_RIGHT_PX:
             return self._approach(seen, at)
-        return _rest(1) if in_flight else self._fire()
+        return rest(1) if in_flight else self._fire()
 
     def _left(self, seen: ScreenState) -> list[Cell]:
         """Return the remaining aliens to hit."""
@@ -199,7 +199,7 @@ class HumanLikePlayer:
         n_held = round(n_frames + self._rng.normal(0, self._error_model.key_error_frames))
         if n_frames < 1 or n_held < 1:
             return []
-        return [int(Action.RIGHT if way > 0 else Action.LEFT)] * n_held
+        return [towards(way)] * n_held
 
     def _stroll(self, seen: ScreenState, place: float, wait_steps: float) -> Sequence[int]:
         """Return a walk near a place and a rest."""
@@ -207,9 +207,9 @@ class HumanLikePlayer:
         goal = float(np.clip(goal, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
         n_rest = FRAMES_PER_STEP * (1 + int(self._rng.poisson(wait_steps)))
         if self._is_under_fire(goal, seen):
-            return _rest(n_rest)
+            return rest(n_rest)
         way = self._way(seen, goal)[:_MAX_STROLL_FRAMES]
-        return [*way, *_rest(n_rest)]
+        return [*way, *rest(n_rest)]
 
     # Bombs
 
@@ -263,7 +263,7 @@ class HumanLikePlayer:
             fire = Action.RIGHTFIRE if way[0] == Action.RIGHT else Action.LEFTFIRE
             for frame in range(slip, min(slip + _FIRE_FRAMES[0], len(way))):
                 way[frame] = int(fire)
-        return way or _rest(1)
+        return way or rest(1)
 
     def _fire(self) -> Sequence[int]:
         self._aim_error = None
@@ -287,10 +287,6 @@ class HumanLikePlayer:
         drift = (seen.columns[0] - self._watched[0].columns[0]) / len(self._watched)
         flight = _FLIGHT_FRAMES + _FLIGHT_FRAMES_PER_ROW * cell[0]
         return drift * (self._error_model.reaction_frames + flight)
-
-
-def _rest(n_frames: int) -> list[int]:
-    return [int(Action.NOOP)] * n_frames
 
 
 def _falls_on(bomb_x: int, x: float) -> bool:

@@ -172,11 +172,11 @@ class Planner:
         dodges = [[int(side)] * n_steps for n_steps in _DODGES for side in _SIDES]
         self._rng.shuffle(dodges)
         dodges.sort(key=len)
-        wish = [_towards(way)] * n_walk + _rest(n_rest)
+        wish = [towards(way)] * n_walk + rest(n_rest)
         before = self._episode.save()
-        latest, best = -1, _rest(1)
-        for actions in (wish, _rest(1), *dodges):
-            hit_at = self._hit_at([*actions, *_rest(_TAIL_STEPS)])
+        latest, best = -1, rest(1)
+        for actions in (wish, rest(1), *dodges):
+            hit_at = self._hit_at([*actions, *rest(_TAIL_STEPS)])
             self._episode.restore(before)
             if hit_at is None:
                 return actions
@@ -223,7 +223,7 @@ class Planner:
         if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
             way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
-                asides.insert(0, [_towards(way)] * round(abs(way) / _PX_PER_STEP))
+                asides.insert(0, [towards(way)] * round(abs(way) / _PX_PER_STEP))
         return asides
 
     def _ways_to(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
@@ -232,7 +232,7 @@ class Planner:
         offset = column_centre(self._episode, cell[1]) - _missile_x(self._episode)
         found: list[tuple[float, list[int], EpisodeState]] = []
         for action in (int(Action.RIGHT), int(Action.LEFT)):
-            if abs(offset) > _REACH_PX and action != _towards(offset):
+            if abs(offset) > _REACH_PX and action != towards(offset):
                 continue
             self._episode.restore(before)
             n_waited = 0
@@ -243,7 +243,7 @@ class Planner:
                 if abs(distance) <= _REACH_PX and ready:
                     cost = abs(distance - aim) + n_steps * _PX_PER_STEP_OF_DELAY
                     found.append((cost, [action] * n_steps, self._episode.save()))
-                elif abs(distance) > _REACH_PX and action == _towards(distance):
+                elif abs(distance) > _REACH_PX and action == towards(distance):
                     break
                 self._play_on([action])
                 n_waited += _missile_x(self._episode) == x
@@ -268,18 +268,19 @@ class Planner:
             actions.append(next(walk, int(Action.NOOP)))
             self._play_on(actions[-1:])
         new = [(hit.row, hit.column) for hit in self._episode.hits[n_hits:]]
-        if new != [cell] or self._hit_at([*walk, *_rest(_TAIL_STEPS)]) is not None:
+        if new != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
             return None
         return actions
 
 
-def _towards(way: float) -> int:
+def towards(way: float) -> int:
     """Return the action that walks this way, positive being right."""
     return int(Action.RIGHT if way > 0 else Action.LEFT)
 
 
-def _rest(n_steps: int) -> list[int]:
-    return [int(Action.NOOP)] * n_steps
+def rest(n: int) -> list[int]:
+    """Return n actions without a key."""
+    return [int(Action.NOOP)] * n
 
 
 def _player_x(episode: Episode) -> int:

@@ -3,7 +3,8 @@
 import json
 import sys
 
-from tril.exchange.formats import behaviour_schema, recording_schema
+from tril.exchange.formats.behaviour_file import behaviour_schema
+from tril.exchange.formats.recording_object import recording_schema
 
 SCHEMAS = {"recording": recording_schema, "behaviour": behaviour_schema}
 

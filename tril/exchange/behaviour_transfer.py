@@ -11,17 +11,16 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from tril.behaviours import Cell
-from tril.exchange.formats import (
+from tril.exchange.formats.behaviour_file import (
     BEHAVIOUR_FORMAT,
     BEHAVIOUR_VERSION,
     BehaviourObject,
     BehaviourRefused,
-    ImportedRecording,
     NumberedRecording,
     RevisionObject,
-    load_recording,
     parse_behaviour,
 )
+from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.exchange.recording_transfer import dump_row
 from tril.game.console import Console
 from tril.game.space_invaders import GAME

@@ -9,7 +9,7 @@ import numpy as np
 
 from tril.behaviours import BUILT_IN
 from tril.demonstrator import N_PERFECT, Demonstration, make_example
-from tril.exchange.formats import dump_recording
+from tril.exchange.formats.recording_file import dump_recording
 
 
 def demonstration_object(demonstration: Demonstration, tier: int | None = None) -> dict[str, Any]:

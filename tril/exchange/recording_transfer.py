@@ -9,13 +9,12 @@ from typing import Any, BinaryIO
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid
-from tril.exchange.formats import (
-    MAX_OBJECTS,
+from tril.exchange.formats.jsonl import MAX_OBJECTS, read_lines
+from tril.exchange.formats.recording_file import (
     ImportedRecording,
     dump_recording,
     load_recording,
     ranking_of,
-    read_lines,
 )
 from tril.game.console import Console
 from tril.game.episode import EndReason

@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 
 from testsupport.workplace import Workplace, make_workplace
 from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
-from tril.exchange.formats import BehaviourRefused, behaviour_schema
+from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_schema
 from tril.store import behaviours, players, rankings, recordings
 from tril.store.models import RecordingRow, Verification
 

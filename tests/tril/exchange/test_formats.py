@@ -16,16 +16,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from tril.exchange.formats import (
+from tril.exchange.formats.jsonl import read_lines
+from tril.exchange.formats.recording_file import (
     ImportedRecording,
     dump_recording,
     load_recording,
-    parse_recording,
     ranking_of,
-    read_lines,
-    recording_schema,
 )
-from tril.exchange.formats.recording_object import Source
+from tril.exchange.formats.recording_object import Source, parse_recording, recording_schema
 from tril.game.console import Console
 from tril.game.episode import EndReason, Episode, Start, evaluation_start
 from tril.game.space_invaders import Action, rom_md5
