@@ -144,13 +144,13 @@ def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_js
             {
                 "file": str(path),
                 "imported": outcome.recording_ids,
-                "notices": [asdict(remark) for remark in outcome.notices],
-                "refusals": [asdict(remark) for remark in outcome.refusals],
+                "notices": [asdict(message) for message in outcome.notices],
+                "refusals": [asdict(message) for message in outcome.refusals],
             }
         )
         return
     console.print(f"{path}: {len(outcome.recording_ids)} imported")
-    for remark in outcome.notices:
-        console.print(f"  line {remark.line}: {remark.reason}")
-    for remark in outcome.refusals:
-        errors.print(f"  [red]line {remark.line} refused:[/] {remark.reason}")
+    for message in outcome.notices:
+        console.print(f"  line {message.line}: {message.reason}")
+    for message in outcome.refusals:
+        errors.print(f"  [red]line {message.line} refused:[/] {message.reason}")

@@ -48,7 +48,7 @@ def test_recordings_are_imported_in_order_and_exported_again(three: Path, tmp_pa
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_what_is_missing_for_a_training_is_said() -> None:
+def test_a_training_without_a_ranking_is_refused() -> None:
     output = _run("train", "column-3", status=1)
     assert "at least two tiers" in output
 
@@ -72,9 +72,7 @@ def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_a_behaviour_goes_into_a_file_and_comes_back_as_another(
-    three: Path, tmp_path: Path
-) -> None:
+def test_an_exported_behaviour_is_imported_as_a_new_one(three: Path, tmp_path: Path) -> None:
     _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
     file = tmp_path / "column-1.tril.json"
     output = _run("behaviours", "export", "column-1", "-o", str(file))
@@ -144,7 +142,7 @@ def test_results_are_made_from_examples_that_are_not_lost(
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path: Path) -> None:
+def test_only_the_unchanged_fast_recipe_has_ablations(tmp_path: Path) -> None:
     for change in (["--recipe", "paper"], ["--set", "policy.n_epochs=9"]):
         output = _run("reproduce", "--ablation", *change, "-o", str(tmp_path), status=1)
         assert "known of the recipe fast alone" in output

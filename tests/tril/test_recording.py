@@ -177,7 +177,7 @@ def test_an_episode_under_way_is_not_recorded_from_the_middle(console: Console) 
 
 
 @pytest.mark.parametrize("extra", [1, 59, 60, 500])
-def test_what_follows_the_hit_on_the_player_is_cut(
+def test_actions_after_the_hit_on_the_player_are_cut(
     console: Console, hit_game: Recording, extra: int
 ) -> None:
     actions = hit_game.actions + bytes(extra)

@@ -114,7 +114,7 @@ def test_drawn_hits_can_be_shot_in_their_order(
             assert {(below, column) for below in range(row)} <= set(hits[:n])
 
 
-def test_a_plans_rule_says_what_breaks_it() -> None:
+def test_a_violated_rule_is_explained() -> None:
     column_1 = example_plans(BY_SLUG["column-1"])
     column = [(row, 0) for row in range(6)]
     assert rule_violation(column_1[0], column) is None
@@ -259,7 +259,7 @@ def test_an_example_can_be_stopped_between_two_demonstrations() -> None:
     assert multiprocessing.active_children() == []
 
 
-def test_a_game_that_does_not_come_off_says_why() -> None:
+def test_a_failed_demonstration_is_explained() -> None:
     twice = ((0, 0), (0, 0))
     impossible = DemonstrationPlan(1, "One alien twice", frozenset(twice), 2, 2, sequence=twice)
     with pytest.raises(DemonstrationFailed, match="hits 1 aliens instead of 2"):

@@ -69,7 +69,7 @@ def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_
     database.close()
 
 
-def test_it_is_one_state_however_much_is_written_meanwhile(
+def test_the_copy_is_consistent_while_writers_are_active(
     workplace: Workplace, tmp_path: Path
 ) -> None:
     stop, written = threading.Event(), threading.Event()
@@ -106,9 +106,7 @@ def test_it_is_one_state_however_much_is_written_meanwhile(
     assert finished == [True], "no write was refused"
 
 
-def test_what_can_be_made_again_and_what_is_secret_stays_behind(
-    workplace: Workplace, tmp_path: Path
-) -> None:
+def test_caches_and_secrets_are_not_backed_up(workplace: Workplace, tmp_path: Path) -> None:
     data = workplace.settings.data
     (data / "cache").mkdir()
     (data / "cache" / "a.frames").write_bytes(b"x")
@@ -139,7 +137,7 @@ def test_a_changed_or_missing_file_is_found(
         check_backup(made.folder)
 
 
-def test_what_is_no_backup_is_said(tmp_path: Path) -> None:
+def test_a_folder_that_is_not_a_backup_is_refused(tmp_path: Path) -> None:
     with pytest.raises(BackupDamaged, match="not a Tril backup"):
         check_backup(tmp_path)
     manifest = tmp_path / "manifest.json"
@@ -212,7 +210,7 @@ def test_nothing_is_overwritten(workplace: Workplace, tmp_path: Path) -> None:
     make_backup(workplace.settings, tmp_path / "empty")
 
 
-def test_too_little_room_is_said_before(
+def test_too_little_space_is_reported_before_copying(
     workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(backup, "free_bytes", lambda _folder: 10)

@@ -69,7 +69,7 @@ def renumbered(file: File) -> File:
     return changed
 
 
-def test_what_is_imported_elsewhere_and_exported_again_is_the_same_file(
+def test_an_imported_behaviour_exports_to_the_same_file(
     origin: Workplace, other: Workplace
 ) -> None:
     file = exported(origin)
@@ -86,7 +86,7 @@ def test_what_is_imported_elsewhere_and_exported_again_is_the_same_file(
         assert len(recordings.listing(session, other.behaviour_id)) == 4
 
 
-def test_undo_goes_on_from_where_it_was(origin: Workplace, other: Workplace) -> None:
+def test_the_undo_history_is_preserved(origin: Workplace, other: Workplace) -> None:
     slug = import_behaviour(other.database, json.dumps(exported(origin)).encode()).slug
     with other.database.writing() as session:
         behaviour = behaviours.by_slug(session, slug)
@@ -96,9 +96,7 @@ def test_undo_goes_on_from_where_it_was(origin: Workplace, other: Workplace) -> 
     assert sizes == [2, 1], "the tie is back, without the deleted recording"
 
 
-def test_a_behaviour_that_comes_ready_takes_it_where_it_is_empty(
-    origin: Workplace, other: Workplace
-) -> None:
+def test_an_empty_built_in_behaviour_is_filled(origin: Workplace, other: Workplace) -> None:
     file = exported(origin) | {
         "slug": "column-2",
         "name": "Column 2",
@@ -113,7 +111,7 @@ def test_a_behaviour_that_comes_ready_takes_it_where_it_is_empty(
     assert (third.slug, third.was_there) == ("of-a-colleague", False)
 
 
-def test_what_is_not_verified_is_left_out_everywhere_and_said(origin: Workplace) -> None:
+def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> None:
     best = origin.ranked[0]
     with origin.database.writing() as session:
         session.get_one(RecordingRow, best).verification = Verification.FAILED
@@ -126,7 +124,7 @@ def test_what_is_not_verified_is_left_out_everywhere_and_said(origin: Workplace)
     import_behaviour(origin.database, json.dumps(content).encode())
 
 
-def test_the_published_schema_is_the_codes_and_fits_what_is_written(origin: Workplace) -> None:
+def test_the_published_schema_is_current_and_accepts_exports(origin: Workplace) -> None:
     assert json.loads(SCHEMA_FILE.read_text()) == behaviour_schema(), (
         "Regenerate it: python -m tril.exchange behaviour > docs/behaviour-format.schema.json"
     )

@@ -84,7 +84,7 @@ def _refusal(content: object, console: Console) -> str:
 # Form: the schema and the code
 
 
-def test_the_published_schema_is_the_codes() -> None:
+def test_the_published_schema_is_current() -> None:
     assert json.loads(SCHEMA_FILE.read_text()) == recording_schema(), (
         "Regenerate it: python -m tril.exchange > docs/exchange-format.schema.json"
     )
@@ -187,7 +187,7 @@ def test_the_sources_are_those_of_the_library() -> None:
 # Content: replayed
 
 
-def test_a_recording_comes_back_as_it_went(
+def test_a_recording_survives_the_round_trip(
     console: Console, played: Recorder, content: dict[str, Any]
 ) -> None:
     through_json = json.loads(json.dumps(content, allow_nan=False))
@@ -218,7 +218,7 @@ def test_numbers_in_the_conditions_stay_as_they_are(
     st.builds(Start, st.integers(0, 127), difficulty=st.integers(0, 1)),
     st.lists(st.sampled_from(Action), min_size=1, max_size=20),
 )
-def test_any_short_game_comes_back_as_it_went(
+def test_any_short_game_survives_the_round_trip(
     console: Console, start: Start, steps: list[Action]
 ) -> None:
     recorder = Recorder(Episode(console, start))
@@ -252,7 +252,7 @@ def test_an_evaluation_start_is_accepted(console: Console) -> None:
     assert load_recording(dump_recording(recording), console).recording.start == evaluation_start(0)
 
 
-def test_what_follows_the_hit_is_cut_with_a_notice(
+def test_actions_after_the_hit_are_cut_with_a_notice(
     console: Console, played: Recorder, content: dict[str, Any]
 ) -> None:
     content["actions"] = base64.b64encode(played.episode.actions + bytes(130)).decode()
@@ -266,7 +266,7 @@ def test_what_follows_the_hit_is_cut_with_a_notice(
     )
 
 
-def test_what_follows_300_steps_is_cut_with_a_notice(console: Console) -> None:
+def test_actions_after_300_steps_are_cut_with_a_notice(console: Console) -> None:
     content = json.loads(DEMONSTRATIONS.read_text().splitlines()[6])
     actions = base64.b64decode(content["actions"])
     assert len(actions) == 1200
@@ -443,7 +443,7 @@ def test_one_broken_object_over_several_lines_is_one_refusal() -> None:
 
 
 @pytest.mark.parametrize("file", ["", "\n \n"])
-def test_an_empty_file_says_so(file: str) -> None:
+def test_an_empty_file_is_refused(file: str) -> None:
     assert _read(file) == [(1, None, "The file has no recordings.")]
 
 

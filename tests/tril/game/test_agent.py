@@ -28,7 +28,7 @@ def test_a_game_lasts_at_most_300_steps(console: Console) -> None:
         game.step(0)
 
 
-def test_a_game_that_has_not_begun_says_so(console: Console) -> None:
+def test_a_game_that_has_not_begun_can_not_be_stepped(console: Console) -> None:
     with pytest.raises(RuntimeError, match="call reset"):
         AgentGame(console).step(0)
 

@@ -174,7 +174,7 @@ def test_a_restored_view_goes_on_from_any_frame_of_a_step(console: Console, fram
     np.testing.assert_array_equal(advance(actions[frame:]), expected)
 
 
-def test_games_that_are_seen_together_are_seen_as_if_alone() -> None:
+def test_batched_views_equal_single_views() -> None:
     """Also where some of them end, begin anew, are restored or stand still."""
     count = 4
     together = [AgentGame(Console(), view=view) for view in AgentViews(count)]

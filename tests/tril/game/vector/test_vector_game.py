@@ -226,7 +226,7 @@ def test_a_snapshot_of_another_number_of_games_is_refused() -> None:
             vector.restore(VectorSnapshot(snapshot.games[:1]))
 
 
-def test_wrong_use_is_refused_and_changes_nothing() -> None:
+def test_invalid_calls_are_refused_without_effect() -> None:
     with pytest.raises(ValueError, match="at least one game"):
         VectorGame(0, TrainingStarts(), training_seed=0)
     with pytest.raises(ValueError, match="2 starts, one per game, got 1"):
