@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from starlette.testclient import TestClient
 
-from server.api.recordings import MAX_IMPORTED
+from server.api.imports import MAX_IMPORTED
 from server.play.wire.codec import FrameDecoder
 from server.play.wire.frames_file import read_frames_file
 from testsupport.workplace import FRAMES, Workplace

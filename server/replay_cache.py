@@ -1,4 +1,4 @@
-"""What is derived from recordings by replay, cached."""
+"""Files derived from recordings by replay, cached on disk."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tril.files.cache import Cache
 from tril.recording import Recording
 
 _FORMAT = 1
-"""Raised with every change of what is made of a recording, so that old files are left alone."""
+"""Raised whenever the files change, so that cached ones of an earlier version are not used."""
 
 
 def version_of(recording: Recording) -> str:
@@ -23,13 +23,13 @@ def version_of(recording: Recording) -> str:
     return digest.hexdigest()
 
 
-class Derived:
-    """Frames, thumbnails, memory and clips of recordings; safe to call from several threads.
+class ReplayCache:
+    """Frames, thumbnails, memory and clips of recordings; thread-safe.
 
     Args:
-        cache: Where they are kept.
-        replays: What replays recordings.
-        clips: What makes clips.
+        cache: Where the files are kept.
+        replays: The process that replays recordings.
+        clips: Makes clips.
     """
 
     def __init__(
@@ -39,28 +39,18 @@ class Derived:
         self._replays = replays
         self._clips = clips or ClipMaker()
         # One at a time, so that the check of a game that ends waits for one at most.
-        self._turn = threading.Lock()
+        self._lock = threading.Lock()
 
-    def frames(self, recording: Recording) -> bytes:
-        """Return every frame of a recording, as docs/protocol.md describes."""
-        return self._made(recording, Wanted.FRAMES)
+    def get(self, recording: Recording, wanted: Wanted) -> bytes:
+        """Return what a replay yields, replaying the recording unless the file is cached."""
 
-    def thumbnail(self, recording: Recording) -> bytes:
-        """Return a PNG of a recording."""
-        return self._made(recording, Wanted.THUMBNAIL)
+        def replay() -> bytes:
+            with self._lock:
+                return self._replays.submit(wanted, recording).result()
 
-    def memory(self, recording: Recording) -> bytes:
-        """Return the RAM at the start and after every frame, 128 bytes each."""
-        return self._made(recording, Wanted.MEMORY)
+        return self._cache.get(f"{version_of(recording)}.{wanted}", replay)
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""
         name = f"{version_of(recording)}.{kind}"
         return self._cache.get(name, lambda: self._clips.make(recording, kind))
-
-    def _made(self, recording: Recording, wanted: Wanted) -> bytes:
-        def in_turn() -> bytes:
-            with self._turn:
-                return self._replays.submit(wanted, recording).result()
-
-        return self._cache.get(f"{version_of(recording)}.{wanted}", in_turn)

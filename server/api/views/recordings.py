@@ -1,4 +1,4 @@
-"""Rows to what goes over HTTP, for the things that several resources show."""
+"""Recordings as several resources show them."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from server.api.schemas import Branch, Hit, Latency, Recording
-from server.derived import version_of
+from server.api.schemas.recordings import Branch, Hit, Recording
 from server.play.conditions import PlayConditions
+from server.replay_cache import version_of
 from tril.behaviours import Behaviour, score
 from tril.game.episode import evaluation_number
 from tril.game.space_invaders import COLUMNS
@@ -18,17 +18,17 @@ from tril.store.recordings import as_recording, hits_of
 
 
 def parent_of(row: RecordingRow) -> Branch | None:
-    """Show which recording this one goes on from."""
+    """Show the recording that this one continues."""
     if row.parent_id is None or row.parent_frame is None:
         return None
     return Branch(recording_id=row.parent_id, frame=row.parent_frame)
 
 
 class RecordingViews:
-    """Shows recordings, asking the database once for what they share.
+    """Shows recordings; what they share is queried once.
 
     Args:
-        session: The transaction to ask in.
+        session: The transaction.
     """
 
     def __init__(self, session: Session) -> None:
@@ -38,7 +38,7 @@ class RecordingViews:
         self._ranked: dict[int, frozenset[int]] = {}
 
     def all(self, rows: Iterable[RecordingRow]) -> list[Recording]:
-        """Show recordings in the order given."""
+        """Show recordings in the given order."""
         return [self.one(row) for row in rows]
 
     def one(self, row: RecordingRow) -> Recording:
@@ -47,59 +47,35 @@ class RecordingViews:
         hits = hits_of(row)
         cells = tuple((hit.row, hit.column) for hit in hits)
         found = score(behaviour, cells)
-        target = None if behaviour.target is None else set(behaviour.target)
         recording = as_recording(row)
         version = version_of(recording)
         conditions = PlayConditions.from_conditions(row.conditions)
-        return Recording(
-            id=row.id,
-            behaviour_id=row.behaviour_id,
-            run_id=row.run_id,
-            source=row.source,
-            player=None if row.player_id is None else self._names.get(row.player_id),
-            state=row.state,
-            verification=row.verification,
-            verification_note=row.verification_note,
-            idle_frames=row.idle_frames,
+        played = row.n_frames
+        return Recording.of(
+            row,
+            player=self._names.get(row.player_id or 0),
             evaluation_start=evaluation_number(recording.start),
-            n_frames=row.n_frames,
             n_steps=recording.n_steps,
-            end=row.end,
             hits=[
-                Hit(
-                    row=hit.row,
-                    column=hit.column,
-                    frame=hit.frame,
-                    on_target=None if target is None else (hit.row, hit.column) in target,
-                )
-                for hit in hits
+                Hit.of(hit, on_target=behaviour.target and cell in behaviour.target)
+                for hit, cell in zip(hits, cells, strict=True)
             ],
-            hits_per_column=[
-                sum(column == hit_column for _, hit_column in cells) for column in range(COLUMNS)
-            ],
+            hits_per_column=[sum(column == at for _, at in cells) for column in range(COLUMNS)],
             targets=None if found is None else found.targets,
             strays=None if found is None else found.strays,
             order_errors=None if found is None else found.order_errors,
-            shots=row.shots,
-            latency=None
-            if conditions is None
-            else Latency.model_validate(conditions.latency(row.n_frames)),
-            slowest_percent=None
-            if conditions is None
-            else conditions.slowest_percent(row.n_frames),
+            latency=None if conditions is None else conditions.latency(played),
+            slowest_percent=None if conditions is None else conditions.slowest_percent(played),
             single_steps=None if conditions is None else len(conditions.single_steps),
             parent=parent_of(row),
-            perfect=row.perfect,
-            notes=row.notes,
             ranked=row.id in self._ranked_of(row.behaviour_id),
             thumbnail_url=f"/api/recordings/{row.id}/thumbnail.png?v={version}",
             frames_url=f"/api/recordings/{row.id}/frames?v={version}",
-            created_at=row.created_at,
             deleted=row.deleted_at is not None,
         )
 
     def _behaviour(self, behaviour_id: int) -> Behaviour:
-        # A deleted behaviour's recordings are still results of its trainings.
+        # The recordings of a deleted behaviour remain results of its trainings.
         if behaviour_id not in self._behaviours:
             row = self._session.get_one(BehaviourRow, behaviour_id)
             self._behaviours[behaviour_id] = behaviours.as_behaviour(row)

@@ -1,4 +1,4 @@
-"""Where the cannon of a recording stood in every frame, to be drawn over another game. Pure."""
+"""The cannon's position in every frame of a recording."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from tril.game import space_invaders as game
 
 @dataclass(frozen=True)
 class CannonTrack:
-    """A cannon's way through a recording, in pixels of the screen.
+    """The cannon's rectangle through a recording, in pixels of the screen.
 
     Attributes:
-        lefts: Its left edge on the start's screen and on that of every frame.
+        lefts: Its left edge at the start and after every frame.
         top: Its top edge.
         width: Its width.
         height: Its height.
@@ -27,11 +27,11 @@ class CannonTrack:
 
 
 def cannon_track(memory: bytes, difficulty: int) -> CannonTrack:
-    """Follow the cannon of a recording.
+    """Read the cannon's track off a recording's memory.
 
     Args:
-        memory: The RAM at the start and after every frame, see memory_file.
-        difficulty: The recording's; the cannon is twice as wide in the second.
+        memory: The RAM at the start and after every frame, 128 bytes each.
+        difficulty: The recording's; in difficulty 1 the cannon is twice as wide.
     """
     offset, width = game.CANNON_EDGES[difficulty]
     rows = np.frombuffer(memory, np.uint8).reshape(-1, game.RAM_SIZE)

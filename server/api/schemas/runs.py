@@ -7,7 +7,8 @@ from typing import Any, Literal
 
 from pydantic import Field, StrictBool
 
-from server.api.schemas import Id, Recording, Schema
+from server.api.schemas.base import Id, Schema
+from server.api.schemas.recordings import Recording
 from tril.analysis.extrapolation import Player
 from tril.store.training.evaluations import ActionSelection
 

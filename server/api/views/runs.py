@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from server.api.run_schemas import Headline, Run
+from server.api.schemas.runs import Headline, Run
 from tril.jobs import overall_progress, stages_of
 from tril.store.models import BehaviourRow, RunRow
 from tril.store.processes import is_fresh

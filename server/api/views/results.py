@@ -7,7 +7,8 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from server.api.run_schemas import (
+from server.api.schemas.recordings import Recording
+from server.api.schemas.runs import (
     Artifact,
     AttentionMap,
     ComparisonRow,
@@ -21,9 +22,8 @@ from server.api.run_schemas import (
     RewardAlarm,
     RunResults,
 )
-from server.api.run_views import run_view
-from server.api.schemas import Recording
-from server.api.views import RecordingViews
+from server.api.views.recordings import RecordingViews
+from server.api.views.runs import run_view
 from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
 from tril.store import recordings
