@@ -28,7 +28,7 @@ from trainer.reporting.results_page import write_page
 from trainer.reporting.run_entry import read_entry
 from trainer.reward.model import RewardModel, predicted_return
 from tril.exchange.backup import check_backup, make_backup
-from tril.exchange.behaviour_transfer import import_whole
+from tril.exchange.behaviour_transfer import import_behaviour
 from tril.exchange.recording_transfer import import_recordings
 from tril.game.console import Console
 from tril.jobs import Jobs, prepare_queue
@@ -428,7 +428,7 @@ def test_a_backup_is_whole_and_can_be_worked_on(folders: Path, tmp_path: Path) -
 
 def test_a_behaviours_file_is_imported_with_its_history(workplace: Workplace) -> None:
     content = (FILES / f"{EXPORTED}.tril.json").read_bytes()
-    outcome = import_whole(workplace.database, content)
+    outcome = import_behaviour(workplace.database, content)
     assert (outcome.slug, outcome.was_there) == (EXPORTED, False)
     assert (outcome.n_recordings, outcome.n_revisions, outcome.notices) == (19, 8, [])
     with workplace.database.writing() as session:
