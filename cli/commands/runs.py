@@ -59,12 +59,11 @@ def start_run(
 
 def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
     """A recipe with values such as ``policy.learning_rate=0.001`` replaced."""
-    changes: dict[str, Any] = {}
+    changes: dict[str, str] = {}
     for entry in values or []:
-        path, equals, text = entry.partition("=")
+        path, equals, changes[path] = entry.partition("=")
         if not equals:
             raise Invalid(f"Expected NAME=VALUE such as policy.n_epochs=4, got {entry!r}.")
-        changes[path] = _value(text)
     return with_values(recipe_named(name), changes)
 
 
@@ -213,17 +212,3 @@ def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
         )
         table.add_row(policy, action_selection, str(one.steps.n), *cells)
     console.print(table)
-
-
-def _value(text: str) -> Any:
-    """Read a value: true or false, a number, numbers with commas between, or a word."""
-    if "," in text:
-        return tuple(_value(part) for part in text.split(",") if part)
-    if text in {"true", "false"}:
-        return text == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text

@@ -203,7 +203,7 @@ def _cross_validate(
     n_folds = min(recipe.folds, len(ranked))
     if n_folds < 2:
         return []
-    comparisons = replace(comparisons, recipe=recipe.of_a_fold)
+    comparisons = replace(comparisons, recipe=recipe.of_fold)
     # Spread over the ranks, so that each fold leaves out good and bad ones.
     fold_of = {i: place % n_folds for place, i in enumerate(ranked)}
     compared: list[Comparison] = []
