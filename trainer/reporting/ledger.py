@@ -15,6 +15,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from tril.analysis.outcome import ImitatorOutcome
 from tril.analysis.summary import GameFigures, PolicySummary, summarise
 from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
@@ -245,19 +246,15 @@ def read_entry(database: Database, run_id: str) -> Entry:
         run = runs.get(session, run_id)
         if run.finished_at is None:
             raise Invalid(f"Run {run_id} is {run.status}; only a finished one is a result.")
-        tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
+        tiers = run.snapshot.tiers if run.snapshot else []
         shown = recordings.by_ids(session, [number for tier in tiers for number in tier])
-        check = run.outcome.get("check") or {}
-        returns = {int(k): float(v) for k, v in check.get("predicted_returns", {}).items()}
+        check = run.outcome.check
+        returns = check.predicted_returns if check else {}
         return Entry(
             cell=read_cell(session, run),
             finished_at=run.finished_at.isoformat(timespec="seconds"),
             seconds={name: round(s, 1) for name, s in run.finished_stages.items()},
-            check={
-                name: check.get(name)
-                for name in ("tau", "pair_accuracy", "held_out_accuracy")
-                if name in check
-            },
+            check=check.figures if check else {},
             demonstrations=tuple(
                 LedgerDemonstration(rank, _cells(shown[number].hits), round(returns[number], 2))
                 for rank, tier in enumerate(tiers, start=1)
@@ -287,8 +284,9 @@ def _changes(recipe: Recipe) -> dict[str, Any]:
 
 
 def _learned_with(run: RunRow) -> dict[str, str]:
-    imitator = run.outcome.get("imitator", {})
-    return {name: imitator[name] for name in (PRECISION, DEVICE) if imitator.get(name)}
+    imitator = run.outcome.imitator or ImitatorOutcome()
+    learned = {PRECISION: imitator.precision, DEVICE: imitator.device}
+    return {name: value for name, value in learned.items() if value}
 
 
 def _cells(hits: Iterable[Sequence[int]]) -> tuple[tuple[int, int], ...]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.reporting.figures import (
@@ -24,6 +23,7 @@ from trainer.reporting.reward_report import (
     warning_lines,
 )
 from tril.analysis.extrapolation import JudgedGames
+from tril.analysis.outcome import AttentionState, RunOutcome
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.summary import Interval, PolicySummary, winner
 from tril.behaviours import Behaviour, Cell, score
@@ -38,8 +38,6 @@ from tril.store.training.alarms import alarm_of
 from tril.store.training.evaluations import POLICIES
 from tril.store.training.metrics import Series
 from tril.store.training.returns import judged_games
-
-STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
 def _facts(database: Database, run_id: str) -> _Facts:
     with database.reading() as session:
         run = runs.get(session, run_id)
-        tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
+        tiers = run.snapshot.tiers if run.snapshot else []
         _, curves = metrics.series(session, run_id)
         games = evaluations.listing(session, run_id)
         return _Facts(
@@ -119,26 +117,26 @@ def _facts(database: Database, run_id: str) -> _Facts:
         )
 
 
-def describe_example(outcome: Mapping[str, Any]) -> str:
+def describe_example(outcome: RunOutcome) -> str:
     """Say of what kind a run's demonstrations are, and how right their ranking is.
 
     Args:
-        outcome: The run's; see RunRow.
+        outcome: The run's.
 
     Returns:
         A sentence or two; nothing for the ordinary example and for a person's demonstrations.
     """
-    example = outcome.get("example")
+    example = outcome.example
     if example is None:
         return ""
-    n_wrong = len(example["mistakes"])
+    n_wrong = len(example.mistakes)
     order = (
-        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example['tau']:.2f}"
+        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example.tau:.2f}"
         " with what the games show)."
         if n_wrong
         else "They are ranked without mistakes."
     )
-    kind = kind_named(example["kind"])
+    kind = kind_named(example.kind)
     return f"The demonstrations are of the kind `{kind.name}`: {kind.summary}. {order}"
 
 
@@ -160,10 +158,10 @@ def _pictures(facts: _Facts) -> dict[str, bytes]:
         )
     names = [f"start {number}" for number in starts]
     pictures = {"aliens.png": comparison_figure(facts.behaviour, names, columns)}
-    if check := facts.run.outcome.get("check"):
+    if check := facts.run.outcome.check:
         returns = _returns(facts)
         pictures["returns.png"] = returns_figure(
-            [tier for tier, _, _ in returns], [value for _, _, value in returns], check["tau"]
+            [tier for tier, _, _ in returns], [value for _, _, value in returns], check.tau
         )
     points = facts.curves.get("imitator", {})
     shown = ("predicted_return", "hits", "strays", "death_rate")
@@ -183,7 +181,8 @@ def _pictures(facts: _Facts) -> dict[str, bytes]:
 
 def _returns(facts: _Facts) -> list[tuple[int, int, float]]:
     """(tier from 1, recording id, predicted return) of each ranked demonstration."""
-    values = {int(k): v for k, v in facts.run.outcome["check"]["predicted_returns"].items()}
+    check = facts.run.outcome.check
+    values = check.predicted_returns if check else {}
     return [
         (place, number, values[number])
         for place, tier in enumerate(facts.tiers, start=1)
@@ -241,11 +240,7 @@ def _comparison(facts: _Facts) -> list[str]:
     for number in facts.recipe.evaluation.start_numbers:
         games = [facts.game(policy, number) for policy in POLICIES]
         figures = [None if game is None else evaluations.figures_of(game) for game in games]
-        who = (
-            winner(figures[0], figures[1])
-            if figures[0] is not None and figures[1] is not None
-            else None
-        )
+        who = winner(*figures)
         seen = "" if all(game.held_out for game in games if game) else " (seen)"
         cells = " | ".join(_game(facts.behaviour, game) for game in games)
         lines.append(f"| {number}{seen} | {cells} | {who or ''} |")
@@ -268,18 +263,18 @@ def _means(facts: _Facts) -> list[str]:
 
 
 def _ranking(facts: _Facts) -> list[str]:
-    check = facts.run.outcome.get("check")
+    check = facts.run.outcome.check
     if check is None:
         return []
-    held_out = check["held_out_accuracy"]
+    held_out = check.held_out_accuracy
     lines = [
         "## What the reward model makes of the ranking",
         "",
-        f"Kendall's tau {check['tau']:.3f}; fragment pairs ordered as ranked"
-        f" {check['pair_accuracy']:.1%}; pairs of demonstrations that were left out of learning"
+        f"Kendall's tau {check.tau:.3f}; fragment pairs ordered as ranked"
+        f" {check.pair_accuracy:.1%}; pairs of demonstrations that were left out of learning"
         f" {'not measured' if held_out is None else f'{held_out:.1%}'}.",
         "",
-        *warning_lines(check.get("warning", "")),
+        *warning_lines(check.warning),
         "![Predicted return against rank](returns.png)",
         "",
         "| rank | hits | predicted return |",
@@ -300,7 +295,7 @@ def _attention(facts: _Facts) -> list[str]:
     if not rewards:
         return []
     kinds = {(row.kind, row.details.get("state")): row.name for row in facts.files}
-    states = [state for state in STATES if state in rewards]
+    states = [state for state in AttentionState if state in rewards]
 
     def row_of(kind: str) -> str:
         cells = (f"![{state}]({kinds[kind, state]})" for state in states)

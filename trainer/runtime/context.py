@@ -17,12 +17,14 @@ import torch
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
 from trainer.runtime.throttle import Throttle
+from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.behaviours import Behaviour
 from tril.demonstrator import SCRIPTED
 from tril.files.artifact_store import ArtifactStore
 from tril.jobs import RunEta
 from tril.recipes import Recipe
 from tril.settings import Settings
+from tril.stages import Stage
 from tril.store import games
 from tril.store.database import Database
 from tril.store.training import artifacts as artifact_rows
@@ -55,7 +57,7 @@ class RunContext:
         steps: PPO steps.
         training_seed: Feeds every random choice of learning.
         go_on_anyway: Whether PPO starts even when the check of the ranking fails.
-        snapshot: The frozen ranking, see RunRow; None until an example's demonstrations exist.
+        snapshot: The frozen ranking; None until an example's demonstrations exist.
         outcome: What came out of the finished stages.
         finished: Seconds that each finished stage took.
         database: The application's database.
@@ -75,8 +77,8 @@ class RunContext:
     steps: int
     training_seed: int
     go_on_anyway: bool
-    snapshot: dict[str, Any] | None
-    outcome: dict[str, Any]
+    snapshot: RunSnapshot | None
+    outcome: RunOutcome
     finished: dict[str, float]
     database: Database
     artifacts: ArtifactStore
@@ -140,13 +142,12 @@ class RunContext:
             leases.owned(session, self.claim)
             artifact_rows.save(session, self.run_id, kind, name, media_type, size, details)
 
-    def finish_stage(
-        self, stage: str, seconds: float, outcome: Mapping[str, Any] | None = None
-    ) -> None:
+    def finish_stage(self, stage: Stage, seconds: float, found: RunOutcome | None = None) -> None:
         """Note that a stage is finished, and what came out of it, in one transaction."""
         with self.database.writing() as session:
             row = leases.finish_stage(session, self.claim, stage, seconds)
-            row.outcome = self.outcome = {**row.outcome, **(outcome or {})}
+            if found is not None:
+                row.outcome = self.outcome = row.outcome.with_those_of(found)
         self.finished[stage] = seconds
 
 

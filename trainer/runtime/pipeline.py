@@ -27,9 +27,10 @@ from trainer.runtime.throttle import Throttle, learning_threads
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
 from tril.files.artifact_store import DISK_FULL, ArtifactStore
-from tril.jobs import RunEta, stages_of
+from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
 from tril.settings import Settings
+from tril.stages import Stage, stages_of
 from tril.store import behaviours
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
@@ -121,7 +122,7 @@ class Pipeline:
         log.info("Run %s: %s.", run_id, how)
         return how
 
-    def _go_through(self, data: RunData, stages: tuple[str, ...], perform: Perform) -> str:
+    def _go_through(self, data: RunData, stages: tuple[Stage, ...], perform: Perform) -> str:
         context = data.context
         for stage in stages:
             how = perform(context.run_id, stage)
@@ -140,8 +141,8 @@ class Pipeline:
         data = self._at_work[run_id]
         try:
             if stage not in data.context.finished:
-                self._do(data, stage)
-            if stage == "check":
+                self._do(data, Stage(stage))
+            if stage == Stage.CHECK:
                 stop_if_confused(data.context)
             return FINISHED
         except LeaseLost:
@@ -160,7 +161,7 @@ class Pipeline:
             log.exception("Run %s: stage %s failed.", run_id, stage)
             return self._end(data.context.claim, RunStatus.FAILED, explain(stage, problem, run_id))
 
-    def _do(self, data: RunData, stage: str) -> None:
+    def _do(self, data: RunData, stage: Stage) -> None:
         context = data.context
         log.info("Run %s: stage %s begins.", context.run_id, stage)
         self._courtesy.begin()
@@ -172,10 +173,10 @@ class Pipeline:
         context.finish_stage(stage, seconds, outcome)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
-    def _prepare(self, claim: Lease) -> tuple[RunData, tuple[str, ...]]:
+    def _prepare(self, claim: Lease) -> tuple[RunData, tuple[Stage, ...]]:
         with self._database.reading() as session:
             row = runs.get(session, claim.run_id)
-            return RunData(self._context(session, row, claim)), stages_of(row)
+            return RunData(self._context(session, row, claim)), stages_of(row.example)
 
     def _context(self, session: Session, row: RunRow, claim: Lease) -> RunContext:
         return RunContext(
@@ -185,7 +186,7 @@ class Pipeline:
             recipe=recipe_from_dict(row.recipe),
             steps=row.steps,
             training_seed=row.training_seed,
-            outcome=dict(row.outcome),
+            outcome=row.outcome,
             go_on_anyway=row.go_on_anyway,
             snapshot=row.snapshot,
             finished=dict(row.finished_stages),
@@ -226,9 +227,9 @@ class Pipeline:
 
 def stop_if_confused(context: RunContext) -> None:
     """Stop the run here if its ranking was not understood and nobody said to go on anyway."""
-    check = context.outcome["check"]
-    if not check["passed"] and not context.go_on_anyway:
-        raise RunStopped(check["advice"])
+    check = context.outcome.check
+    if check is not None and not check.passed and not context.go_on_anyway:
+        raise RunStopped(check.advice)
 
 
 def explain(stage: str, problem: BaseException, run_id: str) -> str:

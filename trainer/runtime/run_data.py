@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from trainer.reward.perturbation import PerturbedDemonstration, perturbed_copies
 from trainer.reward.preference_dataset import PerfectGames
 from trainer.runtime.artifact_files import stored_file
 from trainer.runtime.context import RunContext
+from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
 from tril.game.console import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
@@ -48,17 +48,17 @@ class RunData:
     @property
     def tiers(self) -> list[list[int]]:
         """The ranked recordings' ids, best tier first."""
-        return [list(tier) for tier in self._snapshot["tiers"]]
+        return self._snapshot.tiers
 
     @property
     def ranked(self) -> list[int]:
         """The ranked recordings' ids, best first."""
-        return [number for tier in self.tiers for number in tier]
+        return self._snapshot.ranked
 
     @property
     def perfect(self) -> list[int]:
         """The perfect recordings' ids."""
-        return list(self._snapshot["perfect"])
+        return self._snapshot.perfect
 
     @property
     def index_tiers(self) -> list[list[int]]:
@@ -104,7 +104,7 @@ class RunData:
         return self._copies
 
     @property
-    def _snapshot(self) -> dict[str, Any]:
+    def _snapshot(self) -> RunSnapshot:
         assert self.context.snapshot is not None
         return self.context.snapshot
 

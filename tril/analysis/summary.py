@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+
+Policy = Literal["imitator", "clone"]
+Winner = Literal["imitator", "clone", "tie"]
 
 RESAMPLES = 2000
 RESAMPLING_SEED = 20
@@ -55,10 +58,6 @@ class PolicySummary:
     death_rate: Interval
     predicted_return: Interval | None
 
-    def to_dict(self) -> dict[str, Any]:
-        """The summary as JSON-ready data."""
-        return asdict(self)
-
 
 def interval(values: Sequence[float]) -> Interval:
     """Return the mean of values and its 95% interval by resampling them (percentile bootstrap).
@@ -96,13 +95,13 @@ def summarise(games: Sequence[GameFigures]) -> PolicySummary:
     )
 
 
-def winner(imitator: GameFigures, clone: GameFigures) -> Literal["imitator", "clone", "tie"] | None:
+def winner(imitator: GameFigures | None, clone: GameFigures | None) -> Winner | None:
     """Tell who won a start, as in the thesis: more targets hit, then fewer strays, else a tie.
 
     Returns:
-        None for behaviours without a target.
+        None for behaviours without a target and where one of the two has not played.
     """
-    if imitator.targets is None or clone.targets is None:
+    if imitator is None or imitator.targets is None or clone is None or clone.targets is None:
         return None
     ours = (imitator.targets, -(imitator.strays or 0))
     theirs = (clone.targets, -(clone.strays or 0))

@@ -7,12 +7,11 @@ own) only brings a run's id to a worker, at least once; the worker asks the row 
 from tril.jobs.delivery import Jobs
 from tril.jobs.eta import Estimate, RunEta, estimate
 from tril.jobs.queue import APPLICATION, QUEUE, VERSION, WORKFLOW, prepare_queue
-from tril.jobs.stages import STAGES, overall_progress, stages_of
+from tril.jobs.stages import overall_progress
 
 __all__ = [
     "APPLICATION",
     "QUEUE",
-    "STAGES",
     "VERSION",
     "WORKFLOW",
     "Estimate",
@@ -21,5 +20,4 @@ __all__ = [
     "estimate",
     "overall_progress",
     "prepare_queue",
-    "stages_of",
 ]

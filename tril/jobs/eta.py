@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from tril.jobs.stages import expected_seconds, stages_of
+from tril.jobs.stages import expected_seconds
 from tril.recipes import Recipe, recipe_from_dict
+from tril.stages import Stage, stages_of
 from tril.store.models import RunRow
 from tril.store.training import runs
 
@@ -41,12 +42,12 @@ def estimate(session: Session, recipe: Recipe) -> Estimate:
         for n in (steps, 0)
     )
     # Before the first step and for judging the policy, a short training takes as long.
-    training_s = seconds["imitator"] - at_once["imitator"]
-    overhead_s = sum(s for stage, s in at_once.items() if stage != "demonstrations")
+    training_s = seconds[Stage.IMITATOR] - at_once[Stage.IMITATOR]
+    overhead_s = sum(s for stage, s in at_once.items() if stage is not Stage.DEMONSTRATIONS)
     return Estimate(steps / training_s, last is not None, overhead_s)
 
 
-def _measured(recipe: Recipe, steps: int, last: RunRow) -> dict[str, float]:
+def _measured(recipe: Recipe, steps: int, last: RunRow) -> dict[Stage, float]:
     """Return expected seconds per stage, scaled by what another run's stages really took."""
     expected = expected_seconds(recipe, steps)
     of_last = expected_seconds(recipe_from_dict(last.recipe), last.steps)
@@ -76,7 +77,7 @@ class RunEta:
             if last is None
             else _measured(recipe, run.steps, last)
         )
-        return cls({stage: seconds[stage] for stage in stages_of(run)})
+        return cls({stage: seconds[stage] for stage in stages_of(run.example)})
 
     def remaining_s(
         self, finished: Mapping[str, float], stage: str, stage_remaining_s: float | None

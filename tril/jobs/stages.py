@@ -4,20 +4,9 @@ from __future__ import annotations
 
 from tril.errors import Invalid
 from tril.recipes import Recipe, RewardRecipe, recipe_from_dict
+from tril.stages import Stage, stages_of
 from tril.store.models import RunRow, RunStatus
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
-
-STAGES = (
-    "demonstrations",
-    "trajectories",
-    "reward",
-    "check",
-    "clone",
-    "imitator",
-    "evaluation",
-    "attention",
-)
-"""In order. "demonstrations" is there in example runs only."""
 
 DEMONSTRATIONS_S = 30.0
 TRAJECTORIES_S = 6.0
@@ -38,12 +27,7 @@ DAGGER_EPOCHS_SHARE = 0.4
 EVALUATION_STEPS_PER_S = 900.0
 
 
-def stages_of(run: RunRow) -> tuple[str, ...]:
-    """Return the stages that a run goes through, in order."""
-    return STAGES if run.example else STAGES[1:]
-
-
-def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
+def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
     """Return what each stage takes on two 2.5 GHz cores, by rates measured there.
 
     It is where an estimate begins before anything was measured on the machine at hand.
@@ -54,14 +38,14 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
     games = n_starts * len(POLICIES) * len(ACTION_SELECTIONS)
     demonstrated = N_DEMONSTRATIONS * MEAN_STEPS
     return {
-        "demonstrations": DEMONSTRATIONS_S,
-        "trajectories": TRAJECTORIES_S,
-        "reward": 1.0 + reward.ensemble * _learning_seconds(reward),
-        "check": CHECK_S + reward.folds * _learning_seconds(reward.of_a_fold),
-        "clone": 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
-        "imitator": 2.0 + _imitator_seconds(recipe, steps),
-        "evaluation": 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
-        "attention": ATTENTION_S,
+        Stage.DEMONSTRATIONS: DEMONSTRATIONS_S,
+        Stage.TRAJECTORIES: TRAJECTORIES_S,
+        Stage.REWARD: 1.0 + reward.ensemble * _learning_seconds(reward),
+        Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_a_fold),
+        Stage.CLONE: 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
+        Stage.IMITATOR: 2.0 + _imitator_seconds(recipe, steps),
+        Stage.EVALUATION: 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
+        Stage.ATTENTION: ATTENTION_S,
     }
 
 
@@ -98,7 +82,7 @@ def overall_progress(run: RunRow) -> float:
     """Return how much of a run is done, 0..1, weighting its stages by the time they take."""
     if run.status == RunStatus.DONE:
         return 1.0
-    stages = stages_of(run)
+    stages = stages_of(run.example)
     try:
         weights = expected_seconds(recipe_from_dict(run.recipe), run.steps)
     except Invalid:
@@ -106,5 +90,5 @@ def overall_progress(run: RunRow) -> float:
         weights = dict.fromkeys(stages, 1.0)
     done = sum(weights[stage] for stage in stages if stage in run.finished_stages)
     if run.stage in stages and run.stage not in run.finished_stages:
-        done += weights[run.stage] * run.stage_done
+        done += weights[Stage(run.stage)] * run.stage_done
     return min(1.0, done / sum(weights[stage] for stage in stages))

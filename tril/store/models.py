@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 from enum import StrEnum
-from typing import Any
+from typing import Any, Generic, TypeVar
 
+from pydantic import BaseModel
 from sqlalchemy import (
     JSON,
     Boolean,
@@ -22,6 +23,30 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
+
+from tril.analysis.outcome import RunOutcome, RunSnapshot
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class ModelJSON(TypeDecorator[Model], Generic[Model]):
+    """A Pydantic model as JSON: validated where it is read, without members that were not set."""
+
+    impl = JSON(none_as_null=True)
+    cache_ok = True
+
+    def __init__(self, model: type[Model]) -> None:
+        """Store models of this class."""
+        super().__init__()
+        self.model = model
+
+    def process_bind_param(self, value: Model | None, dialect: Any) -> dict[str, Any] | None:
+        """Return a model as plain data."""
+        return None if value is None else value.model_dump(mode="json", exclude_unset=True)
+
+    def process_result_value(self, value: Any, dialect: Any) -> Model | None:
+        """Return stored data as a model."""
+        return None if value is None else self.model.model_validate(value)
 
 
 class UTCDateTime(TypeDecorator[datetime]):
@@ -228,12 +253,11 @@ class RankingRow(Base):
 class RunRow(Base):
     """One training of a behaviour. The id is also the job's id.
 
-    ``snapshot`` is {"ranking_revision", "tiers": [[recording ids]], "perfect": [recording ids]},
-    frozen when the run is made (or, with ``example``, once its demonstrations exist).
+    ``snapshot`` is frozen when the run is made (with ``example``, once its demonstrations exist).
     ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
-    is the full recipe as data. ``outcome`` collects what the pages show when it is done.
-    ``finished_stages`` maps each finished stage to the seconds of work it took. ``epoch`` grows
-    with every claim by a worker; what a worker with an older epoch writes is refused.
+    is the full recipe as data. ``finished_stages`` maps each finished stage to the seconds of work
+    it took. ``epoch`` grows with every lease of the run to a worker; what a worker with an older
+    epoch writes is refused.
     """
 
     __tablename__ = "runs"
@@ -250,7 +274,7 @@ class RunRow(Base):
     training_seed: Mapped[int] = mapped_column(Integer)
     steps: Mapped[int] = mapped_column(Integer)
     go_on_anyway: Mapped[bool] = mapped_column(Boolean, default=False)
-    snapshot: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+    snapshot: Mapped[RunSnapshot | None] = mapped_column(ModelJSON(RunSnapshot))
     versions: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
     status: Mapped[str] = mapped_column(String(16), index=True)
     stage: Mapped[str] = mapped_column(String(24), default="")
@@ -261,7 +285,7 @@ class RunRow(Base):
     epoch: Mapped[int] = mapped_column(Integer, default=0)
     worker: Mapped[str] = mapped_column(String(80), default="")
     heartbeat_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
-    outcome: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    outcome: Mapped[RunOutcome] = mapped_column(ModelJSON(RunOutcome), default=RunOutcome)
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     started_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
     finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)

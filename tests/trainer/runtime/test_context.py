@@ -10,15 +10,17 @@ from tests.workplace import Workplace
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
 from trainer.runtime.throttle import Throttle
+from tril.analysis.outcome import RunOutcome
 from tril.files.artifact_store import ArtifactStore
 from tril.game.starts import Start
 from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
+from tril.stages import Stage
 from tril.store import behaviours, games
 from tril.store.training import leases, metrics, runs
 from tril.store.training.leases import LeaseLost
 
-STAGE = "imitator"
+STAGE = Stage.IMITATOR
 
 
 class Clock:
@@ -50,7 +52,7 @@ def claimed(workplace: Workplace, run_id: str) -> RunContext:
             training_seed=0,
             go_on_anyway=True,
             snapshot=row.snapshot,
-            outcome={},
+            outcome=RunOutcome(),
             finished={},
             database=workplace.database,
             artifacts=ArtifactStore(workplace.settings.artifact_root),

@@ -8,13 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.trainings import checked
 from tests.workplace import TINY, Workplace
 from trainer.reporting.run_report import describe_example
 from trainer.runtime.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
 from trainer.runtime.stages import demonstrations
+from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
-from tril.jobs import STAGES
+from tril.stages import Stage
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
 from tril.store.training import leases, runs
@@ -75,7 +77,7 @@ def test_a_crash_between_the_check_and_the_stop_still_stops_the_run(
         assert claim is not None
         for stage in ("trajectories", "reward", "check"):
             row = leases.finish_stage(session, claim, stage, 1.0)
-        row.outcome = {"check": {"passed": False, "advice": "Confused."}}
+        row.outcome = checked({}, passed=False, advice="Confused.")
     assert pipeline.train(run_id, pipeline.perform) == RunStatus.STOPPED
     assert workplace.run(run_id).message == "Confused."
 
@@ -188,7 +190,7 @@ def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
         behaviour_id = workplace.behaviour_id + 1
         assert rankings.current(session, behaviour_id).revision == 0
     first = make_example(workplace, behaviour_id)
-    assert pipeline.train(first, only(pipeline, STAGES[0])) == "left"
+    assert pipeline.train(first, only(pipeline, Stage.DEMONSTRATIONS)) == "left"
     made = scripted(workplace, behaviour_id)
     assert len(made) == few_tasks
     with workplace.database.reading() as session:
@@ -196,21 +198,21 @@ def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
         perfect = recordings.perfect_ids(session, behaviour_id)
     assert (ranking.change, ranking.tiers) == ("example", [[made[0]], [made[1]]])
     assert perfect == [made[2]]
-    frozen = {"ranking_revision": 1, "tiers": ranking.tiers, "perfect": perfect}
+    frozen = RunSnapshot(ranking_revision=1, tiers=ranking.tiers, perfect=perfect)
     assert workplace.run(first).snapshot == frozen
     # One that was deleted is made again, the others are not.
     with workplace.database.writing() as session:
         recordings.delete(session, recordings.get(session, made[1]), None)
     second = make_example(workplace, behaviour_id)
-    pipeline.train(second, only(pipeline, STAGES[0]))
+    pipeline.train(second, only(pipeline, Stage.DEMONSTRATIONS))
     again = scripted(workplace, behaviour_id)
     assert len(again) == few_tasks
     assert len(set(again) & set(made)) == few_tasks - 1
     snapshot = workplace.run(second).snapshot
     assert snapshot is not None
-    assert snapshot["tiers"] == [[made[0]], [again[-1]]]
+    assert snapshot.tiers == [[made[0]], [again[-1]]]
     # The ranking is somebody's by now: it stays as it is, and the example learns from its own.
-    assert snapshot["ranking_revision"] is None
+    assert snapshot.ranking_revision is None
     assert workplace.run(first).snapshot == frozen
 
 
@@ -222,13 +224,12 @@ def test_kinds_of_example_keep_apart_from_each_other_and_from_the_library(
     learned_from: dict[str, set[int]] = {}
     for kind, n_ranked in (("human", 12), ("six", 6)):
         run_id = make_example(workplace, behaviour_id, kind)
-        assert pipeline.train(run_id, only(pipeline, STAGES[0])) == "left"
+        assert pipeline.train(run_id, only(pipeline, Stage.DEMONSTRATIONS)) == "left"
         run = workplace.run(run_id)
         assert run.snapshot is not None
-        ranked = [number for tier in run.snapshot["tiers"] for number in tier]
-        assert len(ranked) == n_ranked
-        assert run.snapshot["ranking_revision"] is None
-        learned_from[kind] = {*ranked, *run.snapshot["perfect"]}
+        assert len(run.snapshot.ranked) == n_ranked
+        assert run.snapshot.ranking_revision is None
+        learned_from[kind] = {*run.snapshot.ranked, *run.snapshot.perfect}
         with workplace.database.reading() as session:
             made = recordings.by_ids(session, learned_from[kind]).values()
             assert recordings.listing(session, behaviour_id) == []
@@ -241,11 +242,11 @@ def test_kinds_of_example_keep_apart_from_each_other_and_from_the_library(
         assert names == {"human" if kind == "human" else "perfect"}
     # The ordinary example finds everything as if there were no other.
     ordinary = make_example(workplace, behaviour_id)
-    pipeline.train(ordinary, only(pipeline, STAGES[0]))
+    pipeline.train(ordinary, only(pipeline, Stage.DEMONSTRATIONS))
     learned_from["scripted"] = set(scripted(workplace, behaviour_id))
     assert len(learned_from["scripted"]) == 13
     assert sum(map(len, learned_from.values())) == len(set().union(*learned_from.values()))
-    assert workplace.run(ordinary).outcome == {}
+    assert workplace.run(ordinary).outcome == RunOutcome()
     with workplace.database.reading() as session:
         assert rankings.current(session, behaviour_id).change == "example"
 
@@ -257,22 +258,23 @@ def test_a_human_example_says_what_order_its_games_should_have_and_is_made_once(
     snapshots, outcomes = [], []
     for training_seed in (0, 1):
         run_id = make_example(workplace, workplace.behaviour_id, "human", training_seed)
-        pipeline.train(run_id, only(pipeline, STAGES[0]))
+        pipeline.train(run_id, only(pipeline, Stage.DEMONSTRATIONS))
         run = workplace.run(run_id)
         snapshots.append(run.snapshot)
         outcomes.append(run.outcome)
     assert snapshots[0] == snapshots[1]
     assert outcomes[0] == outcomes[1]
-    example = outcomes[0]["example"]
+    example = outcomes[0].example
     assert snapshots[0] is not None
-    assert example["kind"] == "human"
-    assert example["given_tiers"] == snapshots[0]["tiers"] != example["true_tiers"]
-    assert len(example["mistakes"]) == 3
-    assert 0.7 < example["tau"] < 1
+    assert example is not None
+    assert example.kind == "human"
+    assert example.given_tiers == snapshots[0].tiers != example.true_tiers
+    assert len(example.mistakes) == 3
+    assert 0.7 < example.tau < 1
     said = describe_example(outcomes[0])
     assert "of the kind `human`" in said
     assert "3 pairs of neighbours are ranked the wrong way round" in said
-    assert describe_example({}) == ""
+    assert describe_example(RunOutcome()) == ""
 
 
 def test_an_unknown_kind_of_example_is_refused(workplace: Workplace) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import time
@@ -17,9 +18,10 @@ from tests.waiting import wait_until
 from tests.workplace import TINY, Workplace
 from trainer.reward.model import RewardModel
 from trainer.runtime.pipeline import TAKEN_OVER
-from tril.jobs import STAGES, Jobs, overall_progress
+from tril.jobs import Jobs, overall_progress
 from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
+from tril.stages import stages_of
 from tril.store import processes, recordings
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import artifacts, evaluations, metrics
@@ -56,7 +58,8 @@ def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     with workplace.database.reading() as session:
         games = evaluations.listing(session, run_id)
         assert {(game.start_number, game.held_out) for game in games} == {(1, False)}
-    assert row.outcome["headline"]["imitator"] is None
+    assert row.outcome.headline is not None
+    assert row.outcome.headline.imitator is None
 
 
 @pytest.mark.lengthy
@@ -70,7 +73,7 @@ def test_a_run_goes_through_all_stages_and_leaves_its_results(
         row = until_over(workplace, run_id, worker)
         assert row.status == RunStatus.DONE, worker.log.read_text()
         until(lambda: not scratch.exists(), worker)
-    assert tuple(row.finished_stages) == STAGES[1:]
+    assert tuple(row.finished_stages) == stages_of(example=False)
     assert row.epoch == 1
     assert overall_progress(row) == 1.0
     assert row.remaining_s is None
@@ -108,8 +111,11 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
     model = RewardModel.load(root / files["reward-model.safetensors"].path)
     assert model.one > model.zero
     PPO.load(root / files["imitator.zip"].path)
-    assert set(row.outcome["check"]["predicted_returns"]) == {str(n) for n in workplace.ranked}
-    assert row.outcome["headline"]["imitator"]["targets"]["n"] == 1
+    assert row.outcome.check is not None
+    assert set(row.outcome.check.predicted_returns) == set(workplace.ranked)
+    assert row.outcome.headline is not None
+    assert row.outcome.headline.imitator is not None
+    assert row.outcome.headline.imitator.steps.n == 1
     assert {"loss", "accuracy"} <= set(curves["reward"])
     assert curves["imitator"]["entropy"][-1][0] == row.steps
     steps = [step for step, _ in curves["imitator"]["entropy"]]
@@ -144,7 +150,9 @@ def test_cancelling_takes_effect_within_5_s_in_every_stage_that_learns(
         row = until_over(workplace, run_id, worker)
         assert time.monotonic() - asked_at < 5.0
     assert row.status == RunStatus.CANCELLED
-    assert set(row.finished_stages) == set(STAGES[1 : STAGES.index(stage)])
+    assert set(row.finished_stages) == set(
+        itertools.takewhile(lambda one: one != stage, stages_of(example=False))
+    )
 
 
 def test_resuming_a_cancelled_run_goes_on_with_the_stage_that_was_left(
@@ -226,7 +234,8 @@ def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to
         assert row.status == RunStatus.STOPPED
         assert "tau" in row.message
         assert "other demonstrations or another order" in row.message
-        assert not row.outcome["check"]["passed"]
+        assert row.outcome.check is not None
+        assert not row.outcome.check.passed
         assert "clone" not in row.finished_stages
         jobs.resume(run_id)
         until(lambda: "clone" in workplace.run(run_id).finished_stages, worker)

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import pytest
 
 from tests.workplace import TINY, Workplace
-from tril.jobs import STAGES, RunEta, estimate, overall_progress, stages_of
+from tril.jobs import RunEta, estimate, overall_progress
 from tril.jobs.stages import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe
+from tril.stages import Stage, stages_of
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import leases
 
 
 def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
-    finished = STAGES[1 : STAGES.index(stage)]
+    finished = itertools.takewhile(lambda one: one != stage, stages_of(example=False))
     return RunRow(
         recipe=recipe.to_dict(),
         steps=300_000,
@@ -31,7 +33,7 @@ def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
 def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> None:
     values = [
         overall_progress(run_at(stage, done, recipe))
-        for stage in STAGES[1:]
+        for stage in stages_of(example=False)
         for done in (0.0, 0.5, 1.0)
     ]
     assert values == sorted(values)
@@ -40,18 +42,16 @@ def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> N
 
 
 def test_the_demonstrations_are_a_stage_of_examples_only() -> None:
-    run = run_at("trajectories", 0.0)
-    assert "demonstrations" not in stages_of(run)
-    run.example = True
-    assert stages_of(run) == STAGES
+    assert stages_of(example=True) == tuple(Stage)
+    assert stages_of(example=False) == tuple(Stage)[1:]
 
 
 def test_only_the_imitator_takes_longer_with_more_steps() -> None:
     few, more, most = (expected_seconds(FAST, steps) for steps in (0, 100_000, 1_000_000))
-    assert most["imitator"] - few["imitator"] == pytest.approx(
-        10 * (more["imitator"] - few["imitator"])
+    assert most[Stage.IMITATOR] - few[Stage.IMITATOR] == pytest.approx(
+        10 * (more[Stage.IMITATOR] - few[Stage.IMITATOR])
     )
-    del few["imitator"], most["imitator"]
+    del few[Stage.IMITATOR], most[Stage.IMITATOR]
     assert few == most
 
 

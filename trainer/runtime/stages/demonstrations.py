@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from trainer.progress import Progress
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import ExampleOutcome, RunOutcome, RunSnapshot
 from tril.demonstrator import (
     N_PERFECT,
     SCRIPTED,
@@ -41,7 +42,7 @@ SEED = "example_seed"
 """Of what seeds the ranking mistakes; absent in the ordinary one."""
 
 
-def make_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
+def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
     """Make the demonstrations that the behaviour lacks, rank them, and freeze them for the run.
 
     An example always learns from its own demonstrations in the order that they were made to have.
@@ -80,7 +81,9 @@ def make_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
                 )
         progress.advance(number + 1, len(tasks))
     judgement = _freeze(data, kind)
-    return {} if kind == SCRIPTED else {"example": {"kind": kind.name, **judgement.to_dict()}}
+    if kind == SCRIPTED:
+        return None
+    return RunOutcome(example=ExampleOutcome(kind=kind.name, **judgement.to_dict()))
 
 
 def _conditions(number: int, demonstration: Demonstration) -> dict[str, Any]:
@@ -120,11 +123,11 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
             ranking = rankings.save(
                 session, context.behaviour_id, ranking.revision, tiers, change="example"
             )
-        run.snapshot = context.snapshot = {
-            "ranking_revision": ranking.revision if ranking.tiers == tiers else None,
-            "tiers": tiers,
-            "perfect": perfect,
-        }
+        run.snapshot = context.snapshot = RunSnapshot(
+            ranking_revision=ranking.revision if ranking.tiers == tiers else None,
+            tiers=tiers,
+            perfect=perfect,
+        )
     return judgement
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from trainer.policy.evaluation import PlayedGame, play, stickiness
 from trainer.progress import Part, Progress
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
 from tril.game.console import Console
 from tril.game.episode import Ending
@@ -24,7 +25,7 @@ from tril.store.training.evaluations import (
 )
 
 
-def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
+def evaluate(data: RunData, progress: Progress) -> RunOutcome:
     """Play the missing evaluation games of both policies, with each action selection."""
     context = data.context
     recipe = context.recipe.evaluation
@@ -49,7 +50,7 @@ def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
             )
             keep_games(data, policy, action_selection, missing, games, console)
         part.advance(1, 1)
-    return {"headline": headline(data)}
+    return RunOutcome(headline=headline(data))
 
 
 def keep_games(
@@ -109,15 +110,15 @@ def starts_seen(data: RunData) -> set[int]:
     return shown_from | set(data.context.recipe.policy.own_starts)
 
 
-def headline(data: RunData) -> dict[str, Any]:
-    """Return the run's figures for the lists: means of the greedy games from held-out starts."""
+def headline(data: RunData) -> Headline:
+    """Return the run's figures for the lists."""
     context = data.context
-    check = context.outcome["check"]
+    assert context.outcome.check is not None
     with context.database.reading() as session:
         games = evaluations.listing(session, context.run_id)
     found = evaluations.summaries(games)
-    greedy = {policy: found.get((policy, "greedy")) for policy in POLICIES}
-    return {
-        **{policy: summary and summary.to_dict() for policy, summary in greedy.items()},
-        **{name: check[name] for name in ("tau", "pair_accuracy", "held_out_accuracy")},
-    }
+    return Headline(
+        **context.outcome.check.figures,
+        imitator=found.get(("imitator", "greedy")),
+        clone=found.get(("clone", "greedy")),
+    )

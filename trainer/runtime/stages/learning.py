@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import asdict, replace
 
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
@@ -15,18 +14,18 @@ from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome
 
 TRAINING = {"ppo": train_imitator, "dagger": train_by_dagger, "gail": train_by_gail}
 """What trains the imitator, by the recipe's method."""
 
 
-def replay_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
+def replay_demonstrations(data: RunData, progress: Progress) -> None:
     """Replay every demonstration of the run through an agent's eyes."""
     data.trajectories([*data.ranked, *data.perfect], progress)
-    return {}
 
 
-def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_reward(data: RunData, progress: Progress) -> None:
     """Learn the reward model from the ranking and keep it."""
     context = data.context
     model = train_reward_model(
@@ -40,10 +39,9 @@ def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.device,
     )
     data.keep_reward_model(model)
-    return {}
 
 
-def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
+def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     """Check whether the reward model has understood the ranking."""
     context = data.context
     check = check_ranking(
@@ -58,14 +56,16 @@ def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
         context.device,
     )
     data.forget_copies()
-    found = check.to_dict()
-    found["predicted_returns"] = {
-        str(data.ranked[index]): value for index, value in check.predicted_returns.items()
+    returns = {data.ranked[index]: value for index, value in check.predicted_returns.items()}
+    found = asdict(check) | {
+        "predicted_returns": returns,
+        "advice": advice(check),
+        "warning": warning(check),
     }
-    return {"check": {**found, "advice": advice(check), "warning": warning(check)}}
+    return RunOutcome(check=CheckOutcome.model_validate(found))
 
 
-def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_clone(data: RunData, progress: Progress) -> None:
     """Learn the clone of the perfect demonstrations and keep it."""
     context = data.context
     path = context.stage_folder("clone") / "clone.zip"
@@ -78,10 +78,9 @@ def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
         context.device,
     )
     data.keep_policy("clone", path)
-    return {}
 
 
-def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """Train the imitator as its recipe says, from its checkpoint if there is one; keep it."""
     context = data.context
     demonstrations = data.recordings([*data.ranked, *data.perfect])
@@ -108,5 +107,10 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
             device=context.device,
         )
     data.keep_policy("imitator", path)
-    learned = {"precision": str(result.precision), "device": context.device.type}
-    return {"imitator": {"best_steps": result.best_steps, **learned}}
+    return RunOutcome(
+        imitator=ImitatorOutcome(
+            best_steps=result.best_steps,
+            precision=str(result.precision),
+            device=context.device.type,
+        )
+    )

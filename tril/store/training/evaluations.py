@@ -10,14 +10,14 @@ from typing import Literal
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
-from tril.analysis.summary import GameFigures, PolicySummary, summarise
+from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.behaviours import Score
 from tril.game.episode import EndReason
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
 
-POLICIES = ("imitator", "clone")
+POLICIES: tuple[Policy, ...] = ("imitator", "clone")
 
 ActionSelection = Literal["greedy", "sampled", "sticky"]
 ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")

@@ -36,8 +36,8 @@ def judged_games(
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     if behaviour.target is None:
         return []
-    check = run.outcome.get("check", {})
-    returns = {int(key): value for key, value in check.get("predicted_returns", {}).items()}
+    check = run.outcome.check
+    returns = {} if check is None else check.predicted_returns
     found: dict[tuple[Player, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(returns)).items():
         worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))

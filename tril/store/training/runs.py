@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterable
-from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from tril.analysis.outcome import RunSnapshot
 from tril.demonstrator import SCRIPTED, check_expert, kind_named
 from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import MOST_DAGGER_STEPS, Recipe
@@ -82,11 +82,8 @@ def create(
     return row
 
 
-def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
+def snapshot(session: Session, behaviour_id: int) -> RunSnapshot:
     """Freeze a behaviour's ranking and perfect demonstrations for a run.
-
-    Returns:
-        ``{"ranking_revision", "tiers", "perfect"}``: tiers are lists of recording ids, best first.
 
     Raises:
         Invalid: They don't suffice for learning; says what to do.
@@ -105,7 +102,7 @@ def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
             "The clone learns from perfect demonstrations and there are none. Mark at least one "
             "recording as perfect first."
         )
-    return {"ranking_revision": ranking.revision, "tiers": tiers, "perfect": perfect}
+    return RunSnapshot(ranking_revision=ranking.revision, tiers=tiers, perfect=perfect)
 
 
 def _check_usable(session: Session, behaviour_id: int, numbers: list[int]) -> None:

@@ -9,6 +9,7 @@ import pytest
 from sqlalchemy import update
 
 from tests.workplace import TINY, Workplace
+from tril.analysis.outcome import RunSnapshot
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.models import RunRow, RunStatus, now
@@ -27,11 +28,11 @@ def let_heartbeat_age(workplace: Workplace, run_id: str) -> None:
 def test_a_new_run_is_queued_with_the_ranking_frozen(workplace: Workplace) -> None:
     row = workplace.run(workplace.make_run())
     assert row.status == RunStatus.QUEUED
-    assert row.snapshot == {
-        "ranking_revision": 1,
-        "tiers": [[number] for number in workplace.ranked],
-        "perfect": [workplace.ranked[0]],
-    }
+    assert row.snapshot == RunSnapshot(
+        ranking_revision=1,
+        tiers=[[number] for number in workplace.ranked],
+        perfect=[workplace.ranked[0]],
+    )
     with workplace.database.writing() as session:
         recordings.delete(session, recordings.get(session, workplace.ranked[3]), None)
     assert workplace.run(row.id).snapshot == row.snapshot
