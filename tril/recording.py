@@ -38,12 +38,14 @@ class Recording:
         ram_hashes: Console.ram_hash() after every 60th frame, or none at all where they were not
             recorded.
         rom_md5: MD5 of the ROM it was played on, in hexadecimal.
+        ending: Which rule for the player's death ended it, and ends its replays.
     """
 
     start: Start
     actions: bytes
     ram_hashes: tuple[str, ...] = ()
     rom_md5: str = field(default_factory=game.rom_md5)
+    ending: Ending = Ending.HIT
 
     def __post_init__(self) -> None:
         """Check the actions and the number of hashes.
@@ -137,7 +139,6 @@ class Recorder:
         cls,
         recording: Recording,
         console: Console,
-        ending: Ending = Ending.HIT,
         max_frames: int = game.MAX_FRAMES,
         near: EpisodeState | None = None,
     ) -> Self:
@@ -146,7 +147,6 @@ class Recorder:
         Args:
             recording: What was played so far.
             console: The console to go on with.
-            ending: Which rule for the player's death ends the game.
             max_frames: After how many frames it ends in any case.
             near: A state of the same game, not after the recording's last frame, from which it is
                 replayed instead of from the start; the recording has to have its RAM hashes then.
@@ -155,7 +155,7 @@ class Recorder:
             RecordingRefused: The replay differs from what was recorded.
         """
         _check_rom(recording)
-        recorder = cls(Episode(console, recording.start, ending, max_frames))
+        recorder = cls(Episode(console, recording.start, recording.ending, max_frames))
         if near is not None:
             recorder.episode.restore(near)
             before = recorder.episode.frame // HASH_EVERY_FRAMES
@@ -178,7 +178,8 @@ class Recorder:
 
     def recording(self) -> Recording:
         """The recording as of now."""
-        return Recording(self.episode.start, self.episode.actions, tuple(self._hashes))
+        episode = self.episode
+        return Recording(episode.start, episode.actions, tuple(self._hashes), ending=episode.ending)
 
     def replay(self) -> Replay:
         """What has happened as of now: what a replay of the recording will give."""
@@ -198,7 +199,7 @@ def replay(
         console: The console to replay on; None loads one, which takes 0.1 s.
         on_frame: Called at the start and after every frame.
     """
-    recorder = Recorder(Episode(console or Console(), recording.start))
+    recorder = Recorder(Episode(console or Console(), recording.start, recording.ending))
     episode = recorder.episode
     if on_frame:
         on_frame(episode)

@@ -127,7 +127,7 @@ def play(
             progress.advance(int(step.steps.max(initial=0)), game.MAX_STEPS)
     progress.advance(game.MAX_STEPS, game.MAX_STEPS)
     return [
-        _played(finished[index], None if model is None else np.array(scores, np.float32))
+        _played(finished[index], ending, None if model is None else np.array(scores, np.float32))
         for index, scores in enumerate(rewards)
     ]
 
@@ -165,10 +165,12 @@ def _score(
             rewards[index].append(float(reward))
 
 
-def _played(one: FinishedGame, rewards: npt.NDArray[np.float32] | None) -> PlayedGame:
+def _played(
+    one: FinishedGame, ending: Ending, rewards: npt.NDArray[np.float32] | None
+) -> PlayedGame:
     return PlayedGame(
         start=one.start,
-        recording=Recording(one.start, one.actions),
+        recording=Recording(one.start, one.actions, ending=ending),
         hits=one.hits,
         end=one.end,
         shots=one.shots,

@@ -29,6 +29,7 @@ from tril.analysis.summary import Interval, PolicySummary, winner
 from tril.behaviours import Behaviour, Cell, score
 from tril.demonstrator import kind_named
 from tril.files.artifact_store import ArtifactStore, write_whole
+from tril.game.episode import DEATHS
 from tril.recipes import Recipe, recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database
@@ -320,7 +321,7 @@ def _origin(facts: _Facts) -> list[str]:
 def _game(behaviour: Behaviour, game: EvaluationRow | None) -> str:
     if game is None:
         return "not played"
-    end = "lost to a bomb" if game.recording.end == "hit" else "alive"
+    end = "lost to a bomb" if game.recording.end in DEATHS else "alive"
     return f"{_counted(behaviour, _cells(game.recording))}, {end}"
 
 

@@ -68,6 +68,11 @@ class RecordingObject(StrictModel):
         pattern="^[0-9a-f]{32}$", description="MD5 of the ROM that the game was played on."
     )
     start: StartObject
+    ending: Literal["hit", "life_counter"] | None = Field(
+        default=None,
+        description="Which rule for the player's death ends the episode: hit, the default, at the"
+        " hit itself; life_counter, about 130 frames later, where the game counts a life less.",
+    )
     actions: str = Field(
         pattern=_ACTIONS,
         description="Base64 of one byte per frame: 0 NOOP, 1 FIRE, 2 RIGHT, 3 LEFT, 4 RIGHTFIRE,"
@@ -90,8 +95,8 @@ class RecordingObject(StrictModel):
     end: str | None = Field(
         default=None,
         max_length=40,
-        description="Why the episode ended: hit, landed, cleared or steps; none of them where the"
-        " recording ends before its episode.",
+        description="Why the episode ended: hit, lives, landed, cleared or steps; none of them"
+        " where the recording ends before its episode.",
     )
     ram_hashes: list[Annotated[str, Field(pattern="^[0-9a-f]{16}$")]] | None = Field(
         default=None,

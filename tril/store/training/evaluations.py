@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session, joinedload
 
 from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.behaviours import Score
-from tril.game.episode import EndReason
+from tril.game.episode import DEATHS
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
@@ -21,8 +21,9 @@ POLICIES: tuple[Policy, ...] = ("imitator", "clone")
 
 ActionSelection = Literal["greedy", "sampled", "sticky"]
 ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")
-"""How a policy's actions come about: the likeliest one; drawn by their probabilities; the likeliest
-one, repeated at random by the machine. Runs of earlier versions have no sticky games."""
+"""How a policy's actions are selected: the likeliest one; drawn by their probabilities; the
+likeliest one, while the machine repeats actions at random. Runs of earlier versions have no sticky
+games."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,10 @@ def add(
         session: The transaction.
         run_id: The run whose policy played.
         key: Which game.
-        recording_id: The recording that it left.
+        recording_id: Its recording.
         held_out: Whether no demonstration of the run began from this start.
         predicted_return: Sum of R over the game's observations.
-        score: How its hits compare with the target; None for behaviours without one.
+        score: Its hits compared with the target; None for behaviours without one.
     """
     row = EvaluationRow(
         run_id=run_id,
@@ -99,13 +100,13 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
 
 
 def figures_of(row: EvaluationRow) -> GameFigures:
-    """Return an evaluation game, loaded with its recording, in numbers."""
+    """Return the figures of an evaluation game, loaded with its recording."""
     return GameFigures(
         targets=row.targets,
         strays=row.strays,
         order_errors=row.order_errors,
         steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
-        died=row.recording.end == EndReason.HIT,
+        died=row.recording.end in DEATHS,
         predicted_return=row.predicted_return,
     )
 
