@@ -8,7 +8,7 @@ from server.api.run_schemas import Run, RunStage
 from tril.jobs import overall_progress
 from tril.stages import stages_of
 from tril.store.models import BehaviourRow, RunRow
-from tril.store.processes import is_fresh
+from tril.store.training import runs
 
 
 def run_view(session: Session, row: RunRow) -> Run:
@@ -36,7 +36,7 @@ def run_view(session: Session, row: RunRow) -> Run:
         progress=overall_progress(row),
         remaining_s=row.remaining_s,
         message=row.message,
-        worker_alive=is_fresh(row.heartbeat_at),
+        worker_alive=runs.has_worker(session, row),
         versions=row.versions,
         headline=row.outcome.headline,
         created_at=row.created_at,

@@ -36,6 +36,11 @@ class RunSnapshot(Stored):
         """The ranked recordings, best first."""
         return [number for tier in self.tiers for number in tier]
 
+    @property
+    def recordings(self) -> list[int]:
+        """All recordings that the run learns from; a perfect one that is ranked stands twice."""
+        return [*self.ranked, *self.perfect]
+
 
 class CheckFigures(Stored):
     """How well the reward model agrees with the ranking.

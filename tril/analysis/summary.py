@@ -1,4 +1,4 @@
-"""What a policy's evaluation games come to: means with intervals, and who won."""
+"""Figures of evaluation games: means with intervals, and the winner of a start."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ RESAMPLING_SEED = 20
 
 @dataclass(frozen=True)
 class GameFigures:
-    """One evaluation game in numbers.
+    """The figures of one evaluation game.
 
     Attributes:
         targets: Target cells hit; None, as strays and order errors, for behaviours without target.
         strays: Hits outside the target.
         order_errors: Target hits out of order.
-        steps: How many steps it lasted.
-        died: Whether it ended by a hit on the player.
+        steps: Its length.
+        died: Whether it ended by the player's death.
         predicted_return: Sum of R over its observations, if it was computed.
     """
 
@@ -96,7 +96,7 @@ def summarise(games: Sequence[GameFigures]) -> PolicySummary:
 
 
 def winner(imitator: GameFigures | None, clone: GameFigures | None) -> Winner | None:
-    """Tell who won a start, as in the thesis: more targets hit, then fewer strays, else a tie.
+    """Return the winner of a start, as in the thesis: more targets hit, then fewer strays.
 
     Returns:
         None for behaviours without a target and where one of the two has not played.

@@ -125,10 +125,9 @@ def fill_with_results(workplace: Workplace) -> str:
     """Make a finished run, its results written as a worker writes them."""
     run_id = workplace.make_run()
     games = {"imitator": (3, 1), "clone": (3, 2)}
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
         played = recordings.get(session, workplace.ranked[0])
-        claim = leases.claim(session, run_id, "worker", {"tril": "0.1.0"})
-        assert claim is not None
         for policy, (targets, strays) in games.items():
             for number, held_out in ((0, True), (1, False)):
                 row = RecordingRow(
@@ -142,7 +141,7 @@ def fill_with_results(workplace: Workplace) -> str:
                 evaluations.add(
                     session, run_id, key, row.id, held_out, 1.5, Score(targets, strays, 0)
                 )
-        row_of_run = leases.finish_stage(session, claim, "evaluation", 1.0)
+        row_of_run = leases.finish_stage(session, lease, "evaluation", 1.0)
         found = [
             evaluations.figures_of(row)
             for row in evaluations.listing(session, run_id)
@@ -171,7 +170,7 @@ def fill_with_results(workplace: Workplace) -> str:
             }
             name = f"attention-maximum{suffix}.png"
             artifacts.save(session, run_id, kind, name, "image/png", 3, details)
-        leases.end(session, claim, RunStatus.DONE)
+        leases.end(session, lease, RunStatus.DONE)
     store = ArtifactStore(workplace.settings.artifact_root)
     store.put(artifacts.path_of(run_id, "attention-maximum.png"), b"png")
     return run_id

@@ -41,7 +41,7 @@ def test_the_page_warns_of_a_return_that_rises_alone_and_of_tiers_that_are_not_t
     workplace: Workplace,
 ) -> None:
     page = page_of(workplace, HACKS["all the time"])
-    assert "> **Alarm.** The learned reward may be paying for something else" in page
+    assert "> **Alarm.** The learned reward may be rewarding something other" in page
     assert f"> **Warning.** {WARNED}" in page
     calm = page_of(workplace, HONEST["both rise"], warning="")
     assert "Alarm" not in calm

@@ -11,7 +11,15 @@ import pytest
 from tests.trainings import checked
 from tests.workplace import TINY, Workplace
 from trainer.reporting.run_report import describe_example
-from trainer.runtime.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
+from trainer.runtime.pipeline import (
+    FINISHED,
+    GIVEN_BACK,
+    LEASE_LOST,
+    Pipeline,
+    RunStage,
+    failure_message,
+    own_scratch_folder,
+)
 from trainer.runtime.stages import demonstrations
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
@@ -29,13 +37,13 @@ def pipeline(workplace: Workplace) -> Pipeline:
     return Pipeline(workplace.database, workplace.settings, NAME, threading.Event())
 
 
-def only(pipeline: Pipeline, *wanted: str) -> Perform:
+def only(pipeline: Pipeline, *stages: str) -> RunStage:
     """Do these stages and then leave, as if the worker had been killed."""
 
-    def perform(run_id: str, stage: str) -> str:
-        return pipeline.perform(run_id, stage) if stage in wanted else "left"
+    def run_stage(run_id: str, stage: str) -> str:
+        return pipeline.run_stage(run_id, stage) if stage in stages else "left"
 
-    return perform
+    return run_stage
 
 
 def test_a_stage_that_the_queue_remembers_and_the_row_does_not_is_done_again(
@@ -43,7 +51,7 @@ def test_a_stage_that_the_queue_remembers_and_the_row_does_not_is_done_again(
 ) -> None:
     run_id = workplace.make_run()
     # The queue's record says of every stage that it is finished.
-    assert pipeline.train(run_id, lambda *_: FINISHED) == "given back to the queue"
+    assert pipeline.train(run_id, lambda *_: FINISHED) == GIVEN_BACK
     row = workplace.run(run_id)
     assert row.status == RunStatus.QUEUED
     assert row.finished_stages == {}
@@ -53,9 +61,8 @@ def test_a_run_that_another_worker_has_is_left_alone(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     run_id = workplace.make_run()
-    with workplace.database.writing() as session:
-        leases.claim(session, run_id, "worker-1", {})
-    assert pipeline.train(run_id, pipeline.perform) == "nothing to do"
+    workplace.lease(run_id, "worker-1")
+    assert pipeline.train(run_id, pipeline.run_stage) == "nothing to do"
     assert workplace.run(run_id).worker == "worker-1"
 
 
@@ -64,7 +71,7 @@ def test_a_stopping_worker_takes_nothing_up(workplace: Workplace) -> None:
     stopping.set()
     pipeline = Pipeline(workplace.database, workplace.settings, NAME, stopping)
     run_id = workplace.make_run()
-    assert pipeline.train(run_id, pipeline.perform) == "left in the queue"
+    assert pipeline.train(run_id, pipeline.run_stage) == "left in the queue"
     assert workplace.run(run_id).epoch == 0
 
 
@@ -72,23 +79,22 @@ def test_a_crash_between_the_check_and_the_stop_still_stops_the_run(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     run_id = workplace.make_run(go_on_anyway=False)
+    lease = workplace.lease(run_id, NAME)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, NAME, {})
-        assert claim is not None
         for stage in ("trajectories", "reward", "check"):
-            row = leases.finish_stage(session, claim, stage, 1.0)
+            row = leases.finish_stage(session, lease, stage, 1.0)
         row.outcome = checked({}, passed=False, advice="Confused.")
-    assert pipeline.train(run_id, pipeline.perform) == RunStatus.STOPPED
+    assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.STOPPED
     assert workplace.run(run_id).message == "Confused."
 
 
-def test_a_run_that_cannot_be_begun_fails_with_a_reason(
+def test_a_run_that_cannot_be_started_fails_with_a_reason(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
         runs.get(session, run_id).recipe = {"name": "of another version"}
-    assert pipeline.train(run_id, pipeline.perform) == RunStatus.FAILED
+    assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.FAILED
     assert "not a recipe of this version" in workplace.run(run_id).message
 
 
@@ -97,29 +103,29 @@ def test_a_run_that_passes_to_another_worker_in_the_middle_is_dropped(
 ) -> None:
     run_id = workplace.make_run()
 
-    def perform(run_id: str, stage: str) -> str:
+    def run_stage(run_id: str, stage: str) -> str:
         if stage == "reward":
             with workplace.database.writing() as session:
-                assert leases.take_away(session, run_id, runs.get(session, run_id).epoch)
-                assert leases.claim(session, run_id, "worker-1", {}) is not None
-        return pipeline.perform(run_id, stage)
+                assert leases.revoke(session, run_id, runs.get(session, run_id).epoch)
+            workplace.lease(run_id, "worker-1")
+        return pipeline.run_stage(run_id, stage)
 
-    assert pipeline.train(run_id, perform) == "taken over by another worker"
+    assert pipeline.train(run_id, run_stage) == LEASE_LOST
     row = workplace.run(run_id)
     assert (row.status, row.worker) == (RunStatus.RUNNING, "worker-1")
     assert set(row.finished_stages) == {"trajectories"}
 
 
-def test_each_claim_has_its_own_scratch_folder_with_what_the_last_one_left(tmp_path: Path) -> None:
-    first = take_over_folder(tmp_path / "run", 1)
+def test_each_lease_has_its_own_scratch_folder_with_what_the_last_one_left(tmp_path: Path) -> None:
+    first = own_scratch_folder(tmp_path / "run", 1)
     (first / "checkpoint").write_text("at 100")
-    second = take_over_folder(tmp_path / "run", 3)
+    second = own_scratch_folder(tmp_path / "run", 3)
     assert (second / "checkpoint").read_text() == "at 100"
     # The worker that had it before can't find the checkpoint any more, let alone replace it.
     assert not first.exists()
     first.mkdir()
     (first / "checkpoint").write_text("of the past")
-    third = take_over_folder(tmp_path / "run", 4)
+    third = own_scratch_folder(tmp_path / "run", 4)
     assert (third / "checkpoint").read_text() == "at 100"
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["4"]
 
@@ -128,10 +134,9 @@ def test_scratch_folders_of_runs_that_are_done_or_deleted_are_swept(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     done, deleted, cancelled = (workplace.make_run() for _ in range(3))
+    lease = workplace.lease(done, NAME)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, done, NAME, {})
-        assert claim is not None
-        leases.end(session, claim, RunStatus.DONE)
+        leases.end(session, lease, RunStatus.DONE)
         for run_id in (deleted, cancelled):
             runs.request_cancel(session, run_id)
         runs.delete(session, deleted)
@@ -148,10 +153,10 @@ def test_scratch_folders_of_runs_that_are_done_or_deleted_are_swept(
 
 def test_failures_are_explained_with_what_to_do() -> None:
     full = OSError(errno.ENOSPC, "No space left on device")
-    assert "Free some space" in explain("imitator", full, "x")
-    assert "not enough memory" in explain("imitator", MemoryError(), "x")
-    assert explain("reward", Unavailable("Plain words."), "x") == "Plain words."
-    unexpected = explain("clone", ZeroDivisionError("division by zero"), "abc")
+    assert "Free some space" in failure_message("imitator", full, "x")
+    assert "not enough memory" in failure_message("imitator", MemoryError(), "x")
+    assert failure_message("reward", Unavailable("Plain words."), "x") == "Plain words."
+    unexpected = failure_message("clone", ZeroDivisionError("division by zero"), "abc")
     assert "ZeroDivisionError: division by zero" in unexpected
     assert "logs/runs/abc.log" in unexpected
 

@@ -17,7 +17,8 @@ from tests.trainer.runtime.worker_zygote import WorkerProcess, Zygote
 from tests.waiting import wait_until
 from tests.workplace import TINY, Workplace
 from trainer.reward.model import RewardModel
-from trainer.runtime.pipeline import TAKEN_OVER
+from trainer.runtime.pipeline import LEASE_LOST
+from tril.game.episode import Ending, EndReason
 from tril.jobs import Jobs, overall_progress
 from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
@@ -50,7 +51,8 @@ def is_in(workplace: Workplace, run_id: str, stage: str) -> bool:
 def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    run_id = workplace.make_run(judged_where_trained(TINY, 1))
+    recipe = with_values(judged_where_trained(TINY, 1), {"ending": "life_counter"})
+    run_id = workplace.make_run(recipe)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, run_id, worker)
@@ -58,6 +60,11 @@ def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     with workplace.database.reading() as session:
         games = evaluations.listing(session, run_id)
         assert {(game.start_number, game.held_out) for game in games} == {(1, False)}
+        # The recordings are those of the whole games, which end by the recipe's rule.
+        for game in games:
+            recording = recordings.as_recording(game.recording)
+            assert recording.ending is Ending.LIFE_COUNTER
+            assert verify(recording).replay.end == game.recording.end != EndReason.HIT
     assert row.outcome.headline is not None
     assert row.outcome.headline.imitator is None
 
@@ -180,10 +187,10 @@ def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
         until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
         os.kill(sleeper.pid, signal.SIGSTOP)
         with zygote.running(data, lost_after_s=SOON_S) as other:
-            # Until it is claimed the run waits in the queue, from which anybody may take it.
+            # Until it is leased the run waits in the queue, from which anybody may take it.
             until(lambda: workplace.run(run_id).worker.startswith("worker-1"), other)
             os.kill(sleeper.pid, signal.SIGCONT)
-            until(lambda: TAKEN_OVER in sleeper.log.read_text(), sleeper)
+            until(lambda: LEASE_LOST in sleeper.log.read_text(), sleeper)
             until(lambda: is_in(workplace, run_id, "imitator"), other)
             assert workplace.run(run_id).worker.startswith("worker-1")
             assert "Traceback" not in sleeper.log.read_text()
@@ -219,7 +226,7 @@ def test_two_workers_never_take_the_same_run(
         rows = [until_over(workplace, run_id, first) for run_id in runs]
         assert second.is_alive
     assert [row.status for row in rows] == [RunStatus.STOPPED] * 8
-    # Every run was claimed exactly once, and both workers had some.
+    # Every run was leased exactly once, and both workers had some.
     assert [row.epoch for row in rows] == [1] * 8
     assert len({row.worker for row in rows}) == 2
 

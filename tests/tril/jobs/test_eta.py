@@ -9,7 +9,7 @@ import pytest
 
 from tests.workplace import TINY, Workplace
 from tril.jobs import RunEta, estimate, overall_progress
-from tril.jobs.stages import expected_seconds
+from tril.jobs.durations import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe
 from tril.stages import Stage, stages_of
 from tril.store.models import RunRow, RunStatus
@@ -62,10 +62,10 @@ def test_a_run_of_an_unknown_recipe_still_has_a_progress() -> None:
 
 
 def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
-    forecast = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
-    assert forecast.remaining_s({}, "reward", None) == pytest.approx(130.0)
-    # Twice as slow as foreseen so far; the imitator's own rate says 60 s.
-    assert forecast.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
+    eta = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
+    assert eta.remaining_s({}, "reward", None) == pytest.approx(130.0)
+    # Twice as slow as expected so far; the imitator's own rate says 60 s.
+    assert eta.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
 
 
 @pytest.mark.parametrize("recipe", [TINY, replace(FAST, name="tiny")], ids=["tiny", "fast"])
@@ -78,12 +78,11 @@ def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(
     # However few its steps were: what judging policies takes is not mistaken for training.
     steps = 1_000
     run_id = workplace.make_run(recipe, steps)
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", {})
-        assert claim is not None
         for stage, seconds in expected_seconds(recipe, steps).items():
-            leases.finish_stage(session, claim, stage, 2 * seconds)
-        leases.end(session, claim, RunStatus.DONE)
+            leases.finish_stage(session, lease, stage, 2 * seconds)
+        leases.end(session, lease, RunStatus.DONE)
     with workplace.database.reading() as session:
         measured = estimate(session, recipe)
     assert measured.measured

@@ -39,7 +39,7 @@ def draw_attention(data: RunData, progress: Progress) -> None:
 def _draw_state(data: RunData, state: NamedState, progress: Progress) -> None:
     observation = data.ranked_trajectories[state.trajectory].observations[state.step]
     maps = attention_map(data.reward_model, observation, progress)
-    number = data.ranked[state.trajectory]
+    number = data.snapshot.ranked[state.trajectory]
     screen = screen_at(data.recordings([number])[number], state.step)
     name = f"attention-{state.name.replace(' ', '-')}"
     details = AttentionDetails(

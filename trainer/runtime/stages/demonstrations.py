@@ -66,7 +66,7 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
             (demonstration,) = carry_out([task])
             verified = verify(demonstration.recording, console=console)
             with context.database.writing() as session:
-                leases.owned(session, context.claim)
+                leases.owned(session, context.lease)
                 recordings.add(
                     session,
                     context.behaviour_id,
@@ -111,7 +111,7 @@ def _made(session: Session, behaviour_id: int, kind: ExampleKind) -> dict[int, R
 def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     context = data.context
     with context.database.writing() as session:
-        run = leases.owned(session, context.claim)
+        run = leases.owned(session, context.lease)
         made = [row for _, row in sorted(_made(session, context.behaviour_id, kind).items())]
         shown = {row.id: _shown(row) for row in made if row.conditions[TIER] is not None}
         perfect = [row.id for row in made if row.conditions[TIER] is None]

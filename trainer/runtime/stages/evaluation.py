@@ -45,7 +45,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),
                 sampling_seed=context.training_seed,
-                n_processes=min(len(missing), context.courtesy.threads),
+                n_processes=min(len(missing), context.throttle.threads),
                 progress=part,
             )
             keep_games(data, policy, action_selection, missing, games, console)
@@ -69,7 +69,7 @@ def keep_games(
         verified.append(verify(game.recording, console=console))
         context.check_cancelled()
     with context.database.writing() as session:
-        leases.owned(session, context.claim)
+        leases.owned(session, context.lease)
         for number, game, confirmed in zip(numbers, games, verified, strict=True):
             row = recordings.add(
                 session,
@@ -104,7 +104,7 @@ def conditions_of(policy: str, action_selection: ActionSelection) -> dict[str, A
 
 def starts_seen(data: RunData) -> set[int]:
     """Return the evaluation starts from which demonstrations or training games of the run began."""
-    shown = data.recordings([*data.ranked, *data.perfect])
+    shown = data.recordings(data.snapshot.recordings)
     numbers = {evaluation_number(recording.start) for recording in shown.values()}
     shown_from = {number for number in numbers if number is not None}
     return shown_from | set(data.context.recipe.policy.own_starts)

@@ -22,7 +22,7 @@ TRAINING = {"ppo": train_imitator, "dagger": train_by_dagger, "gail": train_by_g
 
 def replay_demonstrations(data: RunData, progress: Progress) -> None:
     """Replay every demonstration of the run through an agent's eyes."""
-    data.trajectories([*data.ranked, *data.perfect], progress)
+    data.trajectories(data.snapshot.recordings, progress)
 
 
 def learn_reward(data: RunData, progress: Progress) -> None:
@@ -56,7 +56,8 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
         context.device,
     )
     data.forget_copies()
-    returns = {data.ranked[index]: value for index, value in check.predicted_returns.items()}
+    ranked = data.snapshot.ranked
+    returns = {ranked[index]: value for index, value in check.predicted_returns.items()}
     found = asdict(check) | {
         "predicted_returns": returns,
         "advice": advice(check),
@@ -83,26 +84,25 @@ def learn_clone(data: RunData, progress: Progress) -> None:
 def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """Train the imitator as its recipe says, from its checkpoint if there is one; keep it."""
     context = data.context
-    demonstrations = data.recordings([*data.ranked, *data.perfect])
     task = ImitationTask(
         model=data.reward_model,
-        recordings=[demonstrations[number] for number in data.ranked],
+        recordings=list(data.recordings(data.snapshot.ranked).values()),
         tiers=data.index_tiers,
         recipe=context.recipe,
         steps=context.steps,
         training_seed=context.training_seed,
         behaviour=context.behaviour,
-        perfect=[demonstrations[number] for number in data.perfect],
+        perfect=list(data.recordings(data.snapshot.perfect).values()),
     )
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
-    with data.policy_file("clone") as clone:
+    with data.artifact_file("clone") as clone:
         result = TRAINING[context.recipe.method](
             replace(task, clone=clone),
             path,
             folder,
             progress,
-            n_processes=min(context.courtesy.threads, context.recipe.policy.n_envs),
+            n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
             precision=Precision.of(context.settings.learning_precision, context.device),
             device=context.device,
         )
