@@ -16,7 +16,7 @@ import torch
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
 from trainer.runtime.throttle import Throttle
-from tril.analysis.outcome import RunOutcome, RunSnapshot
+from tril.analysis.outcome import RunOutcome
 from tril.behaviours import Behaviour
 from tril.files.artifact_store import ArtifactStore
 from tril.jobs import RunEta
@@ -25,6 +25,7 @@ from tril.settings import Settings
 from tril.stages import Stage
 from tril.store import games
 from tril.store.database import Database
+from tril.store.models import RunRow
 from tril.store.training import artifacts as artifact_rows
 from tril.store.training import leases, metrics
 from tril.store.training.leases import Lease
@@ -47,17 +48,9 @@ class RunContext:
 
     Attributes:
         lease: The worker's lease; everything written to the run carries it.
-        behaviour_id: Id of what is taught.
+        run: The run's row as of its last finished stage, detached from its session.
         behaviour: What is taught.
         recipe: How it is learned.
-        steps: Training steps of the imitator.
-        training_seed: Feeds every random choice of learning.
-        go_on_anyway: Whether the imitator is trained even when the check of the ranking fails.
-        is_example: Whether the run makes its demonstrations first.
-        example_kind: Name of the kind of an example's demonstrations.
-        snapshot: The frozen ranking; None until an example's demonstrations exist.
-        outcome: What the finished stages have found.
-        finished: Seconds that each finished stage took.
         database: The application's database.
         artifacts: Where files that outlive the run are kept.
         folder: Scratch folder of the run on this machine, for checkpoints.
@@ -68,17 +61,9 @@ class RunContext:
     """
 
     lease: Lease
-    behaviour_id: int
+    run: RunRow
     behaviour: Behaviour
     recipe: Recipe
-    steps: int
-    training_seed: int
-    go_on_anyway: bool
-    is_example: bool
-    example_kind: str
-    snapshot: RunSnapshot | None
-    outcome: RunOutcome
-    finished: dict[str, float]
     database: Database
     artifacts: ArtifactStore
     folder: Path
@@ -145,8 +130,8 @@ class RunContext:
         with self.database.writing() as session:
             row = leases.finish_stage(session, self.lease, stage, seconds)
             if found is not None:
-                row.outcome = self.outcome = row.outcome.with_those_of(found)
-        self.finished[stage] = seconds
+                row.outcome = row.outcome.with_those_of(found)
+        self.run = row
 
 
 class StageProgress:
@@ -206,7 +191,7 @@ class StageProgress:
         own = None
         if gained >= SETTLED_SHARE:
             own = (self._clock() - self._began) * (1.0 - self._share) / gained
-        return self._context.eta.remaining_s(self._context.finished, self._stage, own)
+        return self._context.eta.remaining_s(self._context.run.finished_stages, self._stage, own)
 
     def seconds(self) -> float:
         """Return what the whole stage takes, extrapolated if it went on from a checkpoint."""

@@ -13,6 +13,7 @@ import threading
 import traceback
 from collections.abc import Callable
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import torch
@@ -44,10 +45,6 @@ LEASE_LOST = "leased to another worker"
 GIVEN_BACK = "given back to the queue"
 RunStage = Callable[[str, str], str]
 """(run id, stage) -> FINISHED, or how the run ended or left this worker."""
-
-
-class RunStopped(Exception):
-    """The check of the ranking was not passed; the message says what is confused."""
 
 
 class Pipeline:
@@ -124,15 +121,15 @@ class Pipeline:
         return result
 
     def _run_stages(self, context: RunContext, run_stage: RunStage) -> str:
-        stages = stages_of(example=context.is_example)
+        stages = stages_of(context.run.example)
         for stage in stages:
             result = run_stage(context.run_id, stage)
             if result != FINISHED:
                 return result
-        if any(stage not in context.finished for stage in stages):
+        if any(stage not in context.run.finished_stages for stage in stages):
             # The queue remembers a stage as done that the row does not: the row is the truth.
             return self._leave(context.lease, leases.release, GIVEN_BACK)
-        result = self._end(context.lease, RunStatus.DONE, "")
+        result = self._end(context.lease, RunStatus.DONE)
         if result == RunStatus.DONE:
             shutil.rmtree(scratch_folder(self._settings, context.run_id), ignore_errors=True)
         return result
@@ -142,10 +139,12 @@ class Pipeline:
         data, stage = self._at_work[run_id], Stage(name)
         lease = data.context.lease
         try:
-            if stage not in data.context.finished:
+            if stage not in data.context.run.finished_stages:
                 self._work(data, stage)
-            if stage is Stage.CHECK:
-                stop_if_confused(data.context)
+            run = data.context.run
+            check = run.outcome.check if stage is Stage.CHECK else None
+            if check is not None and not check.passed and not run.go_on_anyway:
+                return self._end(lease, RunStatus.STOPPED, check.advice)
             return FINISHED
         except LeaseLost:
             # The queue's record of this stage will be refused, too, and end the job here.
@@ -154,9 +153,7 @@ class Pipeline:
         except WorkerStopping:
             return self._leave(lease, leases.release, GIVEN_BACK)
         except RunCancelled:
-            return self._end(lease, RunStatus.CANCELLED, "")
-        except RunStopped as stopped:
-            return self._end(lease, RunStatus.STOPPED, str(stopped))
+            return self._end(lease, RunStatus.CANCELLED)
         except Exception as problem:
             # The one catch-all: the person is told and the worker lives on.
             self._write_log(run_id, stage)
@@ -177,34 +174,23 @@ class Pipeline:
 
     def _context(self, lease: Lease) -> RunContext:
         with self._database.reading() as session:
-            row = runs.get(session, lease.run_id)
+            run = runs.get(session, lease.run_id)
             return RunContext(
                 lease=lease,
-                behaviour_id=row.behaviour_id,
-                behaviour=behaviours.as_behaviour(behaviours.get(session, row.behaviour_id)),
-                recipe=recipe_from_dict(row.recipe),
-                steps=row.steps,
-                training_seed=row.training_seed,
-                go_on_anyway=row.go_on_anyway,
-                is_example=row.example,
-                example_kind=row.example_kind,
-                snapshot=row.snapshot,
-                outcome=row.outcome,
-                finished=dict(row.finished_stages),
+                run=run,
+                behaviour=behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
+                recipe=recipe_from_dict(run.recipe),
                 database=self._database,
                 artifacts=self._artifacts,
-                folder=own_scratch_folder(scratch_folder(self._settings, row.id), lease.epoch),
+                folder=own_scratch_folder(scratch_folder(self._settings, run.id), lease.epoch),
                 settings=self._settings,
-                eta=RunEta.of(session, row),
+                eta=RunEta.of(session, run),
                 throttle=self._throttle,
                 stopping=self._stopping,
             )
 
-    def _end(self, lease: Lease, status: RunStatus, message: str) -> str:
-        def end(session: Session, lease: Lease) -> None:
-            leases.end(session, lease, status, message)
-
-        return self._leave(lease, end, status)
+    def _end(self, lease: Lease, status: RunStatus, message: str = "") -> str:
+        return self._leave(lease, partial(leases.end, status=status, message=message), status)
 
     def _leave(self, lease: Lease, write: Callable[[Session, Lease], None], result: str) -> str:
         try:
@@ -223,13 +209,6 @@ class Pipeline:
                 traceback.print_exc(file=file)
         except OSError as problem:
             log.warning("The log of run %s could not be written: %s", run_id, problem)
-
-
-def stop_if_confused(context: RunContext) -> None:
-    """Stop the run here if its ranking was not understood and nobody said to go on anyway."""
-    check = context.outcome.check
-    if check is not None and not check.passed and not context.go_on_anyway:
-        raise RunStopped(check.advice)
 
 
 def failure_message(stage: str, problem: BaseException, run_id: str) -> str:

@@ -48,8 +48,8 @@ class RunData:
     @property
     def snapshot(self) -> RunSnapshot:
         """The frozen ranking; of an example only once its demonstrations exist."""
-        assert self.context.snapshot is not None
-        return self.context.snapshot
+        assert self.context.run.snapshot is not None
+        return self.context.run.snapshot
 
     @property
     def index_tiers(self) -> list[list[int]]:
@@ -87,7 +87,7 @@ class RunData:
             self._copies = perturbed_copies(
                 list(self.recordings(self.snapshot.perfect).values()),
                 recipe.perturbed_copies,
-                np.random.default_rng([context.training_seed, _COPIES_STREAM]),
+                np.random.default_rng([context.run.training_seed, _COPIES_STREAM]),
                 context.check_cancelled,
             )
         return self._copies

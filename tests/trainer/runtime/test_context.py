@@ -10,7 +10,6 @@ from tests.workplace import Workplace
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
 from trainer.runtime.throttle import Throttle
-from tril.analysis.outcome import RunOutcome
 from tril.files.artifact_store import ArtifactStore
 from tril.game.starts import Start
 from tril.jobs import RunEta
@@ -41,20 +40,12 @@ def run_id(workplace: Workplace) -> str:
 def leased(workplace: Workplace, run_id: str) -> RunContext:
     lease = workplace.lease(run_id)
     with workplace.database.reading() as session:
-        row = runs.get(session, run_id)
+        run = runs.get(session, run_id)
         return RunContext(
             lease=lease,
-            behaviour_id=row.behaviour_id,
-            behaviour=behaviours.as_behaviour(behaviours.get(session, row.behaviour_id)),
-            recipe=recipe_from_dict(row.recipe),
-            steps=row.steps,
-            training_seed=0,
-            go_on_anyway=True,
-            is_example=False,
-            example_kind=row.example_kind,
-            snapshot=row.snapshot,
-            outcome=RunOutcome(),
-            finished={},
+            run=run,
+            behaviour=behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
+            recipe=recipe_from_dict(run.recipe),
             database=workplace.database,
             artifacts=ArtifactStore(workplace.settings.artifact_root),
             folder=workplace.settings.data / "runs" / run_id,
@@ -186,19 +177,3 @@ def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> No
     last = leased(workplace, run_id)
     last.check_cancelled()
     assert not last.throttle.active
-
-
-def test_learning_is_throttled_while_somebody_plays() -> None:
-    throttle = Throttle(4)
-    throttle.begin()
-    import torch
-
-    before = torch.get_num_threads()
-    assert before == 4
-    throttle.active = True
-    throttle.pause()
-    assert torch.get_num_threads() == 2
-    throttle.active = False
-    throttle.pause()
-    assert torch.get_num_threads() == 4
-    torch.set_num_threads(1)

@@ -55,11 +55,11 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
         the one that they are given.
     """
     context = data.context
-    kind = kind_named(context.example_kind)
-    rng = np.random.default_rng(context.training_seed)
+    kind = kind_named(context.run.example_kind)
+    rng = np.random.default_rng(context.run.training_seed)
     tasks = example_tasks(context.behaviour, rng, N_PERFECT, kind)
     with context.database.reading() as session:
-        made = set(_made(session, context.behaviour_id, kind))
+        made = set(_made(session, context.run.behaviour_id, kind))
     console = Console()
     for number, task in enumerate(tasks):
         if number not in made:
@@ -69,7 +69,7 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
                 leases.owned(session, context.lease)
                 recordings.add(
                     session,
-                    context.behaviour_id,
+                    context.run.behaviour_id,
                     verified.recording,
                     verified.replay,
                     Source.SCRIPTED,
@@ -77,7 +77,7 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
                     perfect=demonstration.perfect,
                     notes=demonstration.notes,
                     conditions=_conditions(number, demonstration)
-                    | _conditions_of_kind(kind, context.training_seed),
+                    | _conditions_of_kind(kind, context.run.training_seed),
                 )
         progress.advance(number + 1, len(tasks))
     judgement = _freeze(data, kind)
@@ -112,22 +112,23 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     context = data.context
     with context.database.writing() as session:
         run = leases.owned(session, context.lease)
-        made = [row for _, row in sorted(_made(session, context.behaviour_id, kind).items())]
+        made = [row for _, row in sorted(_made(session, context.run.behaviour_id, kind).items())]
         shown = {row.id: _shown(row) for row in made if row.conditions[TIER] is not None}
         perfect = [row.id for row in made if row.conditions[TIER] is None]
-        example_seed = made[0].conditions.get(SEED, context.training_seed)
+        example_seed = made[0].conditions.get(SEED, context.run.training_seed)
         judgement = judge_example(context.behaviour, kind, shown, example_seed)
         tiers = [list(tier) for tier in judgement.given.tiers]
-        ranking = rankings.current(session, context.behaviour_id)
+        ranking = rankings.current(session, context.run.behaviour_id)
         if kind == SCRIPTED and not ranking.tiers:
             ranking = rankings.save(
-                session, context.behaviour_id, ranking.revision, tiers, change="example"
+                session, context.run.behaviour_id, ranking.revision, tiers, change="example"
             )
-        run.snapshot = context.snapshot = RunSnapshot(
+        run.snapshot = RunSnapshot(
             ranking_revision=ranking.revision if ranking.tiers == tiers else None,
             tiers=tiers,
             perfect=perfect,
         )
+    context.run = run
     return judgement
 
 

@@ -44,7 +44,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
                 action_selection,
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),
-                sampling_seed=context.training_seed,
+                sampling_seed=context.run.training_seed,
                 n_processes=min(len(missing), context.throttle.threads),
                 progress=part,
             )
@@ -73,7 +73,7 @@ def keep_games(
         for number, game, confirmed in zip(numbers, games, verified, strict=True):
             row = recordings.add(
                 session,
-                context.behaviour_id,
+                context.run.behaviour_id,
                 confirmed.recording,
                 confirmed.replay,
                 Source.POLICY,
@@ -113,12 +113,12 @@ def starts_seen(data: RunData) -> set[int]:
 def headline(data: RunData) -> Headline:
     """Return the run's figures for the lists."""
     context = data.context
-    assert context.outcome.check is not None
+    assert context.run.outcome.check is not None
     with context.database.reading() as session:
         games = evaluations.listing(session, context.run_id)
     found = evaluations.summaries(games)
     return Headline(
-        **context.outcome.check.figures,
+        **context.run.outcome.check.figures,
         imitator=found.get(("imitator", "greedy")),
         clone=found.get(("clone", "greedy")),
     )

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
@@ -26,15 +25,8 @@ likeliest one, while the machine repeats actions at random. Runs of earlier vers
 games."""
 
 
-@dataclass(frozen=True)
-class EvaluationKey:
-    """Names one evaluation game of a run.
-
-    Attributes:
-        policy: One of POLICIES.
-        action_selection: One of ACTION_SELECTIONS.
-        start_number: The evaluation start.
-    """
+class EvaluationKey(NamedTuple):
+    """Names one evaluation game of a run."""
 
     policy: str
     action_selection: str
@@ -63,9 +55,7 @@ def add(
     """
     row = EvaluationRow(
         run_id=run_id,
-        policy=key.policy,
-        action_selection=key.action_selection,
-        start_number=key.start_number,
+        **key._asdict(),
         held_out=held_out,
         recording_id=recording_id,
         predicted_return=predicted_return,
@@ -83,9 +73,7 @@ def played(session: Session, run_id: str) -> set[EvaluationKey]:
     """Return which games of a run have been played."""
     query = select(EvaluationRow.policy, EvaluationRow.action_selection, EvaluationRow.start_number)
     rows = session.execute(query.where(EvaluationRow.run_id == run_id))
-    return {
-        EvaluationKey(policy, action_selection, number) for policy, action_selection, number in rows
-    }
+    return {EvaluationKey(*row) for row in rows}
 
 
 def listing(session: Session, run_id: str) -> list[EvaluationRow]:
