@@ -1,9 +1,10 @@
-"""Following a run on the terminal, with a worker of its own where none is running."""
+"""Progress of a run on the terminal, and a worker for commands that need one."""
 
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.progress import (
@@ -18,28 +19,23 @@ from rich.progress import Task as ProgressTask
 from rich.text import Text
 
 from cli.output import console, errors
-from cli.supervision.supervisor import child_environment, tril_command
+from cli.supervision.orphans import child_environment
+from cli.supervision.supervisor import tril_command
 from cli.workspace import Workspace
+from tril.errors import Unavailable
 from tril.jobs import overall_progress
+from tril.stages import Stage
 from tril.store import processes
 from tril.store.models import RunRow, RunStatus
+from tril.store.training import runs
 
+POLL_S = 0.5
 WORKER_STOP_TIMEOUT_S = 30.0
-
-STAGE_NAMES = {
-    "demonstrations": "making demonstrations",
-    "trajectories": "replaying recordings",
-    "reward": "learning the reward",
-    "check": "checking the ranking",
-    "clone": "cloning",
-    "imitator": "training the imitator",
-    "evaluation": "playing evaluation games",
-    "attention": "drawing attention maps",
-}
+MAX_WORKER_FAILURES = 3
 
 
 class _Remaining(TextColumn):
-    """What the worker says is left, not what the bar's own speed suggests."""
+    """The worker's own estimate of the time left."""
 
     def __init__(self) -> None:
         super().__init__("")
@@ -49,36 +45,88 @@ class _Remaining(TextColumn):
         return Text("" if remaining_s is None else f"{duration(remaining_s)} left", style="cyan")
 
 
-@contextmanager
-def worker_at_hand(workspace: Workspace) -> Iterator[None]:
-    """Make sure that a worker runs: one that is there, or one started for the time being."""
-    with workspace.database.reading() as session:
-        present = processes.is_kind_alive(session, "worker")
-    if present:
-        yield
-        return
-    errors.print("No worker is running; one is started for this run.")
-    log = workspace.settings.data / "logs" / "worker.log"
-    log.parent.mkdir(parents=True, exist_ok=True)
-    with log.open("ab") as output:
-        worker = subprocess.Popen(
-            tril_command("worker"), env=child_environment(), stdout=output, stderr=output
-        )
-    try:
-        yield
-    finally:
-        worker.terminate()
+class StandbyWorker:
+    """Runs a worker while no other one does.
+
+    Args:
+        workspace: The opened data folder.
+        command: Command line of the worker.
+    """
+
+    def __init__(self, workspace: Workspace, command: Sequence[str]) -> None:
+        self._workspace = workspace
+        self._command = command
+        self._process: subprocess.Popen[bytes] | None = None
+        self._n_failures = 0
+        self._log = workspace.settings.data / "logs" / "worker.log"
+
+    def ensure(self) -> None:
+        """Start a worker if none runs.
+
+        Raises:
+            Unavailable: The worker that was started here has ended MAX_WORKER_FAILURES times.
+        """
+        if self._process is not None:
+            exit_code = self._process.poll()
+            if exit_code is None:
+                return
+            self._process = None
+            self._n_failures += 1
+            if self._n_failures == MAX_WORKER_FAILURES:
+                raise Unavailable(
+                    f"The worker ended {self._n_failures} times, last with exit code {exit_code}."
+                    f" {self._log} says why. The run stays in the queue."
+                )
+        with self._workspace.database.reading() as session:
+            if processes.is_kind_alive(session, "worker"):
+                return
+        errors.print("No worker is running; one is started for this command.")
+        self._log.parent.mkdir(parents=True, exist_ok=True)
+        with self._log.open("ab") as output:
+            self._process = subprocess.Popen(
+                self._command, env=child_environment(), stdout=output, stderr=output
+            )
+
+    def stop(self) -> None:
+        """Stop the worker that was started here, if any: SIGTERM, then SIGKILL."""
+        if self._process is None:
+            return
+        self._process.terminate()
         try:
-            worker.wait(WORKER_STOP_TIMEOUT_S)
+            self._process.wait(WORKER_STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            worker.kill()
-            worker.wait()
+            self._process.kill()
+            self._process.wait()
 
 
-def follow(workspace: Workspace, run_id: str) -> RunRow:
-    """Show a run's progress until it is over; returns its final row.
+@contextmanager
+def standby_worker(
+    workspace: Workspace, command: Sequence[str] | None = None
+) -> Iterator[StandbyWorker]:
+    """Provide a worker for the duration of a block; call its ``ensure`` while waiting."""
+    worker = StandbyWorker(workspace, command or tril_command("worker"))
+    try:
+        yield worker
+    finally:
+        worker.stop()
+
+
+def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
+    """Show a run's progress until it is over.
 
     Ctrl-C stops following, not the run.
+
+    Args:
+        workspace: The opened data folder.
+        run_id: The run.
+        worker: Takes the run if no other worker does.
+
+    Returns:
+        The run's final row.
+
+    Raises:
+        NotFound: There is no such run.
+        Unavailable: No worker can be kept running.
     """
     columns = (
         TextColumn("{task.description:<26}"),
@@ -87,30 +135,29 @@ def follow(workspace: Workspace, run_id: str) -> RunRow:
         TimeElapsedColumn(),
         _Remaining(),
     )
-    row: RunRow | None = None
-    with workspace.jobs() as jobs, Progress(*columns, console=console) as progress:
+    with Progress(*columns, console=console) as progress:
         whole = progress.add_task("the whole run", total=1.0)
         stage_tasks: dict[str, TaskID] = {}
-        for row in jobs.follow(run_id):
-            progress.update(
-                whole,
-                completed=overall_progress(row),
-                remaining_s=row.remaining_s,
-            )
-            if row.stage not in STAGE_NAMES:
-                continue
-            for name, task in stage_tasks.items():
-                if name != row.stage:
-                    progress.update(task, completed=1.0)
-            if row.stage not in stage_tasks:
-                stage_tasks[row.stage] = progress.add_task(STAGE_NAMES[row.stage], total=1.0)
-            progress.update(stage_tasks[row.stage], completed=row.stage_done)
-    assert row is not None
-    return row
+        while True:
+            with workspace.database.reading() as session:
+                row = runs.get(session, run_id)
+            progress.update(whole, completed=overall_progress(row), remaining_s=row.remaining_s)
+            if row.stage:
+                for name, task in stage_tasks.items():
+                    if name != row.stage:
+                        progress.update(task, completed=1.0)
+                if row.stage not in stage_tasks:
+                    label = Stage(row.stage).label
+                    stage_tasks[row.stage] = progress.add_task(label, total=1.0)
+                progress.update(stage_tasks[row.stage], completed=row.stage_done)
+            if RunStatus(row.status).is_over:
+                return row
+            worker.ensure()
+            time.sleep(POLL_S)
 
 
 def say_how_it_ended(row: RunRow) -> bool:
-    """Print a run's end; returns whether it is done."""
+    """Print how a run ended unless it is done; return whether it is."""
     if row.status == RunStatus.DONE:
         return True
     errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
@@ -118,7 +165,7 @@ def say_how_it_ended(row: RunRow) -> bool:
 
 
 def duration(seconds: float) -> str:
-    """A time for people, e.g. "2 min 5 s"."""
+    """Format a duration, e.g. "2 min 5 s"."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

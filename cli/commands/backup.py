@@ -9,10 +9,9 @@ from typing import Annotated
 
 import typer
 
-from cli.output import JsonOption, console, plain_errors, print_json
+from cli.output import JsonOption, console, plain_errors, print_json, read_settings
 from tril.errors import Invalid
 from tril.exchange.backup import Backup, check_backup, make_backup
-from tril.settings import Settings
 
 
 def backup(
@@ -35,7 +34,9 @@ def backup(
             found = check_backup(folder)
         else:
             now = datetime.now().astimezone()
-            found = make_backup(Settings(), folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}")
+            found = make_backup(
+                read_settings(), folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}"
+            )
     _report(found, "The backup is whole" if check else "Backed up", as_json)
 
 

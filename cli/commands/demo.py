@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cli.commands.runs import chosen_recipe, print_results, start_run
-from cli.follow import follow, say_how_it_ended, worker_at_hand
+from cli.follow import follow, say_how_it_ended, standby_worker
 from cli.output import console, errors
 from cli.workspace import open_workspace
 from tril.demonstrator import KINDS, SCRIPTED
@@ -34,7 +34,8 @@ def demo(
     ] = None,
 ) -> None:
     """Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures."""
-    from trainer.reporting.run_report import describe_example, write_report
+    from trainer.reporting.run_entry import describe_example
+    from trainer.reporting.run_report import write_report
 
     with open_workspace() as workspace:
         chosen = chosen_recipe(recipe, value)
@@ -48,8 +49,8 @@ def demo(
             example=True,
             example_kind=demonstrations,
         )
-        with worker_at_hand(workspace):
-            row = follow(workspace, run_id)
+        with standby_worker(workspace) as worker:
+            row = follow(workspace, run_id, worker)
         if not say_how_it_ended(row):
             raise typer.Exit(1)
         folder = output or workspace.settings.data / "results" / run_id

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from cli.follow import duration, follow, say_how_it_ended, worker_at_hand
+from cli.follow import duration, follow, say_how_it_ended, standby_worker
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
 from tril.analysis.summary import PolicySummary
@@ -95,8 +95,8 @@ def train(
         if not wait:
             console.print(run_id)
             return
-        with worker_at_hand(workspace):
-            row = follow(workspace, run_id)
+        with standby_worker(workspace) as worker:
+            row = follow(workspace, run_id, worker)
         if not say_how_it_ended(row):
             raise typer.Exit(1)
         print_results(workspace, row)

@@ -1,4 +1,4 @@
-"""The server processes behind one port."""
+"""Server processes that share one port."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tril.settings import Settings
 
 
 def server_children(n_processes: int) -> list[Child]:
-    """Return the server processes to supervise; several listen on the same port."""
+    """Return the server processes to supervise; several share the port."""
     if n_processes == 1:
         return [Child("server", tril_command("serve"))]
     command = tril_command("serve", "--share-port")
@@ -19,7 +19,7 @@ def server_children(n_processes: int) -> list[Child]:
 
 
 def server_environment(settings: Settings) -> dict[str, str]:
-    """Return what the children have to agree about."""
+    """Return the settings that all child processes share."""
     return {
         "TRIL_PORT": str(settings.port),
         "TRIL_DATA": str(settings.data),
@@ -29,10 +29,10 @@ def server_environment(settings: Settings) -> dict[str, str]:
 
 @contextmanager
 def held_port(settings: Settings) -> Iterator[None]:
-    """Keep the port for several server processes; a single one takes it itself.
+    """Reserve the port while several server processes share it.
 
     Raises:
-        Unavailable: It is taken by something else.
+        Unavailable: Another program uses the port.
     """
     from server.main import take_port
 

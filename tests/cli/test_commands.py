@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from cli.commands.reproduce import _is_usable
 from cli.main import app
-from tril.store.models import RunRow, RunStatus
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 runner = CliRunner()
@@ -125,34 +123,3 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
     assert "there are scripted, human, six, twenty-four, no-wrong, no-gradual" in output
-
-
-@pytest.mark.parametrize(
-    ("example", "status", "usable"),
-    [
-        (True, RunStatus.DONE, True),
-        (True, RunStatus.QUEUED, True),
-        (True, RunStatus.FAILED, False),
-        (False, RunStatus.DONE, False),
-    ],
-)
-def test_results_are_made_from_examples_that_are_not_lost(
-    example: bool, status: RunStatus, usable: bool
-) -> None:
-    row = RunRow(example=example, status=status)
-    assert _is_usable(row) is usable
-
-
-@pytest.mark.usefixtures("data_folder")
-def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path: Path) -> None:
-    for change in (["--recipe", "paper"], ["--set", "policy.n_epochs=9"]):
-        output = _run("reproduce", "--ablation", *change, "-o", str(tmp_path), status=1)
-        assert "known of the recipe fast alone" in output
-    for two in (
-        ["--ablation", "--own-starts"],
-        ["--ablation", "--demonstrations", "human"],
-        ["--own-starts", "--demonstrations", "six"],
-    ):
-        assert "each by itself" in _run("reproduce", *two, "-o", str(tmp_path), status=1)
-    output = _run("reproduce", "--demonstrations", "seven", "-o", str(tmp_path), status=1)
-    assert "there are scripted, human, six" in output

@@ -11,7 +11,7 @@ from starlette.testclient import TestClient
 from server.app import create_app
 from server.play.rules import PlayRules
 from server.web.security import Access
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 
 
 @contextmanager

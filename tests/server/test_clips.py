@@ -15,7 +15,7 @@ from starlette.testclient import TestClient
 
 from server.clips import ClipKind, ClipMaker
 from server.clips.render import FRAMES_PER_PICTURE, PICTURE_MS, brightest
-from tests.workplace import FRAMES, Workplace
+from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
 from tril.game.episode import Episode
 from tril.game.palette import palette_grayscale, palette_rgb

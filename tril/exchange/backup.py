@@ -18,12 +18,12 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import make_url
 
+from tril import __version__
 from tril.errors import Conflict, Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore, free_bytes, write_whole
 from tril.settings import Settings
@@ -173,7 +173,7 @@ def _copy(settings: Settings, databases: dict[str, Path], folder: Path) -> None:
     manifest = {
         "format": FORMAT,
         "version": FORMAT_VERSION,
-        "tril": version("tril"),
+        "tril": __version__,
         "created_at": datetime.now(UTC).isoformat(timespec="seconds"),
         "artifacts_elsewhere": None if is_local else settings.artifact_root,
         "files": [asdict(file) for file in files],

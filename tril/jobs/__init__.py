@@ -1,10 +1,10 @@
-"""Runs as jobs: put into a durable queue, cancelled, resumed, followed, kept in step.
+"""Runs as jobs: put into a durable queue, cancelled, resumed, kept in step.
 
 The run's row in the application's database is the truth. The job queue (DBOS, a database of its
 own) only brings a run's id to a worker, at least once; the worker asks the row what to do.
 """
 
-from tril.jobs.delivery import Jobs, NoWorker
+from tril.jobs.delivery import Jobs
 from tril.jobs.eta import CostEstimate, RunEta, estimate, overall_progress
 from tril.jobs.queue import QUEUE, WORKFLOW, executor_config, prepare_queue
 
@@ -13,7 +13,6 @@ __all__ = [
     "WORKFLOW",
     "CostEstimate",
     "Jobs",
-    "NoWorker",
     "RunEta",
     "estimate",
     "executor_config",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +14,6 @@ from sqlalchemy.exc import SQLAlchemyError
 from tril.errors import Unavailable
 from tril.jobs.queue import QUEUE, VERSION, WORKFLOW, open_client
 from tril.settings import Settings
-from tril.store import processes
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import leases, runs
@@ -24,9 +22,6 @@ log = logging.getLogger(__name__)
 
 LOST_AFTER_S = 30.0
 """A lease is revoked once its run did not change for this long, by the watcher's own clock."""
-
-NO_WORKER_AFTER_S = 60.0
-"""Following a run ends once no worker was alive for this long; starting one takes a few seconds."""
 
 RECONCILE_EVERY_S = 5.0
 
@@ -38,16 +33,6 @@ GIVEN_UP_MESSAGE = (
 )
 
 
-class NoWorker(Unavailable):
-    """No worker is alive, so nothing goes on with the run."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            "No worker is running, so nothing goes on with this training. Start one with `tril "
-            "worker` or `tril up`; it goes on from the last checkpoint."
-        )
-
-
 @dataclass(frozen=True)
 class _LastChange:
     """A run and its job as they are, and since when: seconds, monotonic."""
@@ -57,7 +42,7 @@ class _LastChange:
 
 
 class Jobs:
-    """Enqueues, cancels, resumes and follows runs.
+    """Enqueues, cancels and resumes runs.
 
     Every method changes the run's row first and then the queue. A crash in between leaves a row
     whose job is missing or over, or a job whose row is over; ``reconcile`` makes a new job for the
@@ -113,38 +98,6 @@ class Jobs:
         with self._database.writing() as session:
             runs.queue_again(session, run_id)
         self.enqueue(run_id)
-
-    def follow(
-        self, run_id: str, poll_s: float = 0.5, patience_s: float = NO_WORKER_AFTER_S
-    ) -> Iterator[RunRow]:
-        """Yield a run's row whenever it has changed, until the run is over.
-
-        Args:
-            run_id: The run.
-            poll_s: Seconds between two looks.
-            patience_s: Seconds without a living worker after which following ends.
-
-        Raises:
-            NotFound: No such run (any more).
-            NoWorker: No worker has been alive for ``patience_s``.
-        """
-        last: tuple[Any, ...] | None = None
-        attended_at = time.monotonic()
-        while True:
-            with self._database.reading() as session:
-                row = runs.get(session, run_id)
-                is_attended = processes.is_kind_alive(session, "worker")
-            state = (row.status, row.stage, row.stage_done, row.remaining_s, row.message)
-            if state != last:
-                last = state
-                yield row
-            if RunStatus(row.status).is_over:
-                return
-            if is_attended:
-                attended_at = time.monotonic()
-            elif time.monotonic() - attended_at > patience_s:
-                raise NoWorker
-            time.sleep(poll_s)
 
     def reconcile(self) -> None:
         """Make the queue agree with the rows: no run waits without a job, no job without a worker.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from starlette.testclient import TestClient
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.behaviours import BUILT_IN
 from tril.demonstrator import example_plans, meets
 

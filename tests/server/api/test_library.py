@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 from starlette.testclient import TestClient
 
-from server.api.recordings import MAX_IMPORTED
+from server.api.imports import MAX_IMPORTED
 from server.play.wire.codec import FrameDecoder
 from server.play.wire.frames_file import read_frames_file
-from tests.workplace import FRAMES, Workplace
+from testsupport.workplace import FRAMES, Workplace
 from tril.game.episode import Episode
 from tril.game.palette import palette_rgb
 from tril.recording import replay

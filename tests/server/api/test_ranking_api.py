@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from starlette.testclient import TestClient
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.store.models import RecordingRow, Verification
 
 PATH = "/api/behaviours/1/ranking"

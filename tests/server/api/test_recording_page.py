@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from starlette.testclient import TestClient
 
-from tests.workplace import FRAMES, Workplace
+from testsupport.workplace import FRAMES, Workplace
 from tril.game import space_invaders as game
 from tril.game.episode import Episode
 from tril.recording import replay

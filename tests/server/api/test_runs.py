@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from tests.trainings import HACKS, checked
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.analysis.summary import summarise
 from tril.behaviours import Score

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from server.play.lateness import BIN_MS, N_BINS, Lateness
 from server.play.session.pace import FRAME_S, FrameClock
-from tests.server.live import LiveServer
+from testsupport.live import LiveServer
 
 LONGEST_MS = BIN_MS * (N_BINS - 1)
 

@@ -24,9 +24,9 @@ from server.play.wire.protocol import (
     Paused,
     TakenOver,
 )
-from tests.server.live import LiveServer, Player, cookie, live_server
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, Player, cookie, live_server
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.game.controls import Keys
 from tril.game.episode import Episode
 from tril.game.space_invaders import Action

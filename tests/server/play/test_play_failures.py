@@ -10,9 +10,9 @@ from typing import Any
 from sqlalchemy import event
 
 from server.play.wire.protocol import Ended, Hello, Paused
-from tests.server.live import LiveServer, join, live_server
-from tests.server.processes import server_process
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, join, live_server
+from testsupport.processes import server_process
+from testsupport.workplace import Workplace
 from tril.store import recordings
 from tril.store.database import Database
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.trainings import checked
-from tests.workplace import TINY, Workplace
-from trainer.reporting.run_report import describe_example
+from testsupport.workplace import TINY, Workplace
+from trainer.reporting.run_entry import describe_example
 from trainer.runtime.pipeline import (
     FINISHED,
     GIVEN_BACK,

@@ -6,7 +6,7 @@ import json
 
 from sqlalchemy import text
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.analysis.outcome import ImitatorOutcome, RunOutcome
 from tril.analysis.summary import GameFigures, summarise
 from tril.store.training import runs

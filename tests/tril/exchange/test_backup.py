@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.errors import Conflict, Unavailable
 from tril.exchange import backup
 from tril.exchange.backup import BackupDamaged, check_backup, make_backup

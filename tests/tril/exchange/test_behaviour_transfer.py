@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from tests.workplace import Workplace, make_workplace
+from testsupport.workplace import Workplace, make_workplace
 from tril.exchange.behaviour_transfer import export_whole, import_whole
 from tril.exchange.formats import BehaviourRefused, behaviour_schema
 from tril.store import behaviours, players, rankings, recordings

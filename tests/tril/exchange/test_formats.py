@@ -287,8 +287,18 @@ def test_a_game_that_goes_on_is_accepted_and_its_end_commented(
     content = to_exchange(begun, end=EndReason.HIT)
     given = from_exchange(content, console)
     assert given.replay.end is None
-    assert given.notices == ("It says that it ended by 'hit'; in the replay nothing ended it.",)
+    assert given.notices == ("Its end is 'hit'; in the replay nothing ended it.",)
     assert from_exchange({**content, "end": None}, console).notices == ()
+
+
+@pytest.mark.parametrize("end", ["died", "a bomb from above hit the player's cannon", 7, ["hit"]])
+def test_an_end_in_other_words_is_compared_and_the_known_ones_named(
+    console: Console, played: Recorder, end: object
+) -> None:
+    content = {**to_exchange(played.recording()), "end": end}
+    (notice,) = from_exchange(content, console).notices
+    assert notice.startswith("Its end is ")
+    assert notice.endswith("The ends are hit, lives, landed, cleared, steps.")
 
 
 def test_unknown_members_are_left_out_with_a_notice(
@@ -369,6 +379,18 @@ def test_deep_nesting_is_refused(console: Console, content: dict[str, Any]) -> N
     for _ in range(20_000):
         deep = [deep]
     assert "nested too deeply" in _refusal({**content, "conditions": {"a": deep}}, console)
+
+
+@pytest.mark.parametrize("member", ["conditions", "parent"])
+def test_what_a_recording_carries_along_is_at_most_16_levels_deep(
+    member: str, console: Console, content: dict[str, Any]
+) -> None:
+    carried: dict[str, Any] = {}
+    for _ in range(15):
+        carried = {"a": carried}
+    from_exchange({**content, member: carried}, console)
+    refusal = _refusal({**content, member: {"a": carried}}, console)
+    assert f"{member}: expected at most 16 levels of nesting" in refusal
 
 
 # Files

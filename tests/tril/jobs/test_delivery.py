@@ -5,7 +5,6 @@ from __future__ import annotations
 import sqlite3
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,13 +12,13 @@ from contextlib import contextmanager
 import pytest
 from dbos import DBOSClient
 
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Conflict
-from tril.jobs import Jobs, NoWorker
+from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
 from tril.jobs.queue import open_client
-from tril.store.models import RunRow, RunStatus
+from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 
 LOST_AFTER_S = 1.0
@@ -229,48 +228,3 @@ def test_a_run_that_can_not_be_healed_keeps_no_other_from_it(
     monkeypatch.setattr(Jobs, "_deliver", deliver)
     wait_until(lambda: job_status(queue, broken) == "ENQUEUED", PATIENCE_S)
     jobs.close()
-
-
-def test_following_a_run_that_no_worker_will_do_ends_with_what_to_do(
-    workplace: Workplace, jobs: Jobs
-) -> None:
-    run_id = workplace.make_run()
-    jobs.enqueue(run_id)
-    with idle_worker(workplace, "worker-0") as process:
-        assert said(process) == f"leased {run_id}"
-        rows = jobs.follow(run_id, poll_s=0.01, patience_s=0.0)
-        assert next(rows).status == RunStatus.RUNNING
-        process.kill()
-        with pytest.raises(NoWorker, match="tril worker"):
-            list(rows)
-
-
-def test_following_a_run_shows_every_change_until_it_is_over(
-    workplace: Workplace, jobs: Jobs
-) -> None:
-    run_id = workplace.make_run()
-    seen: list[RunRow] = []
-    noticed = threading.Semaphore(0)
-
-    def follow() -> None:
-        for row in jobs.follow(run_id, poll_s=0.01):
-            seen.append(row)
-            noticed.release()
-
-    thread = threading.Thread(target=follow)
-    thread.start()
-    assert noticed.acquire(timeout=PATIENCE_S)
-    lease = workplace.lease(run_id)
-    assert noticed.acquire(timeout=PATIENCE_S)
-    with workplace.database.writing() as session:
-        leases.report(session, lease, "reward", 0.5, 12.0)
-    assert noticed.acquire(timeout=PATIENCE_S)
-    with workplace.database.writing() as session:
-        leases.end(session, lease, RunStatus.FAILED, "broken")
-    thread.join(PATIENCE_S)
-    assert [(row.status, row.stage_done, row.message) for row in seen] == [
-        ("queued", 0.0, ""),
-        ("running", 0.0, ""),
-        ("running", 0.5, ""),
-        ("failed", 0.5, "broken"),
-    ]

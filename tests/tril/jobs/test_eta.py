@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
 from tril.jobs import RunEta, estimate, overall_progress
 from tril.jobs.durations import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe

@@ -10,7 +10,7 @@ import pytest
 from sqlalchemy import update
 from sqlalchemy.orm import Session
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.heartbeat import Heartbeat
 from tril.store import processes
 from tril.store.models import ProcessRow

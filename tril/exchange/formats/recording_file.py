@@ -159,10 +159,9 @@ def _notices(given: RecordingObject, played: Replay, n_cut: int) -> Iterator[str
         }.get(played.end or EndReason.STEPS, f"{game.MAX_STEPS} steps were over")
         yield f"Cut at frame {played.n_frames}, where {why}: {n_cut} more actions were left out."
     elif given.end is not None and given.end != played.end:
-        yield (
-            f"It says that it ended by {given.end!r}; in the replay"
-            f" {'it ended by ' + repr(str(played.end)) if played.end else 'nothing ended it'}."
-        )
+        end = f"it ended by {str(played.end)!r}" if played.end else "nothing ended it"
+        hint = "" if given.end in [*EndReason] else f" The ends are {', '.join(EndReason)}."
+        yield f"Its end is {shortened(repr(given.end))}; in the replay {end}.{hint}"
     unknown = [
         *(given.model_extra or {}),
         *(f"start.{key}" for key in given.start.model_extra or {}),

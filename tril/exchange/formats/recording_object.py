@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from tril.game.space_invaders import COLUMNS, MAX_IDLE_FRAMES, ROWS
 from tril.recording import RecordingRefused
@@ -14,6 +14,8 @@ from tril.recording import RecordingRefused
 FORMAT = "tril-recording"
 VERSION = 1
 MAX_NOTES_LENGTH = 4000
+MAX_DEPTH = 16
+"""Levels of nesting in what a recording carries along."""
 
 Source = Literal["person", "scripted", "policy"]
 """Who played a recording."""
@@ -30,6 +32,21 @@ def number(value: object) -> object:
     if isinstance(value, bool):
         raise ValueError("expected a number")
     return value
+
+
+def bounded(value: object) -> object:
+    """Refuse what is nested so deeply that reading or showing it could fail."""
+    level: list[object] = [value]
+    for _ in range(MAX_DEPTH):
+        level = [
+            inner
+            for outer in level
+            if isinstance(outer, dict | list)
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
+        ]
+        if not level:
+            return value
+    raise ValueError(f"expected at most {MAX_DEPTH} levels of nesting")
 
 
 class StrictModel(BaseModel):
@@ -92,11 +109,11 @@ class RecordingObject(StrictModel):
     )
     perfect: bool | None = Field(default=None, description="Whether a clone should learn from it.")
     source: Source | None = Field(default=None, description="Who played it.")
-    end: str | None = Field(
+    end: Any = Field(
         default=None,
-        max_length=40,
         description="Why the episode ended: hit, lives, landed, cleared or steps; none of them"
-        " where the recording ends before its episode.",
+        " where the recording ends before its episode. Compared with a replay; a difference is a"
+        " notice.",
     )
     ram_hashes: list[Annotated[str, Field(pattern="^[0-9a-f]{16}$")]] | None = Field(
         default=None,
@@ -104,10 +121,10 @@ class RecordingObject(StrictModel):
         description="BLAKE2b (8 bytes, hexadecimal) of the 128 bytes of RAM after every 60th"
         " frame. Checked by a replay.",
     )
-    conditions: dict[str, Any] | None = Field(
+    conditions: Annotated[dict[str, Any] | None, AfterValidator(bounded)] = Field(
         default=None, description="Anything about how it was played; kept as it is."
     )
-    parent: dict[str, Any] | str | None = Field(
+    parent: Annotated[dict[str, Any] | str | None, AfterValidator(bounded)] = Field(
         default=None, description="The recording that this one goes on from; kept as it is."
     )
     notes: str | None = Field(

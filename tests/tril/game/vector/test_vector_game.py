@@ -300,7 +300,8 @@ PARENT = """
     import os, signal, sys, time
     import numpy as np
     from pathlib import Path
-    from tril.game.vector import TrainingStarts, VectorGame
+    from tril.game.vector.reset_distribution import TrainingStarts
+    from tril.game.vector.vector_game import VectorGame
 
     # Ignored where the tests run in the background of a script.
     signal.signal(signal.SIGINT, signal.default_int_handler)

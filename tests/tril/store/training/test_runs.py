@@ -8,7 +8,7 @@ from datetime import datetime, timedelta, tzinfo
 import pytest
 from sqlalchemy import update
 
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
 from tril.analysis.outcome import RunSnapshot
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store import behaviours, processes, rankings, recordings
