@@ -8,6 +8,7 @@ import threading
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, Wanted
 from tril.files.cache import Cache
+from tril.game.episode import Ending
 from tril.recording import Recording
 
 _FORMAT = 1
@@ -18,7 +19,8 @@ def version_of(recording: Recording) -> str:
     """Return a short digest of everything that a replay depends on."""
     start = recording.start
     digest = hashlib.blake2b(recording.actions, digest_size=10)
-    rest = (_FORMAT, recording.rom_md5, start.idle_frames, start.mode, start.difficulty)
+    ending = () if recording.ending is Ending.HIT else (str(recording.ending),)
+    rest = (_FORMAT, recording.rom_md5, start.idle_frames, start.mode, start.difficulty, *ending)
     digest.update(repr(rest).encode())
     return digest.hexdigest()
 

@@ -33,10 +33,11 @@ from testsupport.processes import TrilProcess, whole_tril
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import EVALUATION_START_COUNT, Episode, evaluation_start
-from tril.jobs import STAGES
+from tril.stages import Stage
 from tril.store.database import Database, create_database
 from tril.store.training import runs
 
+STAGES = [stage.value for stage in Stage]
 KEYS = ("ArrowLeft", "ArrowRight", "Space")
 HELD_MS = (60, 160)
 BETWEEN_MS = (80, 250)
