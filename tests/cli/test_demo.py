@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from testsupport.recipes import SMALLEST
-from trainer.reporting.ledger import read_entry
+from trainer.reporting.run_entry import read_entry
 from tril.settings import Settings
 from tril.store import behaviours, rankings, recordings
 from tril.store.database import create_database

@@ -33,13 +33,13 @@ export interface paths {
         };
         /**
          * List Behaviours
-         * @description Return all behaviours, those that come ready first.
+         * @description Return all behaviours, the built-in ones first.
          */
         get: operations["list_behaviours"];
         put?: never;
         /**
          * Create Behaviour
-         * @description Add a behaviour of one's own.
+         * @description Add a behaviour.
          */
         post: operations["create_behaviour"];
         delete?: never;
@@ -64,14 +64,14 @@ export interface paths {
         post?: never;
         /**
          * Delete Behaviour
-         * @description Take a behaviour out of the lists.
+         * @description Delete a behaviour; its trainings remain.
          */
         delete: operations["delete_behaviour"];
         options?: never;
         head?: never;
         /**
          * Update Behaviour
-         * @description Change a behaviour; fields that are left out stay.
+         * @description Change a behaviour; omitted fields stay.
          */
         patch: operations["update_behaviour"];
         trace?: never;
@@ -85,10 +85,10 @@ export interface paths {
         };
         /**
          * Get Checklist
-         * @description Return the demonstrations that exemplify a behaviour, and which of them were played.
+         * @description Return the demonstrations that exemplify a behaviour, and which of them exist.
          *
-         *     The rules are the demonstrator's; of the library's verified recordings, whoever played them,
-         *     it counts what they hit, and that they were survived to their end.
+         *     The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
+         *     what a plan asks for and ends without the player's death.
          */
         get: operations["get_checklist"];
         put?: never;
@@ -131,12 +131,12 @@ export interface paths {
         };
         /**
          * Get Ranking
-         * @description Return the ranking as it stands.
+         * @description Return the current ranking.
          */
         get: operations["get_ranking"];
         /**
          * Save Ranking
-         * @description Save an order.
+         * @description Save a ranking.
          */
         put: operations["save_ranking"];
         post?: never;
@@ -157,7 +157,7 @@ export interface paths {
         put?: never;
         /**
          * Redo Ranking
-         * @description Bring back the order that was undone last.
+         * @description Redo the change that was undone last.
          */
         post: operations["redo_ranking"];
         delete?: never;
@@ -175,7 +175,7 @@ export interface paths {
         };
         /**
          * List Ranking Revisions
-         * @description Return what was done to the ranking, newest first.
+         * @description Return the revisions of the ranking, newest first.
          */
         get: operations["list_ranking_revisions"];
         put?: never;
@@ -197,7 +197,7 @@ export interface paths {
         put?: never;
         /**
          * Undo Ranking
-         * @description Bring back the order before the last change.
+         * @description Undo the last change.
          */
         post: operations["undo_ranking"];
         delete?: never;
@@ -295,7 +295,7 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream what changes, from now on.
+         * @description Stream changes from now on.
          */
         get: operations["stream_events"];
         put?: never;
@@ -317,7 +317,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game
-         * @description Begin a game; it waits for a player at its stream. 503 if too many games are open.
+         * @description Create a game, which begins when a player joins its stream. 503 if too many are open.
          */
         post: operations["create_game"];
         delete?: never;
@@ -335,7 +335,7 @@ export interface paths {
         };
         /**
          * Get Game
-         * @description Return a game as it was saved last.
+         * @description Return a game as last saved.
          */
         get: operations["get_game"];
         put?: never;
@@ -357,7 +357,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game From
-         * @description Begin a game that goes on from a frame of a recording, which stays as it is.
+         * @description Create a game that continues from a frame of a recording, which stays unchanged.
          *
          *     503 if too many games are open.
          */
@@ -377,7 +377,7 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Say that the server answers and reaches its database. Needs no cookie.
+         * @description Answer that the server runs, without asking the database. Needs no cookie.
          */
         get: operations["get_health"];
         put?: never;
@@ -397,7 +397,7 @@ export interface paths {
         };
         /**
          * Get Player
-         * @description Return who plays here.
+         * @description Return the player.
          */
         get: operations["get_player"];
         put?: never;
@@ -421,7 +421,7 @@ export interface paths {
         };
         /**
          * List Recipes
-         * @description Return the ways of learning, the one proposed first.
+         * @description Return the recipes, the proposed one first.
          */
         get: operations["list_recipes"];
         put?: never;
@@ -441,7 +441,7 @@ export interface paths {
         };
         /**
          * Get Recording
-         * @description Return one recording, a deleted one too.
+         * @description Return a recording, even a deleted one.
          */
         get: operations["get_recording"];
         put?: never;
@@ -489,7 +489,7 @@ export interface paths {
         };
         /**
          * Get Recording Course
-         * @description Return what was done in every frame, and which recordings this one is related to.
+         * @description Return the action of every frame, and the recordings that this one is related to.
          */
         get: operations["get_recording_course"];
         put?: never;
@@ -511,7 +511,7 @@ export interface paths {
         put?: never;
         /**
          * Discard Recording
-         * @description Delete a recording as DELETE does, and return it; it can be restored.
+         * @description Delete a recording and return it; it can be restored.
          */
         post: operations["discard_recording"];
         delete?: never;
@@ -529,7 +529,7 @@ export interface paths {
         };
         /**
          * Export Recording
-         * @description Return one recording in the exchange format.
+         * @description Return a recording in the exchange format.
          */
         get: operations["export_recording"];
         put?: never;
@@ -611,7 +611,7 @@ export interface paths {
         put?: never;
         /**
          * Restore Recording
-         * @description Bring a deleted recording back, unranked.
+         * @description Restore a deleted recording, unranked.
          */
         post: operations["restore_recording"];
         delete?: never;
@@ -655,7 +655,7 @@ export interface paths {
         put?: never;
         /**
          * Create Run
-         * @description Start a training from the ranking as it stands; a worker takes it from the queue.
+         * @description Start a training from the current ranking; a worker takes it from the queue.
          */
         post: operations["create_run"];
         delete?: never;
@@ -673,14 +673,14 @@ export interface paths {
         };
         /**
          * Get Run
-         * @description Return a training as it stands.
+         * @description Return a training.
          */
         get: operations["get_run"];
         put?: never;
         post?: never;
         /**
          * Delete Run
-         * @description Take a training that is over out of the lists.
+         * @description Delete a training that has ended.
          */
         delete: operations["delete_run"];
         options?: never;
@@ -699,7 +699,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Run
-         * @description Cancel a training; its worker stops within seconds and it can be resumed.
+         * @description Cancel a training; its worker stops within seconds. It can be resumed.
          */
         post: operations["cancel_run"];
         delete?: never;
@@ -717,7 +717,7 @@ export interface paths {
         };
         /**
          * Get Run Metrics
-         * @description Return the points of a training's curves that came after an earlier answer's ``last``.
+         * @description Return the points of a training's curves that are newer than an earlier answer's ``last``.
          */
         get: operations["get_run_metrics"];
         put?: never;
@@ -737,7 +737,7 @@ export interface paths {
         };
         /**
          * Get Run Results
-         * @description Return everything that a training has found so far.
+         * @description Return the results of a training so far.
          */
         get: operations["get_run_results"];
         put?: never;
@@ -759,7 +759,7 @@ export interface paths {
         put?: never;
         /**
          * Resume Run
-         * @description Go on with a training that was cancelled, stopped or failed.
+         * @description Resume a training that was cancelled, stopped or failed.
          */
         post: operations["resume_run"];
         delete?: never;
@@ -797,7 +797,7 @@ export interface paths {
         };
         /**
          * Get System
-         * @description Return which processes live and how much room there is.
+         * @description Return the state of the processes and the disk usage.
          */
         get: operations["get_system"];
         put?: never;
@@ -855,7 +855,7 @@ export interface components {
         };
         /**
          * Behaviour
-         * @description What is being taught. ``target`` is None where hits do not describe it.
+         * @description A behaviour. ``target`` is None if hits do not describe it.
          */
         Behaviour: {
             /** Built In */
@@ -888,7 +888,7 @@ export interface components {
         };
         /**
          * BehaviourNew
-         * @description A behaviour of one's own.
+         * @description A behaviour to add.
          */
         BehaviourNew: {
             /**
@@ -911,7 +911,7 @@ export interface components {
         };
         /**
          * BehaviourUpdate
-         * @description Fields left out stay. A target can't change once runs exist (409).
+         * @description Omitted fields stay. A target can't change once runs exist (409).
          */
         BehaviourUpdate: {
             /** Description */
@@ -928,7 +928,7 @@ export interface components {
         };
         /**
          * Branch
-         * @description A recording and the frame at which the other one leaves it.
+         * @description A related recording, and the frame at which the two part.
          */
         Branch: {
             /** Frame */
@@ -938,7 +938,7 @@ export interface components {
         };
         /**
          * Checklist
-         * @description ``planned`` best first; ``note`` says why there are none.
+         * @description ``planned`` from best to worst; ``note`` says why it is empty.
          */
         Checklist: {
             /** Note */
@@ -948,7 +948,7 @@ export interface components {
         };
         /**
          * ClipKind
-         * @description What a recording can be made into.
+         * @description The formats of clips.
          * @enum {string}
          */
         ClipKind: "gif" | "webp" | "mp4";
@@ -1018,7 +1018,7 @@ export interface components {
         };
         /**
          * Game
-         * @description ``stream_path`` is the WebSocket's path (docs/protocol.md).
+         * @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md).
          */
         Game: {
             /** Behaviour Id */
@@ -1036,7 +1036,7 @@ export interface components {
         };
         /**
          * GameFrom
-         * @description A game that goes on after this frame of a recording.
+         * @description The frame of a recording after which a game continues.
          */
         GameFrom: {
             /** Frame */
@@ -1044,7 +1044,7 @@ export interface components {
         };
         /**
          * GameNew
-         * @description ``idle_frames`` None draws a start for play.
+         * @description A game to create. Without ``idle_frames`` its start is drawn at random.
          */
         GameNew: {
             /** Behaviour Id */
@@ -1054,9 +1054,9 @@ export interface components {
         };
         /**
          * Ghost
-         * @description Where the cannon of a recording stood on the screen, in pixels.
+         * @description The cannon's rectangle in a recording, in pixels of the screen.
          *
-         *     ``lefts`` are its left edges: at the start, then after every frame.
+         *     ``lefts`` are its left edges at the start and after every frame.
          */
         Ghost: {
             /** Height */
@@ -1065,11 +1065,7 @@ export interface components {
             lefts: number[];
             /** Recording Id */
             recording_id: number;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
+            source: components["schemas"]["Source"];
             /** Top */
             top: number;
             /** Width */
@@ -1091,7 +1087,7 @@ export interface components {
         };
         /**
          * Health
-         * @description The server answers.
+         * @description The server runs.
          */
         Health: {
             /**
@@ -1102,7 +1098,7 @@ export interface components {
         };
         /**
          * Hit
-         * @description An alien that was shot, after how many frames.
+         * @description An alien that was shot, and the frame in which it was hit.
          */
         Hit: {
             /** Column */
@@ -1116,7 +1112,7 @@ export interface components {
         };
         /**
          * ImportResult
-         * @description What became of an uploaded file; ``imported`` are the new recordings.
+         * @description The outcome of an upload; ``imported`` are the new recordings.
          */
         ImportResult: {
             /** Imported */
@@ -1174,10 +1170,10 @@ export interface components {
         };
         /**
          * Latency
-         * @description How late a game was seen by who played it (server.play.conditions).
+         * @description The latency that the player of a game experienced (server.play.conditions).
          *
-         *     Milliseconds from the event of a key to the drawing of the first frame executed with it;
-         *     ``frames_dropped`` were executed and not drawn.
+         *     Milliseconds from a key's event to the drawing of the first frame executed with it;
+         *     ``frames_dropped`` were executed but not drawn.
          */
         Latency: {
             /** Frames Dropped */
@@ -1193,7 +1189,7 @@ export interface components {
         };
         /**
          * MemoryCell
-         * @description What an address of the console's RAM holds.
+         * @description The meaning of an address of the console's RAM.
          */
         MemoryCell: {
             /** Address */
@@ -1222,8 +1218,8 @@ export interface components {
          * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
-         *     ``recording_id`` is a recording that hit what it asks for and was survived to its end; None
-         *     while it is missing.
+         *     ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
+         *     None while there is none.
          */
         PlannedDemonstration: {
             /** Description */
@@ -1235,18 +1231,14 @@ export interface components {
         };
         /**
          * Player
-         * @description Who plays.
+         * @description A player.
          */
         Player: {
             /** Id */
             id: number;
             /** Name */
             name: string;
-            /**
-             * Role
-             * @enum {string}
-             */
-            role: "owner" | "researcher" | "participant";
+            role: components["schemas"]["Role"];
         };
         /**
          * PlayerUpdate
@@ -1287,7 +1279,7 @@ export interface components {
         };
         /**
          * Problem
-         * @description Every error's body. ``detail`` says what is wrong and what to do.
+         * @description The body of every error. ``detail`` says what is wrong and what to do.
          */
         Problem: {
             /** Detail */
@@ -1299,7 +1291,7 @@ export interface components {
         };
         /**
          * ProcessStatus
-         * @description ``alive`` is false when nothing was heard for 15 s.
+         * @description ``alive`` is false after 15 s without a heartbeat.
          */
         ProcessStatus: {
             /** Alive */
@@ -1329,7 +1321,7 @@ export interface components {
         };
         /**
          * Ranking
-         * @description ``tiers`` best first; ``unranked`` the kept, verified recordings in no tier, newest first.
+         * @description ``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first.
          */
         Ranking: {
             /** Behaviour Id */
@@ -1373,7 +1365,7 @@ export interface components {
         };
         /**
          * RankingConflict
-         * @description Somebody saved first: ``current`` is what stands, ``yours`` what was sent.
+         * @description Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent.
          */
         RankingConflict: {
             current: components["schemas"]["Ranking"];
@@ -1384,7 +1376,7 @@ export interface components {
         };
         /**
          * RankingRevision
-         * @description What was done to a ranking.
+         * @description A revision of a ranking and the change that made it.
          */
         RankingRevision: {
             /**
@@ -1414,7 +1406,7 @@ export interface components {
         };
         /**
          * RankingUpdate
-         * @description ``base_revision`` is the revision that was changed; an old one gives 409 RankingConflict.
+         * @description ``base_revision`` is the revision that was edited; an old one answers 409.
          */
         RankingUpdate: {
             /** Base Revision */
@@ -1452,11 +1444,10 @@ export interface components {
          * Recording
          * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
-         *     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
-         *     ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
-         *     was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
-         *     time; both are None where that is not known. ``parent`` is the recording that this one goes on
-         *     from.
+         *     ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
+         *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
+         *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
+         *     if unknown. ``parent`` is the recording that this one continues.
          */
         Recording: {
             /** Behaviour Id */
@@ -1506,27 +1497,15 @@ export interface components {
             single_steps: number | null;
             /** Slowest Percent */
             slowest_percent: number | null;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "playing" | "unfinished" | "finished" | "kept";
+            source: components["schemas"]["Source"];
+            state: components["schemas"]["RecordingState"];
             /** Strays */
             strays: number | null;
             /** Targets */
             targets: number | null;
             /** Thumbnail Url */
             thumbnail_url: string;
-            /**
-             * Verification
-             * @enum {string}
-             */
-            verification: "pending" | "verified" | "failed";
+            verification: components["schemas"]["Verification"];
             /** Verification Note */
             verification_note: string;
         };
@@ -1535,9 +1514,9 @@ export interface components {
          * @description A recording frame by frame.
          *
          *     ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
-         *     ``parent`` is the recording that this one goes on from, ``branches`` those that go on from it,
-         *     oldest first. At ``memory_url`` is the RAM at the start and after every frame, 128 bytes each;
-         *     ``memory_names`` names what is known of it.
+         *     ``parent`` is the recording that this one continues, ``branches`` those that continue this one,
+         *     oldest first. ``memory_url`` yields the RAM at the start and after every frame, 128 bytes each;
+         *     ``memory_names`` names its known addresses.
          */
         RecordingCourse: {
             /** Actions */
@@ -1556,7 +1535,7 @@ export interface components {
         };
         /**
          * RecordingsChange
-         * @description Something to do to several recordings of a behaviour, to all or to none.
+         * @description A change of several recordings of a behaviour, made to all or to none.
          */
         RecordingsChange: {
             /**
@@ -1568,8 +1547,17 @@ export interface components {
             recording_ids: number[];
         };
         /**
+         * RecordingState
+         * @description Where a recording stands.
+         *
+         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
+         *     decided; KEPT: in the library.
+         * @enum {string}
+         */
+        RecordingState: "playing" | "unfinished" | "finished" | "kept";
+        /**
          * RecordingUpdate
-         * @description Fields left out stay.
+         * @description Omitted fields stay.
          */
         RecordingUpdate: {
             /** Notes */
@@ -1613,6 +1601,12 @@ export interface components {
             /** Run Id */
             run_id: string;
         };
+        /**
+         * Role
+         * @description What a player may do; today there is one owner, invited participants come later.
+         * @enum {string}
+         */
+        Role: "owner" | "researcher" | "participant";
         /**
          * Run
          * @description One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order.
@@ -1737,8 +1731,14 @@ export interface components {
             summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
+         * Source
+         * @description Who played a recording.
+         * @enum {string}
+         */
+        Source: "person" | "scripted" | "policy";
+        /**
          * Storage
-         * @description What the data folder holds; the cache never takes more than its limit.
+         * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
          */
         Storage: {
             /** Artifacts Bytes */
@@ -1754,7 +1754,7 @@ export interface components {
         };
         /**
          * System
-         * @description Whether Tril is well. ``data_bytes`` is what the parts of ``storage`` take together.
+         * @description State of the installation. ``data_bytes`` is the sum of the parts of ``storage``.
          */
         System: {
             /** Data Bytes */
@@ -1767,6 +1767,12 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * Verification
+         * @description Whether a replay of the recording gave what was recorded.
+         * @enum {string}
+         */
+        Verification: "pending" | "verified" | "failed";
     };
     responses: never;
     parameters: never;
@@ -1823,7 +1829,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -1984,7 +1990,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2069,7 +2075,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2152,7 +2158,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2161,7 +2167,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2250,7 +2256,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2259,7 +2265,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2344,7 +2350,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2429,7 +2435,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2514,7 +2520,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2603,7 +2609,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2612,7 +2618,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2701,7 +2707,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2710,7 +2716,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2795,7 +2801,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2884,7 +2890,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2893,7 +2899,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2980,7 +2986,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3069,7 +3075,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3078,7 +3084,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -3166,7 +3172,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3262,7 +3268,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3271,7 +3277,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -3318,7 +3324,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Events named "change" with data {"topic", "key"}; they say what to load again. A comment every 15 s keeps the connection open. */
+            /** @description Events named "change" with data {"topic", "key"}: what to load again. A comment every 15 s keeps the connection open. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -3432,7 +3438,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3517,7 +3523,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3606,7 +3612,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3615,7 +3621,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4000,7 +4006,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4083,7 +4089,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4092,7 +4098,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4181,7 +4187,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4272,7 +4278,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4357,7 +4363,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4442,7 +4448,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4451,7 +4457,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4536,7 +4542,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4624,7 +4630,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4709,7 +4715,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4718,7 +4724,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4806,7 +4812,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4891,7 +4897,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4900,7 +4906,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4988,7 +4994,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5073,7 +5079,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5160,7 +5166,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5169,7 +5175,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5254,7 +5260,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5337,7 +5343,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5346,7 +5352,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5431,7 +5437,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5440,7 +5446,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5527,7 +5533,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5612,7 +5618,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5697,7 +5703,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5706,7 +5712,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5792,7 +5798,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;

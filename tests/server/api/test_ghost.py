@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from server.ghosts import cannon_track
+from server.cannon_track import cannon_track
 from server.play.replays.memory_file import memory_file
 from testsupport.workplace import FRAMES, Workplace
 from tril.game import space_invaders as game
