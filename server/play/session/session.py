@@ -212,7 +212,7 @@ class PlaySession:
                 self._begin()
             case "pause":
                 if self.phase is Phase.PLAYING:
-                    self._conditions.pauses.append(self._recorder.episode.frame)
+                    self._conditions.note_pause(self._recorder.episode.frame)
                 await self.pause(WHY_PAUSED)
             case "step":
                 await self._step()

@@ -1,21 +1,27 @@
-"""What a recording says of how it was played."""
+"""What a recording says about how it was played."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.play.conditions import BAD_P95_MS, KEY, PlayConditions
+from server.play.conditions import BAD_P95_MS, KEY, MAX_ENTRIES, PlayConditions
+from tril.game.space_invaders import MAX_FRAMES
 
-FRAMES = st.integers(1, 1200)
+FRAMES = st.integers(1, MAX_FRAMES)
+SPEEDS = st.dictionaries(st.integers(0, MAX_FRAMES), st.integers(25, 100)).map(
+    lambda speeds: sorted(speeds.items())
+)
 CONDITIONS = st.builds(
     PlayConditions,
     presses=st.lists(st.tuples(FRAMES, st.floats(0.1, 6553.5))),
     dropped=st.lists(FRAMES),
-    speeds=st.lists(st.tuples(st.integers(0, 1200), st.integers(25, 100))),
+    speeds=SPEEDS,
     single_steps=st.lists(FRAMES),
     pauses=st.lists(FRAMES),
 )
@@ -36,6 +42,10 @@ def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
         {KEY: {**PlayConditions().to_json(), "presses": [[1]]}},
         {KEY: {**PlayConditions().to_json(), "presses": [[1, float("nan")]]}},
         {KEY: {**PlayConditions().to_json(), "speeds": [[1, 0]]}},
+        {KEY: {**PlayConditions().to_json(), "speeds": [[9, 50], [4, 75]]}},
+        {KEY: {**PlayConditions().to_json(), "speeds": [[9, 50], [9, 75]]}},
+        {KEY: {**PlayConditions().to_json(), "speeds": [[n, 50 + n % 2] for n in range(8000)]}},
+        {KEY: {**PlayConditions().to_json(), "pauses": [1] * (MAX_ENTRIES + 1)}},
         {KEY: {**PlayConditions().to_json(), "dropped": "many"}},
         {KEY: {**PlayConditions().to_json(), "mood": "good"}},
     ],
@@ -84,13 +94,48 @@ def test_the_speed_is_the_last_one_set() -> None:
     assert conditions.speed_percent == 75
 
 
-def test_the_slowest_speed_is_that_of_a_frame_that_was_played() -> None:
-    conditions = PlayConditions(speeds=[(0, 50), (300, 25)])
-    assert conditions.slowest_percent(300) == 50
-    assert conditions.slowest_percent(301) == 25
-    assert PlayConditions(speeds=[(40, 50), (60, 100)]).slowest_percent(1200) == 50
-    assert PlayConditions(speeds=[(40, 50)]).slowest_percent(40) == 100
-    assert PlayConditions().slowest_percent(0) == 100
+@given(speeds=SPEEDS, n_frames=st.integers(0, MAX_FRAMES))
+def test_the_slowest_speed_is_that_of_an_executed_frame(
+    speeds: list[tuple[int, int]], n_frames: int
+) -> None:
+    ends = [*(frame for frame, _ in speeds), MAX_FRAMES]
+    per_frame = [100] * ends[0]
+    for (begin, end), (_, percent) in zip(pairwise(ends), speeds, strict=True):
+        per_frame += [percent] * (end - begin)
+    conditions = PlayConditions(speeds=speeds)
+    assert conditions.slowest_percent(n_frames) == min(per_frame[:n_frames], default=100)
+
+
+class CountedList(list[tuple[int, int]]):
+    """A list that counts how often it is iterated over."""
+
+    n_iterations = 0
+
+    def __iter__(self) -> Iterator[tuple[int, int]]:
+        self.n_iterations += 1
+        return super().__iter__()
+
+
+def test_the_slowest_of_many_speeds_takes_one_pass() -> None:
+    speeds = CountedList((frame, 50 + frame % 2) for frame in range(MAX_FRAMES))
+    assert PlayConditions(speeds=speeds).slowest_percent(MAX_FRAMES) == 50
+    assert speeds.n_iterations == 1
+
+
+def test_a_page_changes_speed_at_most_once_per_frame() -> None:
+    conditions = PlayConditions()
+    for n in range(8000):
+        conditions.set_speed(n // 20, 25 + n % 76)
+    assert len(conditions.speeds) <= 400
+    assert PlayConditions.from_conditions({KEY: conditions.to_json()}) == conditions
+
+
+def test_presses_and_pauses_are_bounded() -> None:
+    conditions = PlayConditions()
+    for _ in range(MAX_ENTRIES + 1):
+        conditions.note_press(1, 40.0)
+        conditions.note_pause(1)
+    assert PlayConditions.from_conditions({KEY: conditions.to_json()}) == conditions
 
 
 def test_presses_in_slow_motion_and_single_steps_say_nothing_of_latency() -> None:
