@@ -14,6 +14,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.app import create_app
+from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
 from server.web.security import MaskToken
@@ -106,6 +107,7 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
         port=settings.port,
         log_config=None,
         server_header=False,
+        ws=BudgetedWebSocketProtocol,
         # uvicorn's compression costs seven times what our own codec does (docs/benchmarks.md).
         ws_per_message_deflate=False,
         ws_max_size=MAX_MESSAGE_BYTES * 4,
