@@ -6,7 +6,7 @@ import hashlib
 import threading
 
 from server.clips import ClipKind, ClipMaker
-from server.play.replays import ReplayProcess, Wanted
+from server.play.replays import ReplayProcess, ReplayTask
 from tril.files.cache import Cache
 from tril.recording import Recording
 
@@ -43,24 +43,24 @@ class Derived:
 
     def frames(self, recording: Recording) -> bytes:
         """Return every frame of a recording, as docs/protocol.md describes."""
-        return self._made(recording, Wanted.FRAMES)
+        return self._made(recording, ReplayTask.FRAMES)
 
     def thumbnail(self, recording: Recording) -> bytes:
         """Return a PNG of a recording."""
-        return self._made(recording, Wanted.THUMBNAIL)
+        return self._made(recording, ReplayTask.THUMBNAIL)
 
     def memory(self, recording: Recording) -> bytes:
         """Return the RAM at the start and after every frame, 128 bytes each."""
-        return self._made(recording, Wanted.MEMORY)
+        return self._made(recording, ReplayTask.MEMORY)
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""
         name = f"{version_of(recording)}.{kind}"
         return self._cache.get(name, lambda: self._clips.make(recording, kind))
 
-    def _made(self, recording: Recording, wanted: Wanted) -> bytes:
+    def _made(self, recording: Recording, task: ReplayTask) -> bytes:
         def in_turn() -> bytes:
             with self._turn:
-                return self._replays.submit(wanted, recording).result()
+                return self._replays.submit(task, recording).result()
 
-        return self._cache.get(f"{version_of(recording)}.{wanted}", in_turn)
+        return self._cache.get(f"{version_of(recording)}.{task}", in_turn)

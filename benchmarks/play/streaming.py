@@ -27,7 +27,8 @@ from server.play.conditions import PlayConditions
 from server.play.consoles import ConsolePool
 from server.play.lateness import Lateness
 from server.play.rules import PlayRules
-from server.play.session.session import PlaySession
+from server.play.session.live_game import GameInfo, LiveGame
+from server.play.session.session import PlaySession, SessionEvents, SessionResources
 from server.play.wire.codec import FrameEncoder, Screen
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
@@ -123,42 +124,31 @@ class ReadingPage:
 
 
 async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
-    """Play games side by side; returns by how much each frame came late."""
+    """Play games side by side; returns the lateness of each frame."""
 
-    async def finish(_session: PlaySession) -> None:
+    async def on_event(_session: PlaySession) -> None:
         return None
 
-    async def branch(_session: PlaySession, _frame: int) -> None:
+    async def on_rewind(_session: PlaySession, _frame: int) -> None:
         return None
 
-    consoles = ConsolePool()
-
+    resources = SessionResources(ConsolePool(), PlayRules(countdown=0), Lateness())
     pages = [ReadingPage() for _ in range(n_sessions)]
     sessions = []
     for number, page in enumerate(pages):
         recorder = Recorder(Episode(Console(), Start(number)))
-        session = PlaySession(
-            str(number),
-            number,
-            BUILT_IN[0],
-            recorder,
-            1,
-            PlayConditions(),
-            consoles,
-            PlayRules(countdown=0),
-            Lateness(),
-            branch,
-            finish,
-        )
-        await session.attach(page.connection, is_resumed=False)
+        info = GameInfo(str(number), number, BUILT_IN[0])
+        game = LiveGame(info, 1, recorder, PlayConditions())
+        session = PlaySession(game, resources, SessionEvents(on_rewind, on_event, on_event))
+        await session.attach(page.connection)
         page.connection.receive(InputMessage(Keys.RIGHT | Keys.FIRE, 1))
         sessions.append(session)
     for session in sessions:
-        await session.obey(Command("ready"))
+        await session.handle(Command("ready"))
     await asyncio.sleep(seconds)
     late = []
     for page, session in zip(pages, sessions, strict=True):
-        await session.settle()
+        await session.shut_down()
         # The earliest frame, measured against its deadline, stands for a clock that is on time.
         offsets = [1000 * at - 1000 * n / 60 for n, at in enumerate(page.came_at[1:])]
         late += [offset - min(offsets) for offset in offsets]

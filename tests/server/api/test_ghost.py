@@ -7,7 +7,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.ghosts import cannon_track
-from server.play.replays.memory_file import memory_file
+from server.play.replays.products import memory_file
 from tests.workplace import FRAMES, Workplace
 from tril.game import space_invaders as game
 from tril.game.console import Console

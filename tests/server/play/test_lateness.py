@@ -1,4 +1,4 @@
-"""What is known of how late frames begin, and who is told."""
+"""How late frames begin, and the log of it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.play.lateness import BIN_MS, N_BINS, Lateness
-from server.play.session.pace import FRAME_S, FrameClock
-from tests.server.live import LiveServer
+from server.play.lateness import BIN_MS, N_BINS, Lateness, LatenessLog
+from server.play.session.clock import FRAME_S, FrameClock
 
 LONGEST_MS = BIN_MS * (N_BINS - 1)
 
@@ -70,17 +69,17 @@ def test_a_clock_that_was_held_up_says_by_how_much_and_catches_up() -> None:
     assert took_s >= n_frames * FRAME_S
 
 
-def test_the_log_says_when_games_are_late_and_what_helps(
-    live: LiveServer, caplog: pytest.LogCaptureFixture
-) -> None:
-    hub = live.services.games
+def test_the_log_says_when_games_are_late_and_what_helps(caplog: pytest.LogCaptureFixture) -> None:
+    lateness = Lateness()
+    log = LatenessLog(lateness)
     with caplog.at_level(logging.WARNING):
-        hub.lateness.note(0.004)
-        asyncio.run(hub._report())
+        lateness.note(0.004)
+        log.report(n_games=3)
         assert not caplog.messages
         for _ in range(100):
-            hub.lateness.note(0.0201)
-        asyncio.run(hub._report())
+            lateness.note(0.0201)
+        log.report(n_games=3)
+        log.report(n_games=3)
     (message,) = caplog.messages
-    assert "more than 20 ms late" in message
+    assert "more than 20 ms late, with 3 games" in message
     assert "TRIL_SERVER_PROCESSES" in message

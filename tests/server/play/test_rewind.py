@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from server.play.session.rewind import Tape
+from server.play.session.rewind import Checkpoints
 from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.wire.scene import Scene
 from tests.server.live import LiveServer, Player, live_server
@@ -263,17 +263,17 @@ def test_an_owner_that_lost_its_game_can_not_branch_it(workplace: Workplace) -> 
         assert games.branch(session, lost, lost, None) is None
 
 
-def test_a_tape_gives_every_scene_whether_its_states_are_there_or_not() -> None:
+def test_a_checkpoints_gives_every_scene_whether_its_states_are_there_or_not() -> None:
     rng = np.random.default_rng(3)
-    console, tape = Console(), Tape()
+    console, checkpoints = Console(), Checkpoints()
     recorder = Recorder(Episode(console, Start(9)))
     expected = [Scene.of(recorder.episode)]
     while recorder.episode.frame < 200 and recorder.episode.end is None:
-        tape.note(recorder.episode)
+        checkpoints.add_if_due(recorder.episode)
         recorder.advance(int(rng.integers(6)))
         expected.append(Scene.of(recorder.episode))
     recording, other = recorder.recording(), Console()
-    for known in (tape, Tape()):
+    for known in (checkpoints, Checkpoints()):
         for last in (recording.n_frames, 125, 120, 119, 1, 0):
             given = known.scenes(recording, last, other)
             assert max(given) == last
@@ -283,20 +283,20 @@ def test_a_tape_gives_every_scene_whether_its_states_are_there_or_not() -> None:
                 assert scene.frame == frame
                 assert scene.formation == expected[frame].formation
                 assert scene.shots == expected[frame].shots
-    tape.cut(100)
-    state = tape.state_before(500)
+    checkpoints.discard_after(100)
+    state = checkpoints.latest_until(500)
     assert state is not None
     assert len(state.actions) == 60
 
 
 def test_a_game_resumed_near_a_state_is_the_game() -> None:
     rng = np.random.default_rng(4)
-    tape, recorder = Tape(), Recorder(Episode(Console(), Start(9)))
+    checkpoints, recorder = Checkpoints(), Recorder(Episode(Console(), Start(9)))
     for action in rng.integers(6, size=190).tolist():
-        tape.note(recorder.episode)
+        checkpoints.add_if_due(recorder.episode)
         recorder.advance(action)
     until = recorder.recording().until(170)
-    resumed = Recorder.resume(until, Console(), near=tape.state_before(170))
+    resumed = Recorder.resume(until, Console(), near=checkpoints.latest_until(170))
     assert resumed.recording() == until
     assert resumed.replay() == Recorder.resume(until, Console()).replay()
     for action in recorder.episode.actions[170:]:

@@ -1,4 +1,4 @@
-"""Checks that games replay to what was played, before they count."""
+"""Verification of played games by replay."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 
-from server.play.replays import ReplayProcess, Wanted
+from server.play.replays import ReplayProcess, ReplayTask
 from tril.errors import Unavailable
 from tril.game.episode import Hit
 from tril.recording import Recording, RecordingRefused
@@ -16,42 +16,38 @@ _LOG = logging.getLogger(__name__)
 RETRY_S = 1.0
 
 
-class Checks:
-    """Has games replayed.
+class Verifier:
+    """Verifies games in the replay process.
 
     Args:
-        replays: What replays them.
+        replays: The replay process.
     """
 
     def __init__(self, replays: ReplayProcess) -> None:
         self._replays = replays
 
-    def prepare(self) -> None:
-        """Make ready for the end of a game that begins now."""
-        self._replays.prepare()
-
     async def refusal(
-        self, recording: Recording, hits: tuple[Hit, ...], gives_up: Callable[[], bool]
+        self, recording: Recording, hits: tuple[Hit, ...], give_up: Callable[[], bool]
     ) -> str | None:
-        """Replay a recording; returns why it is not what was played, None if it is.
+        """Replay a recording; returns how the replay differs from the game, None if it does not.
 
         Args:
             recording: What was played.
             hits: What it hit.
-            gives_up: Asked whenever replaying failed; otherwise it is tried again.
+            give_up: Asked after each failure to replay whether to raise instead of retrying.
 
         Raises:
-            Unavailable: It was given up.
+            Unavailable: The recording could not be replayed.
         """
         cells = [(hit.row, hit.column) for hit in hits]
         while True:
             try:
-                await asyncio.wrap_future(self._replays.submit(Wanted.CHECK, recording, cells))
+                await asyncio.wrap_future(self._replays.submit(ReplayTask.CHECK, recording, cells))
             except RecordingRefused as error:
                 _LOG.error("A game does not replay: %s", error)
                 return str(error)
             except Unavailable:
-                if gives_up():
+                if give_up():
                     raise
                 await asyncio.sleep(RETRY_S)
             else:
