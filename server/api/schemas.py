@@ -25,9 +25,10 @@ class Schema(BaseModel):
 
 
 class Health(Schema):
-    """The server answers."""
+    """The server answers; ``failing`` names the background tasks whose last run failed, if any."""
 
-    status: Literal["ok"]
+    status: Literal["ok", "degraded"]
+    failing: list[str] | None = None
 
 
 class Player(Schema):

@@ -15,11 +15,12 @@ from tril.store import processes
 router = APIRouter(tags=["system"])
 
 
-@router.get("/health")
-def get_health(session: Reading) -> Health:
-    """Say that the server answers and reaches its database. Needs no cookie."""
-    processes.statuses(session)
-    return Health(status="ok")
+@router.get("/health", response_model_exclude_none=True)
+async def get_health(request: Request) -> Health:
+    """Say that the server answers, and which of its background tasks fail. Needs no cookie."""
+    tasks = services_of(request).games.background_tasks
+    failing = [task.name for task in tasks if not task.is_healthy]
+    return Health(status="degraded", failing=failing) if failing else Health(status="ok")
 
 
 @router.get("/system")

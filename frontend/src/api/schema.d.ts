@@ -377,7 +377,7 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Say that the server answers and reaches its database. Needs no cookie.
+         * @description Say that the server answers, and which of its background tasks fail. Needs no cookie.
          */
         get: operations["get_health"];
         put?: never;
@@ -1091,14 +1091,16 @@ export interface components {
         };
         /**
          * Health
-         * @description The server answers.
+         * @description The server answers; ``failing`` names the background tasks whose last run failed, if any.
          */
         Health: {
+            /** Failing */
+            failing?: string[] | null;
             /**
              * Status
-             * @constant
+             * @enum {string}
              */
-            status: "ok";
+            status: "ok" | "degraded";
         };
         /**
          * Hit
