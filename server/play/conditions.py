@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Self
 
@@ -48,8 +48,17 @@ class Latency:
     is_bad: bool
 
 
-@dataclass
-class PlayConditions:
+Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
+_Frames = Annotated[list[int], Field(max_length=MAX_ENTRIES)]
+
+
+def _increasing(speeds: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    if any(frame >= after for (frame, _), (after, _) in pairwise(speeds)):
+        raise ValueError("Expected one speed per frame, in order of frames.")
+    return speeds
+
+
+class PlayConditions(BaseModel):
     """How a game was played, by frame, so that a rewind can remove what came after a frame.
 
     Attributes:
@@ -61,11 +70,32 @@ class PlayConditions:
         pauses: Frames after which the player paused.
     """
 
-    presses: list[tuple[int, float]] = field(default_factory=list)
-    dropped: list[int] = field(default_factory=list)
-    speeds: list[tuple[int, int]] = field(default_factory=list)
-    single_steps: list[int] = field(default_factory=list)
-    pauses: list[int] = field(default_factory=list)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    presses: Annotated[list[tuple[int, float]], Field(max_length=MAX_ENTRIES)] = []
+    dropped: _Frames = []
+    speeds: Annotated[
+        list[tuple[Annotated[int, Field(ge=0, le=MAX_FRAMES)], Percent]],
+        Field(max_length=MAX_FRAMES + 1),
+        AfterValidator(_increasing),
+    ] = []
+    single_steps: _Frames = []
+    pauses: _Frames = []
+
+    @classmethod
+    def from_conditions(cls, conditions: Mapping[str, Any]) -> Self | None:
+        """Parse a recording's conditions; None if they are missing, malformed or too many.
+
+        Imported files carry conditions of any origin, so none of it is trusted.
+        """
+        try:
+            return cls.model_validate(conditions.get(KEY))
+        except ValidationError:
+            return None
+
+    def to_conditions(self) -> dict[str, Any]:
+        """Return these as a part of a recording's conditions, JSON-serialisable."""
+        return {KEY: self.model_dump(mode="json")}
 
     @property
     def speed_percent(self) -> int:
@@ -92,8 +122,7 @@ class PlayConditions:
 
     def until(self, frame: int) -> Self:
         """Return the conditions of the frames up to this one, keeping the current speed."""
-        kept = replace(
-            self,
+        kept = type(self)(
             presses=[(at, ms) for at, ms in self.presses if at <= frame],
             dropped=[at for at in self.dropped if at <= frame],
             speeds=[(at, percent) for at, percent in self.speeds if at < frame],
@@ -113,28 +142,6 @@ class PlayConditions:
         n_before = bisect_left(self.speeds, frame, key=lambda change: change[0])
         return self.speeds[n_before - 1][1] if n_before else FULL_SPEED_PERCENT
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the conditions as JSON-serialisable data."""
-        return {
-            "presses": [[frame, ms] for frame, ms in self.presses],
-            "dropped": list(self.dropped),
-            "speeds": [[frame, percent] for frame, percent in self.speeds],
-            "single_steps": list(self.single_steps),
-            "pauses": list(self.pauses),
-        }
-
-    @classmethod
-    def from_conditions(cls, conditions: Mapping[str, Any]) -> Self | None:
-        """Parse a recording's conditions; None if they are missing, malformed or too many.
-
-        Imported files carry conditions of any origin, so none of it is trusted.
-        """
-        try:
-            stored = _Stored.model_validate(conditions.get(KEY))
-        except ValidationError:
-            return None
-        return cls(**{name: getattr(stored, name) for name in _Stored.model_fields})
-
     def latency(self, n_frames: int) -> Latency:
         """Summarise the latency of a game of ``n_frames`` frames."""
         times = [ms for _, ms in self.presses]
@@ -147,33 +154,6 @@ class PlayConditions:
             frames_dropped=len(self.dropped),
             is_bad=is_late or len(self.dropped) > BAD_DROPPED_SHARE * n_frames,
         )
-
-
-Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
-
-
-Frames = Annotated[list[int], Field(max_length=MAX_ENTRIES)]
-
-
-def _increasing(speeds: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    if any(frame >= after for (frame, _), (after, _) in pairwise(speeds)):
-        raise ValueError("Expected one speed per frame, in order of frames.")
-    return speeds
-
-
-class _Stored(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    presses: Annotated[list[tuple[int, float]], Field(max_length=MAX_ENTRIES)]
-    dropped: Frames
-    # At most one change per frame, the start included.
-    speeds: Annotated[
-        list[tuple[Annotated[int, Field(ge=0, le=MAX_FRAMES)], Percent]],
-        Field(max_length=MAX_FRAMES + 1),
-        AfterValidator(_increasing),
-    ]
-    single_steps: Frames
-    pauses: Frames
 
 
 def _nearest_rank(values: Sequence[float], share: float) -> float | None:

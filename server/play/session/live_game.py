@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from server.play.conditions import KEY, PlayConditions
+from server.play.conditions import PlayConditions
 from server.play.session.rewind import Checkpoints
 from server.play.wire.messages import all_hits, greeting, hits_after, outcome
 from server.play.wire.protocol import Ended, Hello, HitMessage, Rewound
@@ -121,5 +121,5 @@ class LiveGame:
             self.epoch,
             recorder.recording(),
             recorder.replay(),
-            {KEY: conditions.to_json()},
+            conditions.to_conditions(),
         )

@@ -29,7 +29,7 @@ CONDITIONS = st.builds(
 
 @given(CONDITIONS)
 def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
-    stored = json.loads(json.dumps({KEY: conditions.to_json(), "manner": "human"}))
+    stored = json.loads(json.dumps({**conditions.to_conditions(), "manner": "human"}))
     assert PlayConditions.from_conditions(stored) == conditions
 
 
@@ -39,15 +39,15 @@ def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
         {},
         {KEY: None},
         {KEY: []},
-        {KEY: {**PlayConditions().to_json(), "presses": [[1]]}},
-        {KEY: {**PlayConditions().to_json(), "presses": [[1, float("nan")]]}},
-        {KEY: {**PlayConditions().to_json(), "speeds": [[1, 0]]}},
-        {KEY: {**PlayConditions().to_json(), "speeds": [[9, 50], [4, 75]]}},
-        {KEY: {**PlayConditions().to_json(), "speeds": [[9, 50], [9, 75]]}},
-        {KEY: {**PlayConditions().to_json(), "speeds": [[n, 50 + n % 2] for n in range(8000)]}},
-        {KEY: {**PlayConditions().to_json(), "pauses": [1] * (MAX_ENTRIES + 1)}},
-        {KEY: {**PlayConditions().to_json(), "dropped": "many"}},
-        {KEY: {**PlayConditions().to_json(), "mood": "good"}},
+        {KEY: {**PlayConditions().model_dump(), "presses": [[1]]}},
+        {KEY: {**PlayConditions().model_dump(), "presses": [[1, float("nan")]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[1, 0]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[9, 50], [4, 75]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[9, 50], [9, 75]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[n, 50 + n % 2] for n in range(8000)]}},
+        {KEY: {**PlayConditions().model_dump(), "pauses": [1] * (MAX_ENTRIES + 1)}},
+        {KEY: {**PlayConditions().model_dump(), "dropped": "many"}},
+        {KEY: {**PlayConditions().model_dump(), "mood": "good"}},
     ],
 )
 def test_what_can_not_be_read_is_left_alone(foreign: dict[str, object]) -> None:
@@ -117,9 +117,10 @@ class CountedList(list[tuple[int, int]]):
 
 
 def test_the_slowest_of_many_speeds_takes_one_pass() -> None:
-    speeds = CountedList((frame, 50 + frame % 2) for frame in range(MAX_FRAMES))
-    assert PlayConditions(speeds=speeds).slowest_percent(MAX_FRAMES) == 50
-    assert speeds.n_iterations == 1
+    conditions = PlayConditions()
+    conditions.speeds = counted = CountedList((n, 50 + n % 2) for n in range(MAX_FRAMES))
+    assert conditions.slowest_percent(MAX_FRAMES) == 50
+    assert counted.n_iterations == 1
 
 
 def test_a_page_changes_speed_at_most_once_per_frame() -> None:
@@ -127,7 +128,7 @@ def test_a_page_changes_speed_at_most_once_per_frame() -> None:
     for n in range(8000):
         conditions.set_speed(n // 20, 25 + n % 76)
     assert len(conditions.speeds) <= 400
-    assert PlayConditions.from_conditions({KEY: conditions.to_json()}) == conditions
+    assert PlayConditions.from_conditions(conditions.to_conditions()) == conditions
 
 
 def test_presses_and_pauses_are_bounded() -> None:
@@ -135,7 +136,7 @@ def test_presses_and_pauses_are_bounded() -> None:
     for _ in range(MAX_ENTRIES + 1):
         conditions.note_press(1, 40.0)
         conditions.note_pause(1)
-    assert PlayConditions.from_conditions({KEY: conditions.to_json()}) == conditions
+    assert PlayConditions.from_conditions(conditions.to_conditions()) == conditions
 
 
 def test_presses_in_slow_motion_and_single_steps_say_nothing_of_latency() -> None:
