@@ -16,9 +16,8 @@ from server.play.limits import GameLimits, TooManyGames
 from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
 from server.play.saving.committer import Committer
-from server.play.saving.ownership import GameOwnership, OwnedGame, OwnershipLost
+from server.play.saving.ownership import GameOwnership, OwnershipLost
 from server.play.saving.save_schedule import N_SLOTS, games_due
-from server.play.saving.verifier import Verifier
 from server.play.session.session import (
     WHY_TAKEN_OVER,
     Phase,
@@ -70,7 +69,7 @@ class PlayHub:
         self._replays = replays
         self._rules = rules
         self._committer = Committer(database)
-        self._ownership = GameOwnership(self._committer, Verifier(replays), consoles, owner, limits)
+        self._ownership = GameOwnership(self._committer, replays, consoles, owner, limits)
         self._resources = SessionResources(consoles, rules, self.lateness)
         self._events = SessionEvents(self._on_rewind, self._on_end, self._on_error)
         self._sessions: dict[str, PlaySession] = {}
@@ -80,7 +79,7 @@ class PlayHub:
         self._tasks = (
             PeriodicTask("save", self._save_due, rules.save_every_s / N_SLOTS),
             PeriodicTask("idle", self._unload_idle, rules.sweep_every_s),
-            PeriodicTask("abandoned", self._end_abandoned, rules.sweep_every_s, at_once=True),
+            PeriodicTask("abandoned", self._clear_up, rules.sweep_every_s, at_once=True),
             PeriodicTask("lateness", self._report_lateness, REPORT_EVERY_S),
         )
 
@@ -116,12 +115,16 @@ class PlayHub:
             if game_id not in self._sessions:
                 await self._ownership.check_open(game_id)
             async with self._place_for(game_id):
-                owned = await self._ownership.acquire(game_id, tab)
+                row, behaviour = await self._ownership.acquire(game_id, tab)
                 session = self._sessions.get(game_id)
-                if session is not None and session.game.epoch == owned.row.epoch - 1:
-                    session.game.epoch = owned.row.epoch
+                if session is not None and session.game.epoch == row.epoch - 1:
+                    session.game.epoch = row.epoch
                 else:
-                    session = await self._load(owned, session)
+                    if session is not None:
+                        await self._lose(session)
+                    game = await self._ownership.load(row, behaviour)
+                    session = PlaySession(game, self._resources, self._events)
+                    self._sessions[game_id] = session
                 self._replays.prepare()
                 await session.attach(connection)
                 return session
@@ -149,15 +152,6 @@ class PlayHub:
         if not without_page:
             raise TooManyGames("This process plays as many games as it can; join again.")
         await self._unload(min(without_page, key=lambda session: session.left_at))
-
-    async def _load(self, owned: OwnedGame, before: PlaySession | None) -> PlaySession:
-        """Rebuild a game; a session from before it had another owner is dropped."""
-        if before is not None:
-            await self._lose(before)
-        game = await self._ownership.load(owned)
-        session = PlaySession(game, self._resources, self._events)
-        self._sessions[session.game_id] = session
-        return session
 
     async def _save_due(self) -> None:
         """Save a share of the games.
@@ -202,10 +196,8 @@ class PlayHub:
                 await self._unload(session)
                 await self._ownership.end_abandoned(session.game_id, timedelta(0))
 
-    async def _end_abandoned(self) -> None:
-        """Clear up games in the database that nobody plays or has decided about."""
-        await self._ownership.keep_undecided(self._rules.decided_after)
-        await self._ownership.end_all_abandoned(self._rules.abandoned_after, self._sessions)
+    async def _clear_up(self) -> None:
+        await self._ownership.clear_up(self._rules, self._sessions)
 
     async def _report_lateness(self) -> None:
         self._lateness_log.report(len(self._sessions))

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Container, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from datetime import timedelta
 from functools import partial
 from typing import TypeVar
@@ -19,8 +18,10 @@ from sqlalchemy.orm import Session
 from server.play.conditions import PlayConditions
 from server.play.consoles import ConsolePool
 from server.play.limits import GameLimits
+from server.play.replays import ReplayProcess
+from server.play.rules import PlayRules
 from server.play.saving.committer import Committer
-from server.play.saving.verifier import Verifier
+from server.play.saving.verifier import find_refusal
 from server.play.session.live_game import GameInfo, LiveGame
 from server.play.session.session import PlaySession, RewoundGame
 from server.play.wire.protocol import Paused
@@ -39,25 +40,12 @@ class OwnershipLost(Exception):
     """Another process owns the game now."""
 
 
-@dataclass(frozen=True)
-class OwnedGame:
-    """A game as it was saved when this process acquired it.
-
-    Attributes:
-        row: The game with its recording.
-        behaviour: What is to be demonstrated.
-    """
-
-    row: GameRow
-    behaviour: BehaviourRow
-
-
 class GameOwnership:
     """The games that this process owns in the database.
 
     Args:
         committer: Runs the transactions.
-        verifier: Verifies games by replay.
+        replays: The process that verifies games.
         consoles: The pool to take consoles from.
         owner: Name of this process.
         limits: Limits on the number of open games.
@@ -69,14 +57,14 @@ class GameOwnership:
     def __init__(
         self,
         committer: Committer,
-        verifier: Verifier,
+        replays: ReplayProcess,
         consoles: ConsolePool,
         owner: str,
         limits: GameLimits,
     ) -> None:
         self.is_stopping = False
         self._committer = committer
-        self._verifier = verifier
+        self._replays = replays
         self._consoles = consoles
         self._owner = owner
         self._limits = limits
@@ -87,8 +75,8 @@ class GameOwnership:
         if row.ended_at is not None:
             raise GameOver("This game is over.")
 
-    async def acquire(self, game_id: str, tab: str) -> OwnedGame:
-        """Make this process and a tab the owner of a game.
+    async def acquire(self, game_id: str, tab: str) -> tuple[GameRow, BehaviourRow]:
+        """Make this process and a tab the owner of a game; returns it as it was saved last.
 
         Raises:
             NotFound: There is no such game.
@@ -97,22 +85,21 @@ class GameOwnership:
             Unavailable: The database can't be written; says what to do.
         """
 
-        def acquire(session: Session) -> OwnedGame:
+        def acquire(session: Session) -> tuple[GameRow, BehaviourRow]:
             had_a_place = games.is_open(session, game_id)
             row = games.claim(session, game_id, self._owner, tab)
             if not had_a_place:
                 self._limits.check(session, row.recording.player_id, n_counted=1)
-            return OwnedGame(row, session.get_one(BehaviourRow, row.recording.behaviour_id))
+            return row, session.get_one(BehaviourRow, row.recording.behaviour_id)
 
         return await self._committer.run(acquire)
 
-    async def load(self, owned: OwnedGame) -> LiveGame:
+    async def load(self, row: GameRow, behaviour: BehaviourRow) -> LiveGame:
         """Rebuild a game by replaying what is saved of it.
 
         Raises:
             GameOver: The replay differs from what is saved; the game was ended.
         """
-        row = owned.row
         try:
             recording = recordings.as_recording(row.recording)
             recorder = await asyncio.to_thread(self._rebuild, recording)
@@ -124,7 +111,7 @@ class GameOwnership:
                 )
             )
             raise GameOver("This game can't go on: it does not replay.") from error
-        info = GameInfo(row.id, row.recording_id, behaviours.as_behaviour(owned.behaviour))
+        info = GameInfo(row.id, row.recording_id, behaviours.as_behaviour(behaviour))
         conditions = PlayConditions.from_conditions(row.recording.conditions) or PlayConditions()
         return LiveGame(info, row.epoch, recorder, conditions)
 
@@ -156,8 +143,8 @@ class GameOwnership:
         game = session.game
         last = game.progress()
         await self._write(session, lambda: partial(games.save, progress=game.progress()))
-        refusal = await self._verifier.refusal(
-            last.recording, last.played.hits, lambda: self.is_stopping
+        refusal = await find_refusal(
+            self._replays, last.recording, last.played.hits, lambda: self.is_stopping
         )
         await self._write(
             session,
@@ -188,8 +175,8 @@ class GameOwnership:
         kept: RecordingRow | None = None
         try:
             with suppress(Unavailable):
-                refusal = await self._verifier.refusal(
-                    before.recording, before.played.hits, lambda: session.is_stopping
+                refusal = await find_refusal(
+                    self._replays, before.recording, before.played.hits, lambda: session.is_stopping
                 )
                 if not session.is_stopping:
                     kept = await self._write(
@@ -213,16 +200,21 @@ class GameOwnership:
                 lambda session: games.release(session, game.info.game_id, game.epoch)
             )
 
-    async def end_all_abandoned(self, after: timedelta, loaded: Container[str]) -> None:
-        """End the games that nobody has owned for some time.
+    async def clear_up(self, rules: PlayRules, loaded: Container[str]) -> None:
+        """End abandoned games, and keep finished ones that nobody decided about.
 
         Args:
-            after: For how long.
+            rules: After which time.
             loaded: Games in this process, which are left alone.
         """
-        for row in await self._committer.run(lambda session: games.abandoned(session, after)):
+        await self._committer.run(
+            lambda session: games.keep_undecided(session, rules.decided_after)
+        )
+        for row in await self._committer.run(
+            lambda session: games.abandoned(session, rules.abandoned_after)
+        ):
             if row.id not in loaded:
-                await self.end_abandoned(row.id, after)
+                await self.end_abandoned(row.id, rules.abandoned_after)
 
     async def end_abandoned(self, game_id: str, after: timedelta) -> None:
         """End a game as an unfinished recording if nobody has owned it for some time."""
@@ -232,8 +224,8 @@ class GameOwnership:
         if row is None:
             return
         recording = recordings.as_recording(row.recording)
-        refusal = await self._verifier.refusal(
-            recording, recordings.hits_of(row.recording), lambda: True
+        refusal = await find_refusal(
+            self._replays, recording, recordings.hits_of(row.recording), lambda: True
         )
         was_finished = row.recording.end is not None
         state = RecordingState.KEPT if was_finished else RecordingState.UNFINISHED
@@ -241,12 +233,13 @@ class GameOwnership:
             lambda session: games.end(session, game_id, row.epoch, state, refusal)
         )
 
-    async def keep_undecided(self, after: timedelta) -> None:
-        """Keep finished games that were neither kept nor discarded for some time."""
-        await self._committer.run(lambda session: games.keep_undecided(session, after))
-
     def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
-        return Recorder.resume(recording, self._consoles.take(), near=near)
+        console = self._consoles.take()
+        try:
+            return Recorder.resume(recording, console, near=near)
+        except RecordingRefused:
+            self._consoles.give_back(console)
+            raise
 
     async def _write(
         self, session: PlaySession, prepare: Callable[[], Callable[[Session], _T]]

@@ -16,39 +16,33 @@ _LOG = logging.getLogger(__name__)
 RETRY_S = 1.0
 
 
-class Verifier:
-    """Verifies games in the replay process.
+async def find_refusal(
+    replays: ReplayProcess,
+    recording: Recording,
+    hits: tuple[Hit, ...],
+    give_up: Callable[[], bool],
+) -> str | None:
+    """Replay a recording; returns how the replay differs from the game, None if it does not.
 
     Args:
         replays: The replay process.
+        recording: What was played.
+        hits: What it hit.
+        give_up: Asked after each failure to replay whether to raise instead of retrying.
+
+    Raises:
+        Unavailable: The recording could not be replayed.
     """
-
-    def __init__(self, replays: ReplayProcess) -> None:
-        self._replays = replays
-
-    async def refusal(
-        self, recording: Recording, hits: tuple[Hit, ...], give_up: Callable[[], bool]
-    ) -> str | None:
-        """Replay a recording; returns how the replay differs from the game, None if it does not.
-
-        Args:
-            recording: What was played.
-            hits: What it hit.
-            give_up: Asked after each failure to replay whether to raise instead of retrying.
-
-        Raises:
-            Unavailable: The recording could not be replayed.
-        """
-        cells = [(hit.row, hit.column) for hit in hits]
-        while True:
-            try:
-                await asyncio.wrap_future(self._replays.submit(ReplayTask.CHECK, recording, cells))
-            except RecordingRefused as error:
-                _LOG.error("A game does not replay: %s", error)
-                return str(error)
-            except Unavailable:
-                if give_up():
-                    raise
-                await asyncio.sleep(RETRY_S)
-            else:
-                return None
+    cells = [(hit.row, hit.column) for hit in hits]
+    while True:
+        try:
+            await asyncio.wrap_future(replays.submit(ReplayTask.CHECK, recording, cells))
+        except RecordingRefused as error:
+            _LOG.error("A game does not replay: %s", error)
+            return str(error)
+        except Unavailable:
+            if give_up():
+                raise
+            await asyncio.sleep(RETRY_S)
+        else:
+            return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from server.play.conditions import PlayConditions
 from server.play.session.rewind import Checkpoints
@@ -18,45 +18,34 @@ from tril.store.games import Progress
 
 @dataclass(frozen=True)
 class GameInfo:
-    """What does not change about a game.
-
-    Attributes:
-        game_id: The game.
-        recording_id: The recording that it becomes.
-        behaviour: What is to be demonstrated; says which hits are on target.
-    """
+    """What does not change about a game: ids, and the behaviour to demonstrate."""
 
     game_id: str
     recording_id: int
     behaviour: Behaviour
 
 
+@dataclass(eq=False)
 class LiveGame:
     """A game in memory.
-
-    Args:
-        info: What does not change about it.
-        epoch: The owner's epoch.
-        recorder: The game itself, on a console of its own.
-        conditions: How it was played so far.
 
     Attributes:
         info: What does not change about it.
         epoch: The owner's epoch.
-        recorder: The game itself.
+        recorder: The game itself, on a console of its own.
         conditions: How it was played so far.
         checkpoints: States to rewind to.
     """
 
-    def __init__(
-        self, info: GameInfo, epoch: int, recorder: Recorder, conditions: PlayConditions
-    ) -> None:
-        self.info = info
-        self.epoch = epoch
-        self.recorder = recorder
-        self.conditions = conditions
-        self.checkpoints = Checkpoints()
-        self._saved = recorder.episode.actions
+    info: GameInfo
+    epoch: int
+    recorder: Recorder
+    conditions: PlayConditions
+    checkpoints: Checkpoints = field(default_factory=Checkpoints)
+
+    def __post_init__(self) -> None:
+        """Take the game for saved as it is."""
+        self._saved = self.episode.actions
 
     @property
     def episode(self) -> Episode:

@@ -1,4 +1,4 @@
-"""How many games may be open, and what becomes of those that stand still."""
+"""Limits on open games, and the end of games that stand still."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import uuid
 from contextlib import ExitStack
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
 
 import httpx2
 import pytest
@@ -36,11 +35,6 @@ RESTLESS = PlayRules(
 
 def ask_for_a_game(live: LiveServer) -> httpx2.Response:
     return live.http.post("/api/games", json={"behaviour_id": 1})
-
-
-def recording_of(live: LiveServer, game: dict[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = live.http.get(f"/api/recordings/{game['recording_id']}").json()
-    return found
 
 
 def forget_lease(workplace: Workplace, game_id: str) -> None:
@@ -136,7 +130,7 @@ def test_a_game_that_is_never_begun_ends(tmp_path: Path, workplace: Workplace) -
         with live.play(game) as player:
             player.until(Hello)
             assert player.close_code() == Close.GAME_OVER
-        wait_until(lambda: bool(recording_of(live, game)["deleted"]))
+        wait_until(lambda: bool(live.recording(game["recording_id"])["deleted"]))
         with live.play(game) as player:
             assert player.close_code() == Close.GAME_OVER
 
@@ -153,8 +147,8 @@ def test_a_game_that_stays_paused_ends_as_an_unfinished_recording(workplace: Wor
             standing = player.frames[-1].frame
             assert time.monotonic() - began > IDLE_AFTER_S, "it was played for longer than that"
             assert player.close_code() == Close.GAME_OVER
-        wait_until(lambda: recording_of(live, game)["state"] == "unfinished")
-        recording = recording_of(live, game)
+        wait_until(lambda: live.recording(game["recording_id"])["state"] == "unfinished")
+        recording = live.recording(game["recording_id"])
         assert (recording["n_frames"], recording["verification"]) == (standing, "verified")
         assert not recording["deleted"]
 
