@@ -1,12 +1,12 @@
-"""Bytes and microseconds per streamed frame: our codec against usual encodings, in one run.
+"""Bytes and microseconds per frame: our codec compared with common encodings.
 
     python -m benchmarks.play.streaming
 
-The frames are those of games played by a scripted player that moves and fires. All encodings get
-every frame, taking turns within blocks of frames so that other work on the machine weighs on all
-alike; of each, the mean number of bytes and the median over the blocks of the mean time are given.
-A second table tells how late the clock of a game comes that several sessions share with their
-emulators in one process. Prints tables and a JSON line.
+The frames are those of games in which a scripted player moves and fires. All encodings get every
+frame, alternating by blocks of frames so that other load on the machine affects all alike; reported
+are the mean number of bytes and the median over the blocks of the mean time. A second table gives
+the lateness of frames with several sessions and their emulators in one process. Prints tables and a
+JSON line.
 """
 
 import argparse
@@ -83,7 +83,7 @@ def encodings() -> dict[str, Encode]:
 
 
 def compare(screens: list[Screen]) -> list[dict[str, float | str]]:
-    """Encode every screen in every way; returns a row for each."""
+    """Encode every screen in every way; returns a row per encoding."""
     ways = encodings()
     sizes = dict.fromkeys(ways, 0)
     times: dict[str, list[float]] = {name: [] for name in ways}
@@ -105,22 +105,22 @@ def compare(screens: list[Screen]) -> list[dict[str, float | str]]:
 
 
 class ReadingPage:
-    """A page in this process that acknowledges every frame at once and notes when frames came."""
+    """A page in this process that acknowledges every frame at once and records arrival times."""
 
     def __init__(self) -> None:
         self.connection = Connection(self)
-        self.came_at: list[float] = []
+        self.arrived_s: list[float] = []
 
     async def send_bytes(self, data: bytes) -> None:
-        """Take a frame."""
-        self.came_at.append(time.perf_counter())
+        """Acknowledge a frame."""
+        self.arrived_s.append(time.perf_counter())
         self.connection.receive(AckMessage(parse_frame(data).sequence))
 
     async def send_text(self, data: str) -> None:
-        """Take a message."""
+        """Ignore a message."""
 
     async def close(self, code: int = 1000, reason: str | None = None) -> None:
-        """Take a close."""
+        """Ignore a close."""
 
 
 async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
@@ -149,8 +149,8 @@ async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
     late = []
     for page, session in zip(pages, sessions, strict=True):
         await session.shut_down()
-        # The earliest frame, measured against its deadline, stands for a clock that is on time.
-        offsets = [1000 * at - 1000 * n / 60 for n, at in enumerate(page.came_at[1:])]
+        # The earliest frame relative to its deadline defines zero lateness.
+        offsets = [1000 * at - 1000 * n / 60 for n, at in enumerate(page.arrived_s[1:])]
         late += [offset - min(offsets) for offset in offsets]
     return late
 

@@ -121,7 +121,7 @@ class PlayHub:
                     session.game.epoch = row.epoch
                 else:
                     if session is not None:
-                        await self._lose(session)
+                        await self._drop_lost(session)
                     game = await self._ownership.load(row, behaviour)
                     session = PlaySession(game, self._resources, self._events)
                     self._sessions[game_id] = session
@@ -178,7 +178,7 @@ class PlayHub:
             return
         for session in due:
             if session.game in lost:
-                await self._lose(session)
+                await self._drop_lost(session)
 
     async def _unload_idle(self) -> None:
         """End games that stand still before their page, and unload those without one."""
@@ -206,26 +206,26 @@ class PlayHub:
         try:
             return await self._ownership.branch(session, frame)
         except OwnershipLost:
-            await self._lose(session)
+            await self._drop_lost(session)
             return None
 
     async def _on_end(self, session: PlaySession) -> None:
         try:
             refusal = await self._ownership.finish(session)
         except OwnershipLost:
-            await self._lose(session)
+            await self._drop_lost(session)
         except Unavailable as error:
             # The process stops; the game ends where it is joined next.
             _LOG.warning("Game %s was not ended: %s", session.game_id, error)
         else:
             outcome = session.game.outcome(refusal)
             await session.close(Close.GAME_OVER, "The game is over.", outcome)
-            self._forget(session)
+            self._remove(session)
 
     async def _on_error(self, session: PlaySession) -> None:
         """Drop a game after an unexpected error; it goes on from what is saved."""
         await session.close(Close.INTERNAL_ERROR, WHY_FAILED)
-        self._forget(session)
+        self._remove(session)
         await self._ownership.release(session.game)
 
     async def _unload(self, session: PlaySession) -> None:
@@ -238,14 +238,14 @@ class PlayHub:
                 if not self._ownership.is_stopping:
                     return
         await self._ownership.release(session.game)
-        self._forget(session)
+        self._remove(session)
 
-    async def _lose(self, session: PlaySession) -> None:
+    async def _drop_lost(self, session: PlaySession) -> None:
         """Drop a game that another process owns now."""
         await session.close(Close.TAKEN_OVER, WHY_TAKEN_OVER, TakenOver())
-        self._forget(session)
+        self._remove(session)
 
-    def _forget(self, session: PlaySession) -> None:
+    def _remove(self, session: PlaySession) -> None:
         if self._sessions.get(session.game_id) is session:
             del self._sessions[session.game_id]
             self._consoles.give_back(session.game.episode.console)

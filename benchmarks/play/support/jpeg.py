@@ -1,4 +1,4 @@
-"""A game streamed as CrowdPlay does: every frame as JPEG, base64, in a JSON message."""
+"""Streaming as CrowdPlay does: every frame as JPEG, base64, in a JSON message."""
 
 from __future__ import annotations
 
