@@ -11,7 +11,10 @@ NPM := $(abspath $(PY)) $(abspath scripts/node.py) npm
 RUN_STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
 NPM_STAMP := frontend/node_modules/.installed
-PAGE := frontend/dist/index.html
+PAGE := server/web/static/index.html
+
+# Where the distribution goes.
+DIST ?= dist
 
 # What the page is built from; folders too, so that a deleted file is noticed.
 PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
@@ -20,7 +23,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run environment frontend test test-unit test-e2e test-frontend check lint \
-	format types imports migrations-check api api-check bench clean
+	format types imports migrations-check api api-check wheel bench clean
 
 help: ## say what there is to make
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -40,8 +43,7 @@ test-unit: $(DEV_STAMP) ## every test of the Python part that needs no browser
 
 # One after the other: a game in a browser wants the machine for itself.
 test-e2e: $(DEV_STAMP) frontend ## the tests in a real browser
-	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
-		$(PY) -m pytest -m e2e $(ARGS)
+	$(PY) -m pytest -m e2e $(ARGS)
 
 test-frontend: $(NPM_STAMP) ## the tests of the page's own code
 	cd frontend && $(NPM) test
@@ -76,6 +78,10 @@ api-check: $(RUN_STAMP) $(NPM_STAMP) ## the page's types are those of the HTTP A
 		{ echo "frontend/openapi.json is not the API's description: run make api"; exit 1; }
 	cd frontend && $(NPM) run generate -- --check
 
+wheel: $(DEV_STAMP) frontend ## the distribution to install elsewhere, with the page in it
+	rm -rf $(DIST)
+	$(PY) -m build --no-isolation --outdir $(DIST)
+
 bench: $(DEV_STAMP) ## every benchmark, one after the other
 	@for file in benchmarks/*/[a-z]*.py; do \
 		name=$$(echo $${file%.py} | tr / .); \
@@ -84,7 +90,7 @@ bench: $(DEV_STAMP) ## every benchmark, one after the other
 	done
 
 clean: ## remove what make built; the data folder stays
-	rm -rf $(VENV) frontend/node_modules frontend/dist build dist *.egg-info
+	rm -rf $(VENV) frontend/node_modules server/web/static $(DIST)
 	rm -rf .import_linter_cache .hypothesis .mypy_cache .pytest_cache .ruff_cache test-results
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -92,8 +98,8 @@ clean: ## remove what make built; the data folder stays
 $(PY):
 	@scripts/create_venv.sh "$(PYTHON)" $(VENV)
 
-# setuptools comes first, so that the project is built with the pinned one.
-INSTALL = $(PIP) install --quiet --constraint constraints.txt setuptools && \
+# The build backend comes first, so that the project is built with the pinned one.
+INSTALL = $(PIP) install --quiet --constraint constraints.txt hatchling && \
 	$(PIP) install --quiet --constraint constraints.txt --no-build-isolation --editable
 
 $(RUN_STAMP): pyproject.toml constraints.txt | $(PY)

@@ -1,11 +1,13 @@
-"""Following a run on the terminal, with a worker of its own where none is running."""
+"""Follow a run on the terminal, with a standby worker."""
 
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+import typer
 from rich.progress import (
     BarColumn,
     Progress,
@@ -18,13 +20,18 @@ from rich.progress import Task as ProgressTask
 from rich.text import Text
 
 from cli.output import console, errors
-from cli.supervision.supervisor import child_environment, tril_command
+from cli.supervision.orphans import child_environment
+from cli.supervision.supervisor import tril_command
 from cli.workspace import Workspace
+from tril.errors import Unavailable
 from tril.jobs import overall_progress
 from tril.store import processes
 from tril.store.models import RunRow, RunStatus
+from tril.store.training import runs
 
+POLL_S = 0.5
 WORKER_STOP_TIMEOUT_S = 30.0
+MAX_WORKER_FAILURES = 3
 
 STAGE_NAMES = {
     "demonstrations": "making demonstrations",
@@ -38,8 +45,8 @@ STAGE_NAMES = {
 }
 
 
-class _Remaining(TextColumn):
-    """What the worker says is left, not what the bar's own speed suggests."""
+class _EtaColumn(TextColumn):
+    """The worker's estimate of the remaining time."""
 
     def __init__(self) -> None:
         super().__init__("")
@@ -49,76 +56,132 @@ class _Remaining(TextColumn):
         return Text("" if remaining_s is None else f"{duration(remaining_s)} left", style="cyan")
 
 
-@contextmanager
-def worker_at_hand(workspace: Workspace) -> Iterator[None]:
-    """Make sure that a worker runs: one that is there, or one started for the time being."""
-    with workspace.database.reading() as session:
-        present = processes.is_kind_alive(session, "worker")
-    if present:
-        yield
-        return
-    errors.print("No worker is running; one is started for this run.")
-    log = workspace.settings.data / "logs" / "worker.log"
-    log.parent.mkdir(parents=True, exist_ok=True)
-    with log.open("ab") as output:
-        worker = subprocess.Popen(
-            tril_command("worker"), env=child_environment(), stdout=output, stderr=output
-        )
-    try:
-        yield
-    finally:
-        worker.terminate()
+class StandbyWorker:
+    """Runs a worker while no other one does.
+
+    Args:
+        workspace: The opened data folder.
+        command: The worker's command line.
+    """
+
+    def __init__(self, workspace: Workspace, command: Sequence[str]) -> None:
+        self._workspace = workspace
+        self._command = command
+        self._process: subprocess.Popen[bytes] | None = None
+        self._n_failures = 0
+        self._log = workspace.settings.data / "logs" / "worker.log"
+
+    def ensure(self) -> None:
+        """Start a worker if none runs.
+
+        Raises:
+            Unavailable: The standby worker has ended MAX_WORKER_FAILURES times.
+        """
+        if self._process is not None:
+            exit_code = self._process.poll()
+            if exit_code is None:
+                return
+            self._process = None
+            self._n_failures += 1
+            if self._n_failures == MAX_WORKER_FAILURES:
+                raise Unavailable(
+                    f"The worker ended {self._n_failures} times, last with exit code {exit_code}."
+                    f" See {self._log}. The run stays in the queue."
+                )
+        with self._workspace.database.reading() as session:
+            if processes.is_kind_alive(session, "worker"):
+                return
+        errors.print("No worker is running; starting one for this command.")
+        self._log.parent.mkdir(parents=True, exist_ok=True)
+        with self._log.open("ab") as output:
+            self._process = subprocess.Popen(
+                self._command, env=child_environment(), stdout=output, stderr=output
+            )
+
+    def stop(self) -> None:
+        """Stop the standby worker, if any: SIGTERM, then SIGKILL."""
+        if self._process is None:
+            return
+        self._process.terminate()
         try:
-            worker.wait(WORKER_STOP_TIMEOUT_S)
+            self._process.wait(WORKER_STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            worker.kill()
-            worker.wait()
+            self._process.kill()
+            self._process.wait()
 
 
-def follow(workspace: Workspace, run_id: str) -> RunRow:
-    """Show a run's progress until it is over; returns its final row.
+@contextmanager
+def standby_worker(
+    workspace: Workspace, command: Sequence[str] | None = None
+) -> Iterator[StandbyWorker]:
+    """Provide a worker for the duration of a block; call its ``ensure`` while waiting."""
+    worker = StandbyWorker(workspace, command or tril_command("worker"))
+    try:
+        yield worker
+    finally:
+        worker.stop()
+
+
+def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
+    """Show a run's progress until it is over.
 
     Ctrl-C stops following, not the run.
+
+    Args:
+        workspace: The opened data folder.
+        run_id: The run.
+        worker: Executes the run if no other worker does.
+
+    Returns:
+        The run's final row.
+
+    Raises:
+        NotFound: There is no such run.
+        Unavailable: No worker can be kept running.
     """
     columns = (
         TextColumn("{task.description:<26}"),
         BarColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
-        _Remaining(),
+        _EtaColumn(),
     )
-    row: RunRow | None = None
-    with workspace.jobs() as jobs, Progress(*columns, console=console) as progress:
+    with Progress(*columns, console=console) as progress:
         whole = progress.add_task("the whole run", total=1.0)
         stage_tasks: dict[str, TaskID] = {}
-        for row in jobs.follow(run_id):
-            progress.update(
-                whole,
-                completed=overall_progress(row),
-                remaining_s=row.remaining_s,
-            )
-            if row.stage not in STAGE_NAMES:
-                continue
-            for name, task in stage_tasks.items():
-                if name != row.stage:
-                    progress.update(task, completed=1.0)
-            if row.stage not in stage_tasks:
-                stage_tasks[row.stage] = progress.add_task(STAGE_NAMES[row.stage], total=1.0)
-            progress.update(stage_tasks[row.stage], completed=row.stage_done)
-    assert row is not None
+        while True:
+            with workspace.database.reading() as session:
+                row = runs.get(session, run_id)
+            progress.update(whole, completed=overall_progress(row), remaining_s=row.remaining_s)
+            if row.stage in STAGE_NAMES:
+                for name, task in stage_tasks.items():
+                    if name != row.stage:
+                        progress.update(task, completed=1.0)
+                if row.stage not in stage_tasks:
+                    stage_tasks[row.stage] = progress.add_task(STAGE_NAMES[row.stage], total=1.0)
+                progress.update(stage_tasks[row.stage], completed=row.stage_done)
+            if RunStatus(row.status).is_over:
+                return row
+            worker.ensure()
+            time.sleep(POLL_S)
+
+
+def follow_to_end(workspace: Workspace, run_id: str) -> RunRow:
+    """Follow a run with a standby worker; print its outcome and exit unless it is done.
+
+    Raises:
+        typer.Exit: The run was cancelled, stopped or failed.
+    """
+    with standby_worker(workspace) as worker:
+        row = follow(workspace, run_id, worker)
+    if row.status != RunStatus.DONE:
+        errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
+        raise typer.Exit(1)
     return row
 
 
-def say_how_it_ended(row: RunRow) -> bool:
-    """Print a run's end; returns whether it is done."""
-    if row.status == RunStatus.DONE:
-        return True
-    errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
-    return False
-
-
 def duration(seconds: float) -> str:
-    """A time for people, e.g. "2 min 5 s"."""
+    """Format a duration, e.g. "2 min 5 s"."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

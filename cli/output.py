@@ -1,23 +1,26 @@
-"""How the command speaks: rich text for people, JSON lines for scripts, errors in plain words."""
+"""Output of the command line: rich text, JSON Lines, and errors without traceback."""
 
 from __future__ import annotations
 
 import json
+import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
+from pydantic import ValidationError
 from rich.console import Console
 from rich.markup import escape
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DatabaseError
 
-from tril.errors import TrilError
+from tril.errors import Invalid, TrilError
+from tril.settings import Settings
 
 console = Console(highlight=False, soft_wrap=True)
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for a script to read.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 def print_json(value: Any) -> None:
@@ -26,21 +29,44 @@ def print_json(value: Any) -> None:
 
 
 @contextmanager
-def plain_errors() -> Iterator[None]:
-    """Turn what a person can act on into one message and exit status 1."""
+def readable_errors() -> Iterator[None]:
+    """Print errors that the user can act on as one message; exit with status 1."""
     try:
         yield
-    except TrilError as error:
-        errors.print(f"[bold red]Error:[/] {error}")
+    except (TrilError, DatabaseError, sqlite3.DatabaseError) as error:
+        errors.print(f"[bold red]Error:[/] {escape(_message(error))}")
         raise typer.Exit(1) from error
-    except OperationalError as error:
-        errors.print(
-            f"[bold red]Error:[/] The database can't be used: {error.orig}. Check the disk and the "
-            "data folder (TRIL_DATA), then try again."
+
+
+def _message(error: TrilError | DatabaseError | sqlite3.DatabaseError) -> str:
+    if isinstance(error, TrilError):
+        return str(error)
+    reason = error.orig if isinstance(error, DatabaseError) else error
+    return (
+        f"The database can't be used: {reason}. Check the disk and the data folder (TRIL_DATA)."
+        " If a database file is damaged, continue from a backup: TRIL_DATA=BACKUP-FOLDER tril up."
+    )
+
+
+def read_settings() -> Settings:
+    """Read the settings from the environment.
+
+    Raises:
+        Invalid: A value is invalid; the message names its variable.
+    """
+    try:
+        settings = Settings()
+    except ValidationError as error:
+        wrong = "; ".join(
+            f"TRIL_{'_'.join(map(str, one['loc'])).upper()}={one['input']}: {one['msg']}"
+            for one in error.errors()
         )
-        raise typer.Exit(1) from error
+        raise Invalid(f"Invalid settings in the environment or .env: {wrong}.") from error
+    if settings.data.exists() and not settings.data.is_dir():
+        raise Invalid(f"TRIL_DATA is {settings.data}, which is not a folder. Choose another.")
+    return settings
 
 
-def say(name: str, line: str) -> None:
-    """Print a line that a process said."""
+def print_process_line(name: str, line: str) -> None:
+    """Print a line of a child process's output."""
     console.print(f"[dim]{name:>9} │[/] {escape(line)}", soft_wrap=True)

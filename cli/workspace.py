@@ -1,4 +1,4 @@
-"""What the commands work on: the databases of the data folder, opened and checked."""
+"""The opened data folder that commands work on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from cli.output import plain_errors
+from cli.output import read_settings, readable_errors
+from tril.errors import Unavailable
 from tril.jobs import Jobs, prepare_queue
 from tril.settings import Settings
 from tril.store import behaviours
@@ -34,8 +35,28 @@ class Workspace:
             jobs.close()
 
 
-def bring_up_to_date(settings: Settings) -> None:
-    """Upgrade the application's database, fill in what comes ready, and set up the queue's."""
+def create_data_folder(settings: Settings) -> None:
+    """Create the data folder if it is missing.
+
+    Raises:
+        Unavailable: It can't be created.
+    """
+    try:
+        settings.data.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Unavailable(
+            f"The data folder {settings.data} can't be created: {error.strerror}. Choose another"
+            " with TRIL_DATA."
+        ) from error
+
+
+def migrate_databases(settings: Settings) -> None:
+    """Migrate the application's database and set up the built-in behaviours and the queue.
+
+    Raises:
+        Unavailable: The data folder is not writable, or the database is of a newer version.
+    """
+    create_data_folder(settings)
     database = create_database(settings.application_url)
     try:
         upgrade(database)
@@ -46,10 +67,10 @@ def bring_up_to_date(settings: Settings) -> None:
 
 @contextmanager
 def open_workspace() -> Iterator[Workspace]:
-    """Open the data folder, its databases brought up to date; errors end in plain words."""
-    settings = Settings()
-    with plain_errors():
-        bring_up_to_date(settings)
+    """Open the data folder, migrating its databases, with ``readable_errors``."""
+    with readable_errors():
+        settings = read_settings()
+        migrate_databases(settings)
         database = create_database(settings.application_url)
         try:
             yield Workspace(settings, database)
@@ -58,7 +79,7 @@ def open_workspace() -> Iterator[Workspace]:
 
 
 def find_behaviour(session: Session, name: str) -> BehaviourRow:
-    """Look a behaviour up by its short name or its number."""
+    """Find a behaviour by its short name or id; raises NotFound."""
     if name.isdigit():
         return behaviours.get(session, int(name))
     return behaviours.by_slug(session, name)

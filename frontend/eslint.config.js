@@ -4,10 +4,11 @@ import reactHooks from "eslint-plugin-react-hooks";
 import globals from "globals";
 import tseslint from "typescript-eslint";
 
+const PARENTS = { group: ["../*"], message: "Import another folder's modules by @/." };
 const features = ["behaviours", "play", "ranking", "recordings", "results", "training"];
 
 export default tseslint.config(
-  { ignores: ["dist", "node_modules", "src/api/schema.d.ts", "public"] },
+  { ignores: ["node_modules", "src/api/schema.d.ts", "public"] },
   js.configs.recommended,
   ...tseslint.configs.strictTypeChecked,
   ...tseslint.configs.stylisticTypeChecked,
@@ -25,7 +26,10 @@ export default tseslint.config(
       "no-console": "error",
     },
   },
-  // Features never import each other, and the floors below know nothing of those above.
+  {
+    files: ["src/**"],
+    rules: { "no-restricted-imports": ["error", { patterns: [PARENTS] }] },
+  },
   ...features.map((feature) => ({
     files: [`src/features/${feature}/**`],
     rules: {
@@ -33,25 +37,36 @@ export default tseslint.config(
         "error",
         {
           patterns: [
-            ...features.filter((other) => other !== feature).map((other) => `@/features/${other}/*`),
-            "@/app/*",
+            PARENTS,
+            {
+              group: ["@/app/**", "@/features/*", `!@/features/${feature}`],
+              message: "A feature imports neither another feature nor the app.",
+            },
           ],
         },
       ],
     },
   })),
-  {
-    files: ["src/components/**", "src/api/**", "src/lib/**"],
-    rules: { "no-restricted-imports": ["error", { patterns: ["@/features/*", "@/app/*"] }] },
-  },
-  {
-    files: ["src/lib/**"],
+  ...[
+    ["components", ["app", "features"]],
+    ["api", ["app", "features", "components"]],
+    ["lib", ["app", "features", "components", "api"]],
+  ].map(([layer, above]) => ({
+    files: [`src/${layer}/**`],
     rules: {
       "no-restricted-imports": [
         "error",
-        { patterns: ["@/features/*", "@/app/*", "@/components/*"] },
+        {
+          patterns: [
+            PARENTS,
+            {
+              group: above.map((name) => `@/${name}/**`),
+              message: `${layer} imports only from the layers below it.`,
+            },
+          ],
+        },
       ],
     },
-  },
+  })),
   { files: ["*.js"], ...tseslint.configs.disableTypeChecked },
 );

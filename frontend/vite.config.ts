@@ -12,13 +12,18 @@ export default defineConfig({
   plugins: [react()],
   resolve: { alias: { "@": fileURLToPath(new URL("./src", import.meta.url)) } },
   build: {
+    // Inside the package, so that a wheel and a clone have the page in the same place.
+    outDir: "../server/web/static",
+    emptyOutDir: true,
     target: ["chrome123", "firefox128", "safari17.5"],
     // Everything is a file: the server's content security policy allows no data: scripts or styles.
     assetsInlineLimit: 0,
   },
   server: {
     host: "127.0.0.1",
-    proxy: { "/api": { target: server, ws: true, changeOrigin: true, headers: { origin: server } } },
+    proxy: {
+      "/api": { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
+    },
   },
   test: {
     restoreMocks: true,
@@ -28,7 +33,10 @@ export default defineConfig({
     // As many processes as cores; by default one fewer, which on two cores leaves half idle.
     maxWorkers: "100%",
     projects: [
-      { extends: true, test: { name: "logic", environment: "node", include: ["tests/**/*.test.ts"] } },
+      {
+        extends: true,
+        test: { name: "logic", environment: "node", include: ["tests/**/*.test.ts"] },
+      },
       {
         extends: true,
         test: {

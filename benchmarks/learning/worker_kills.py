@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.trainer.runtime.kills import finish, flaws, kill_and_finish
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.workplace import TINY, make_workplace
+from testsupport.worker_kills import finish, flaws, kill_and_finish
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import TINY, make_workplace
 from tril.jobs import STAGES, Jobs
 
 

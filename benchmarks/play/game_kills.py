@@ -27,9 +27,9 @@ import numpy as np
 from websockets.exceptions import WebSocketException
 
 from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Rewound
-from tests.server.live import Player, join
-from tests.server.processes import server_process
-from tests.workplace import Workplace, make_workplace
+from testsupport.live import Player, join
+from testsupport.processes import server_process
+from testsupport.workplace import Workplace, make_workplace
 from tril.game.controls import Keys
 from tril.settings import Settings
 from tril.store import games

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import tempfile
 import time
 from collections.abc import Iterator
@@ -23,20 +22,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
-import httpx2
 import numpy as np
 from playwright.sync_api import Page, sync_playwright
 
-from scripts.browser import find_browser
-from tests.e2e.running import BROWSER_ARGUMENTS, start_tril
-from tests.server.live import cookie
+from testsupport.browser import launch_chromium
+from testsupport.processes import TrilProcess, whole_tril
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import EVALUATION_START_COUNT, Episode, evaluation_start
 from tril.jobs import STAGES
-from tril.settings import Settings
 from tril.store.database import Database, create_database
 from tril.store.training import runs
 
@@ -212,10 +207,10 @@ class Training:
 
 
 @contextmanager
-def training(base_url: str, settings: Settings, recipe: str, steps: int) -> Iterator[Training]:
+def training(tril: TrilProcess, recipe: str, steps: int) -> Iterator[Training]:
     """Train on the example of column 1 for the block, then cancel the run."""
-    database = create_database(settings.application_url)
-    with httpx2.Client(base_url=base_url, headers={"Cookie": cookie(settings)}) as http:
+    database = create_database(tril.settings.application_url)
+    with tril.http() as http:
         asked = {"behaviour_id": 1, "example": True, "go_on_anyway": True}
         answer = http.post("/api/runs", json={**asked, "recipe": recipe, "steps": steps})
         answer.raise_for_status()
@@ -251,47 +246,33 @@ def main() -> None:
     speed: dict[str, float | None] = {}
     with (
         tempfile.TemporaryDirectory(prefix="tril-latency-") as folder,
-        sync_playwright() as browsers,
+        whole_tril(Path(folder) / "data", "--workers", "1") as tril,
+        sync_playwright() as playwright,
+        launch_chromium(playwright) as browser,
     ):
-        running = start_tril(Path(folder) / "data", "--workers", "1")
-        browser = browsers.chromium.launch(
-            executable_path=str(find_browser()),
-            headless=True,
-            chromium_sandbox=os.geteuid() != 0,
-            args=BROWSER_ARGUMENTS,
-        )
-        try:
-            context = browser.new_context(viewport={"width": 1280, "height": 900})
-            context.add_init_script(WATCH)
-            page = context.new_page()
-            page.goto(running.address)
-            where = urlsplit(running.address)
-            base_url = f"{where.scheme}://{where.netloc}"
-            settings = Settings(data=running.data, port=where.port or 80)
+        context = browser.new_context(viewport={"width": 1280, "height": 900})
+        context.add_init_script(WATCH)
+        page = context.new_page()
+        page.goto(tril.address)
 
-            def games() -> dict[str, float]:
-                address = f"{base_url}/behaviours/1/play"
-                played = [
-                    play(page, address, arguments.seconds, rng) for _ in range(arguments.games)
-                ]
-                page.goto("about:blank")
-                return summed(played)
+        def games() -> dict[str, float]:
+            address = f"{tril.base_url}/behaviours/1/play"
+            played = [play(page, address, arguments.seconds, rng) for _ in range(arguments.games)]
+            page.goto("about:blank")
+            return summed(played)
 
-            rows["alone"] = games()
-            if not arguments.alone:
-                with training(base_url, settings, arguments.recipe, arguments.steps) as run:
-                    run.wait_for(arguments.stage, arguments.wait)
-                    # Training is throttled until the lease of the last game expires.
-                    before, since = run.done(), time.monotonic()
-                    rows["beside a training"] = games()
-                    speed["beside play"] = progress_per_s(run, before, since)
-                    time.sleep(TRAINING_RATE_S)
-                    before, since = run.done(), time.monotonic()
-                    time.sleep(TRAINING_RATE_S)
-                    speed["without play"] = progress_per_s(run, before, since)
-        finally:
-            browser.close()
-            running.stop()
+        rows["alone"] = games()
+        if not arguments.alone:
+            with training(tril, arguments.recipe, arguments.steps) as run:
+                run.wait_for(arguments.stage, arguments.wait)
+                # Training is throttled until the lease of the last game expires.
+                before, since = run.done(), time.monotonic()
+                rows["beside a training"] = games()
+                speed["beside play"] = progress_per_s(run, before, since)
+                time.sleep(TRAINING_RATE_S)
+                before, since = run.done(), time.monotonic()
+                time.sleep(TRAINING_RATE_S)
+                speed["without play"] = progress_per_s(run, before, since)
     print(f"{'':20}{'presses':>9}{'p50 ms':>9}{'p95':>7}{'p99':>7}{'frames':>9}{'on time':>9}")
     for name, row in rows.items():
         print(

@@ -21,7 +21,7 @@ from typing import Any
 from benchmarks.play.support.crowd import running_crowd
 from benchmarks.play.support.fleet import Fleet, running_fleet
 from server.play.lateness import Lateness
-from tests.workplace import make_workplace
+from testsupport.workplace import make_workplace
 from tril.cores import core_count
 
 WAYS = {"stream": "XOR + zlib 1 (Tril)", "jpeg": "JPEG in base64 JSON (CrowdPlay)"}

@@ -26,11 +26,11 @@ import numpy as np
 from tril.behaviours import BUILT_IN
 from tril.cores import core_count
 from tril.demonstrator import example_plans
-from tril.demonstrator.manner import HUMAN
-from tril.demonstrator.person import PersonLikePlayer
+from tril.demonstrator.error_model import HUMAN
+from tril.demonstrator.human_like import HumanLikePlayer
 from tril.demonstrator.plans import draw_hits
-from tril.demonstrator.player import Style
-from tril.exchange.formats import from_exchange, to_exchange
+from tril.demonstrator.player import PlayStyle
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start
@@ -56,7 +56,7 @@ def record(number: int) -> str:
     else:
         _hold_random_keys(recorder, rng)
     played = recorder.replay()
-    return json.dumps(to_exchange(recorder.recording(), hits=played.hits, end=played.end))
+    return json.dumps(dump_recording(recorder.recording(), hits=played.hits, end=played.end))
 
 
 def _hold_random_keys(recorder: Recorder, rng: np.random.Generator) -> None:
@@ -71,13 +71,13 @@ def _play_as_a_person(recorder: Recorder, number: int, rng: np.random.Generator)
     behaviour = BUILT_IN[number % len(BUILT_IN)]
     plans = example_plans(behaviour)
     plan = plans[number // len(BUILT_IN) % len(plans)]
-    PersonLikePlayer(recorder, draw_hits(plan, rng), Style(), HUMAN, rng).play()
+    HumanLikePlayer(recorder, draw_hits(plan, rng), PlayStyle(), HUMAN, rng).play()
 
 
 def replays(line: str) -> int | None:
     """Replay a recording; returns its frames, None if it does not verify."""
     try:
-        return from_exchange(json.loads(line), _console()).recording.n_frames
+        return load_recording(json.loads(line), _console()).recording.n_frames
     except RecordingRefused:
         return None
 
@@ -88,7 +88,7 @@ def without_a_second(line: str) -> str | None:
     None if nothing was hit or no key was held then.
     """
     content = json.loads(line)
-    shot = from_exchange(content, _console()).replay.hits
+    shot = load_recording(content, _console()).replay.hits
     if not shot:
         return None
     actions = bytearray(base64.b64decode(content["actions"]))

@@ -25,7 +25,7 @@ from benchmarks.play.support.fleet import Fleet, Sample, running_fleet
 from benchmarks.play.support.pages import Counts, Page, client_of, join, new_game
 from server.play.lateness import Lateness
 from server.play.wire.protocol import MAX_UNACKNOWLEDGED
-from tests.workplace import make_workplace
+from testsupport.workplace import make_workplace
 from tril.settings import Settings
 
 FRAMES_DRAWN = 30

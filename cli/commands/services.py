@@ -1,4 +1,4 @@
-"""The long-running processes one by one: server, worker, inference; migrations; health."""
+"""Single processes of ``tril up``, migrations, and health checks."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ from typing import Annotated
 
 import typer
 
-from cli.output import console, plain_errors
+from cli.output import console, read_settings, readable_errors
 from cli.supervision.servers import supervise_servers
-from cli.supervision.supervisor import end_with_supervisor
-from cli.workspace import bring_up_to_date
+from cli.workspace import migrate_databases
 from tril.errors import Unavailable
 from tril.settings import Settings
 
 
 class Service(StrEnum):
-    """A process that can be asked whether it is well."""
+    """A process whose health can be checked."""
 
     SERVER = "server"
     WORKER = "worker"
@@ -28,20 +27,19 @@ class Service(StrEnum):
 def serve(
     servers: Annotated[
         int | None,
-        typer.Option(min=1, max=64, help="Processes behind the port; TRIL_SERVER_PROCESSES."),
+        typer.Option(min=1, max=64, help="Server processes. Default: TRIL_SERVER_PROCESSES."),
     ] = None,
     share_port: Annotated[
-        bool, typer.Option(help="Run one process, beside others that were started with this.")
+        bool, typer.Option(help="Share the port with other processes started with this option.")
     ] = False,
 ) -> None:
-    """Run the web server alone (``tril up`` runs everything)."""
+    """Run only the web server (``tril up`` runs everything)."""
     from server.main import run_server
 
-    settings = Settings()
-    if servers is not None:
-        settings = settings.model_copy(update={"server_processes": servers})
-    end_with_supervisor()
-    with plain_errors():
+    with readable_errors():
+        settings = read_settings()
+        if servers is not None:
+            settings = settings.model_copy(update={"server_processes": servers})
         if share_port or settings.server_processes == 1:
             run_server(settings, share_port)
         else:
@@ -49,34 +47,32 @@ def serve(
 
 
 def worker() -> None:
-    """Run a training worker alone; any number may run beside each other."""
+    """Run a training worker. Several may run at the same time."""
     from trainer.runtime.worker import run_worker
 
-    end_with_supervisor()
-    with plain_errors():
-        run_worker(Settings())
+    with readable_errors():
+        run_worker(read_settings())
 
 
 def inference() -> None:
-    """Run the process that answers for trained networks."""
+    """Run the inference process, which evaluates trained networks."""
     from trainer.runtime.inference import run_inference
 
-    end_with_supervisor()
-    with plain_errors():
-        run_inference(Settings())
+    with readable_errors():
+        run_inference(read_settings())
 
 
 def migrate() -> None:
-    """Bring the databases up to this version; nothing is lost."""
-    with plain_errors():
-        bring_up_to_date(Settings())
+    """Migrate the databases to this version."""
+    with readable_errors():
+        migrate_databases(read_settings())
     console.print("The database is up to date.")
 
 
 def health(service: Service) -> None:
-    """Exit with status 0 if a process of this data folder is well, else 1 and the reason."""
-    settings = Settings()
-    with plain_errors():
+    """Check a process of this data folder; exit with status 0 if it is healthy, else 1."""
+    with readable_errors():
+        settings = read_settings()
         if service is Service.SERVER:
             ask_server(settings)
         elif service is Service.INFERENCE:
@@ -87,16 +83,16 @@ def health(service: Service) -> None:
 
 
 def address() -> None:
-    """Print the page's address with its key, as ``tril up`` does (for a server in a container)."""
+    """Print the page's address with its key, e.g. for a server in a container."""
     from server.web.security import address_with_token
 
-    settings = Settings()
-    with plain_errors():
+    with readable_errors():
+        settings = read_settings()
         typer.echo(address_with_token(settings, server_url(settings)))
 
 
 def server_url(settings: Settings) -> str:
-    """Address under which this machine reaches the server."""
+    """Return the server's URL on this machine."""
     host = "127.0.0.1" if settings.host in {"0.0.0.0", "::"} else settings.host
     return f"http://{f'[{host}]' if ':' in host else host}:{settings.port}"
 
@@ -112,7 +108,7 @@ def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
         raise Unavailable(f"The server does not answer at {server_url(settings)}: {error}") from (
             error
         )
-    raise Unavailable(f"The server at {server_url(settings)} is not well.")
+    raise Unavailable(f"The server at {server_url(settings)} is not healthy.")
 
 
 def ask_inference(settings: Settings) -> None:
@@ -123,7 +119,7 @@ def ask_inference(settings: Settings) -> None:
 
 
 def ask_worker(settings: Settings) -> None:
-    """Raise Unavailable unless a worker was heard of lately."""
+    """Raise Unavailable unless a worker is alive."""
     from tril.store import processes
     from tril.store.database import create_database
 
@@ -131,6 +127,6 @@ def ask_worker(settings: Settings) -> None:
     try:
         with database.reading() as session:
             if not processes.is_kind_alive(session, "worker"):
-                raise Unavailable("No worker has been heard of; start one with `tril worker`.")
+                raise Unavailable("No worker is running. Start one with `tril worker`.")
     finally:
         database.close()

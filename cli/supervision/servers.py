@@ -1,17 +1,17 @@
-"""The server processes behind one port."""
+"""Server processes that share a port."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 
-from cli.output import say
+from cli.output import print_process_line
 from cli.supervision.supervisor import Child, Supervisor, numbered, running, tril_command
 from tril.settings import Settings
 
 
 def server_children(n_processes: int) -> list[Child]:
-    """Return the server processes to supervise; several listen on the same port."""
+    """Return the server processes to supervise."""
     if n_processes == 1:
         return [Child("server", tril_command("serve"))]
     command = tril_command("serve", "--share-port")
@@ -19,7 +19,7 @@ def server_children(n_processes: int) -> list[Child]:
 
 
 def server_environment(settings: Settings) -> dict[str, str]:
-    """Return what the children have to agree about."""
+    """Return the environment variables shared by all child processes."""
     return {
         "TRIL_PORT": str(settings.port),
         "TRIL_DATA": str(settings.data),
@@ -28,11 +28,11 @@ def server_environment(settings: Settings) -> dict[str, str]:
 
 
 @contextmanager
-def held_port(settings: Settings) -> Iterator[None]:
-    """Keep the port for several server processes; a single one takes it itself.
+def reserved_port(settings: Settings) -> Iterator[None]:
+    """Reserve the port if several server processes share it.
 
     Raises:
-        Unavailable: It is taken by something else.
+        Unavailable: Another program uses the port.
     """
     from server.main import take_port
 
@@ -44,6 +44,6 @@ def held_port(settings: Settings) -> Iterator[None]:
 def supervise_servers(settings: Settings) -> None:
     """Run several server processes until a signal ends them."""
     children = server_children(settings.server_processes)
-    supervisor = Supervisor(children, say, server_environment(settings))
-    with held_port(settings), running(supervisor):
+    supervisor = Supervisor(children, print_process_line, server_environment(settings))
+    with reserved_port(settings), running(supervisor):
         supervisor.watch()

@@ -1,4 +1,4 @@
-"""Keeps a few child processes running: restarts with backoff, passes their output on, stops all."""
+"""Supervision of child processes: restart with backoff, forward output, stop."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-FIRST_BACKOFF_S = 1.0
-LONGEST_BACKOFF_S = 30.0
-SETTLED_AFTER_S = 60.0
+from cli.supervision.orphans import child_environment
+
+MIN_BACKOFF_S = 1.0
+MAX_BACKOFF_S = 30.0
+STABLE_AFTER_S = 60.0
 POLL_S = 0.1
-PARENT_VARIABLE = "TRIL_SUPERVISOR_PID"
 
 
 @dataclass(frozen=True)
 class Child:
-    """What to run: a name for people and the command line."""
+    """A process to run: its display name and command line."""
 
     name: str
     command: Sequence[str]
@@ -34,33 +35,33 @@ class _Running:
     process: subprocess.Popen[str] | None = None
     started_at: float = 0.0
     start_again_at: float = 0.0
-    backoff_s: float = FIRST_BACKOFF_S
+    backoff_s: float = MIN_BACKOFF_S
     readers: list[threading.Thread] = field(default_factory=list)
 
 
 class Supervisor:
     """Starts children and keeps them running until ``stop`` is called.
 
-    A child that ends is started again after a delay that doubles from 1 s to 30 s and falls back
-    to 1 s once the child has run for a minute. Children get a process group of their own, so that
-    Ctrl-C reaches only the supervisor, which ends them in reverse order.
+    A child that ends is restarted after a delay that doubles from 1 s to 30 s and is reset to 1 s
+    once the child has run for a minute. Each child gets its own process group, so that Ctrl-C
+    reaches only the supervisor, which stops children in reverse order.
 
     Args:
-        children: In the order in which they are started.
-        say: Receives one line at a time: the children's output and what the supervisor does.
-        environment: Added to this process's environment for the children.
-        stop_timeout_s: How long a child may take to end before it is killed.
+        children: Processes to run, in starting order.
+        print_line: Called with a source and a line of output, its own messages included.
+        environment: Variables added to this process's environment for the children.
+        stop_timeout_s: Seconds after which a stopping child is killed.
     """
 
     def __init__(
         self,
         children: Sequence[Child],
-        say: Callable[[str, str], None],
+        print_line: Callable[[str, str], None],
         environment: Mapping[str, str] | None = None,
         stop_timeout_s: float = 10.0,
     ) -> None:
         self._running = [_Running(child) for child in children]
-        self._say = say
+        self._print_line = print_line
         self._environment = {
             **child_environment(),
             **(environment or {}),
@@ -75,29 +76,29 @@ class Supervisor:
             self._start(running)
 
     def watch(self) -> None:
-        """Restart what ends, until ``stop`` is called from a signal handler or another thread."""
+        """Restart children that end, until ``request_stop`` or ``stop`` is called."""
         while not self._stopping.wait(POLL_S):
             for running in self._running:
-                self._look_after(running)
+                self._restart_if_ended(running)
 
     def is_running(self, name: str) -> bool:
-        """Whether the child of this name runs at the moment."""
+        """Return whether the named child is running."""
         return any(
             r.child.name == name and r.process is not None and r.process.poll() is None
             for r in self._running
         )
 
     def request_stop(self) -> None:
-        """Make ``watch`` return."""
+        """Make ``watch`` return. Safe in a signal handler."""
         self._stopping.set()
 
     @property
     def stop_requested(self) -> bool:
-        """Whether ``request_stop`` was called."""
+        """Whether a stop was requested."""
         return self._stopping.is_set()
 
     def stop(self) -> None:
-        """End every child, last started first: SIGTERM, and SIGKILL after the timeout."""
+        """Stop every child, last started first: SIGTERM, then SIGKILL after the timeout."""
         self._stopping.set()
         for running in reversed(self._running):
             if running.process is not None and running.process.poll() is None:
@@ -109,8 +110,8 @@ class Supervisor:
             try:
                 running.process.wait(max(0.0, deadline - time.monotonic()))
             except subprocess.TimeoutExpired:
-                self._say("tril", f"{running.child.name} did not stop in time and is ended.")
-            self._end_group(running.process)
+                self._print_line("tril", f"{running.child.name} did not stop in time; killing it.")
+            self._kill_group(running.process)
             running.process.wait()
             for reader in running.readers:
                 reader.join(timeout=1.0)
@@ -128,51 +129,50 @@ class Supervisor:
             start_new_session=True,
         )
         reader = threading.Thread(
-            target=self._pass_on, args=(running.child.name, running.process), daemon=True
+            target=self._forward_output, args=(running.child.name, running.process), daemon=True
         )
         reader.start()
         running.readers = [reader]
 
-    def _pass_on(self, name: str, process: subprocess.Popen[str]) -> None:
+    def _forward_output(self, name: str, process: subprocess.Popen[str]) -> None:
         assert process.stdout is not None
         with process.stdout:
             for line in process.stdout:
-                self._say(name, line.rstrip())
+                self._print_line(name, line.rstrip())
 
-    def _look_after(self, running: _Running) -> None:
+    def _restart_if_ended(self, running: _Running) -> None:
         process = running.process
         if process is not None:
             code = process.poll()
             if code is None:
                 return
-            if time.monotonic() - running.started_at > SETTLED_AFTER_S:
-                running.backoff_s = FIRST_BACKOFF_S
+            if time.monotonic() - running.started_at > STABLE_AFTER_S:
+                running.backoff_s = MIN_BACKOFF_S
             why = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-            self._say(
+            self._print_line(
                 "tril",
-                f"{running.child.name} stopped ({why}); it starts again in "
-                f"{running.backoff_s:.0f} s.",
+                f"{running.child.name} stopped ({why}); restarting in {running.backoff_s:.0f} s.",
             )
-            self._end_group(process)
+            self._kill_group(process)
             running.process = None
             running.start_again_at = time.monotonic() + running.backoff_s
-            running.backoff_s = min(LONGEST_BACKOFF_S, running.backoff_s * 2)
+            running.backoff_s = min(MAX_BACKOFF_S, running.backoff_s * 2)
         elif time.monotonic() >= running.start_again_at:
             self._start(running)
-            self._say("tril", f"{running.child.name} started again.")
+            self._print_line("tril", f"{running.child.name} restarted.")
 
     @staticmethod
-    def _end_group(process: subprocess.Popen[str]) -> None:
-        """Kill what is left of a child's process group: itself, or processes that it left."""
+    def _kill_group(process: subprocess.Popen[str]) -> None:
+        """Kill what is left of a child's process group."""
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
 
 
 @contextlib.contextmanager
 def running(supervisor: Supervisor) -> Iterator[None]:
-    """Start a supervisor's children for a block and stop them after it.
+    """Run a supervisor's children for the duration of a block.
 
-    SIGINT and SIGTERM ask the supervisor to stop, so that its ``watch`` returns.
+    SIGINT and SIGTERM make its ``watch`` return.
     """
 
     def _on_signal(_number: int, _frame: Any) -> None:
@@ -187,35 +187,11 @@ def running(supervisor: Supervisor) -> Iterator[None]:
         supervisor.stop()
 
 
-def child_environment() -> dict[str, str]:
-    """Return the environment of a process that is to end with this one; end_with_supervisor."""
-    return {**os.environ, PARENT_VARIABLE: str(os.getpid())}
-
-
-def end_with_supervisor() -> None:
-    """In a child: end this process (SIGTERM) when its supervisor is gone without a word.
-
-    Does nothing when the process was not started by a supervisor.
-    """
-    expected = os.environ.get(PARENT_VARIABLE)
-    if expected is None or os.getppid() != int(expected):
-        return
-
-    def _watch() -> None:
-        while os.getppid() == int(expected):
-            time.sleep(1.0)
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(10.0)
-        os._exit(1)
-
-    threading.Thread(target=_watch, name="supervisor-watch", daemon=True).start()
-
-
 def numbered(name: str, n: int) -> list[str]:
-    """Return names for so many children of a kind; a single one needs no number."""
+    """Return the names of n children of a kind, numbered if there are several."""
     return [name] if n == 1 else [f"{name}-{i}" for i in range(1, n + 1)]
 
 
 def tril_command(*arguments: str) -> list[str]:
-    """Command line of another ``tril`` process with this one's interpreter."""
-    return [sys.executable, "-m", "cli.main", *arguments]
+    """Return the command line of a ``tril`` process run by this interpreter."""
+    return [sys.executable, "-m", "cli", *arguments]

@@ -8,7 +8,7 @@ import { RouterProvider } from "react-router/dom";
 
 import { createQueryClient } from "@/app/query-client";
 import { createRouter } from "@/app/router";
-import { ToastProvider } from "@/components/Toasts";
+import { ToastProvider } from "@/components/feedback/Toasts";
 
 const root = document.getElementById("root");
 if (!root) throw new Error("The page has no element with the id root.");

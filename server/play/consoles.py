@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from tril.game.console import Console, KnownStarts
+from tril.game.console import Console, StartCache
 from tril.game.episode import Start
 
 PATIENCE_S = 2.0
@@ -36,7 +36,7 @@ class ConsolePool:
         self._n_ahead = n_ahead
         self._n_loaded = 0
         self._idle: list[Console] = []
-        self._known_starts: KnownStarts = {}
+        self._start_cache: StartCache = {}
         self._n_clocks = 0
         self._stopped = False
         self._changed = threading.Condition()
@@ -104,7 +104,7 @@ class ConsolePool:
 
     def _load(self) -> Console:
         """Load a console; call with the lock for loading held."""
-        console = Console(self._known_starts)
+        console = Console(self._start_cache)
         # The first reset holds Python's lock too, for 4 ms; later starts restore a state.
         console.start(Start(0))
         self._n_loaded += 1

@@ -16,7 +16,9 @@ from pathlib import Path
 import psutil
 
 from cli.supervision.supervisor import Child, Supervisor
-from tests.waiting import wait_until
+from cli.workspace import migrate_databases
+from testsupport.waiting import wait_until
+from tril.settings import Settings
 
 Lines = queue.Queue[tuple[str, str]]
 
@@ -64,7 +66,7 @@ def test_a_killed_child_is_announced_and_started_again() -> None:
     with _supervised(Child("one", _python(WAITING))) as (lines, _):
         first = int(_next(lines, "one"))
         os.kill(first, signal.SIGKILL)
-        assert _next(lines, "tril") == "one stopped (signal SIGKILL); it starts again in 1 s."
+        assert _next(lines, "tril") == "one stopped (signal SIGKILL); restarting in 1 s."
         second = int(_next(lines, "one"))
         assert second != first
     assert not _is_alive(second)
@@ -72,9 +74,9 @@ def test_a_killed_child_is_announced_and_started_again() -> None:
 
 def test_the_delay_before_a_restart_doubles() -> None:
     with _supervised(Child("one", _python("raise SystemExit(3)"))) as (lines, _):
-        assert _next(lines, "tril") == "one stopped (exit code 3); it starts again in 1 s."
-        assert _next(lines, "tril") == "one started again."
-        assert _next(lines, "tril") == "one stopped (exit code 3); it starts again in 2 s."
+        assert _next(lines, "tril") == "one stopped (exit code 3); restarting in 1 s."
+        assert _next(lines, "tril") == "one restarted."
+        assert _next(lines, "tril") == "one stopped (exit code 3); restarting in 2 s."
 
 
 def test_stop_ends_children_that_ignore_the_request_and_what_they_left() -> None:
@@ -92,24 +94,32 @@ def test_stop_ends_children_that_ignore_the_request_and_what_they_left() -> None
     assert not psutil.pid_exists(left)
 
 
-FOLLOWING = """
-import time
-from cli.follow import worker_at_hand
-from cli.workspace import open_workspace
-with open_workspace() as workspace, worker_at_hand(workspace):
-    time.sleep(600)
+STARTS_AND_DIES = """
+import os, signal, time
+from cli.supervision.supervisor import Child, Supervisor, tril_command
+supervisor = Supervisor([Child("worker", tril_command("worker"))], lambda *_: None)
+supervisor.start()
+print(supervisor._running[0].process.pid, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_a_worker_started_for_one_command_ends_with_it_even_if_that_is_killed(
+def test_a_child_ends_when_its_supervisor_is_killed_before_the_child_has_imported_anything(
     data_folder: Path,
 ) -> None:
-    command = subprocess.Popen(_python(FOLLOWING), stderr=subprocess.DEVNULL)
-    log = data_folder / "logs" / "worker.log"
-    try:
-        wait_until(lambda: log.exists() and "waits for runs" in log.read_text(), 60.0)
-        [worker] = psutil.Process(command.pid).children()
-    finally:
-        command.kill()
-        command.wait()
-    wait_until(lambda: not worker.is_running(), 30.0)
+    migrate_databases(Settings())  # without it the worker ends by itself
+    assert data_folder.exists()
+    done = subprocess.run(_python(STARTS_AND_DIES), stdout=subprocess.PIPE, text=True)
+    child = int(done.stdout)
+    wait_until(lambda: not _is_alive(child), 30.0)
+
+
+GRANDCHILD = (
+    "import os; from cli.supervision.orphans import PARENT_VARIABLE, exit_with_parent\n"
+    "exit_with_parent(); print(PARENT_VARIABLE in os.environ, flush=True)"
+)
+
+
+def test_children_of_a_child_do_not_take_the_supervisor_for_their_parent() -> None:
+    with _supervised(Child("one", _python(GRANDCHILD))) as (lines, _):
+        assert _next(lines, "one") == "False"

@@ -1,17 +1,24 @@
-"""Clients of the application within the test's own process."""
+"""Clients of an application in the test's own process, and what they should be shown."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.play.rules import PlayRules
 from server.web.security import Access
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
+from tril.game.console import Console
+from tril.recording import Recording, replay
+from tril.store import recordings
+from tril.store.database import Database
+
+T = TypeVar("T")
 
 
 @contextmanager
@@ -36,3 +43,16 @@ def build_frontend(folder: Path) -> Path:
     (build / "favicon.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
     (folder / "secret.txt").write_text("not yours")
     return build
+
+
+def stored(database: Database, recording_id: int) -> Recording:
+    """Read a recording from the database."""
+    with database.reading() as session:
+        return recordings.as_recording(recordings.get(session, recording_id))
+
+
+def replayed(recording: Recording, read: Callable[[Console], T]) -> list[T]:
+    """Replay a recording and read something off the console at the start and after every frame."""
+    found: list[T] = []
+    replay(recording, on_frame=lambda episode: found.append(read(episode.console)))
+    return found

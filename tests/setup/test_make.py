@@ -36,7 +36,7 @@ def project(tmp_path: Path) -> Path:
     for name in ("bin/python", "bin/tril", ".installed", ".installed-dev"):
         (clone / ".venv" / name).parent.mkdir(parents=True, exist_ok=True)
         (clone / ".venv" / name).touch()
-    for name in ("node_modules/.installed", "dist/index.html"):
+    for name in ("node_modules/.installed", "../server/web/static/index.html"):
         (clone / "frontend" / name).parent.mkdir(parents=True, exist_ok=True)
         (clone / "frontend" / name).touch()
     for path in clone.rglob("*"):

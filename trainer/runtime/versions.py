@@ -6,9 +6,10 @@ import platform
 from functools import cache
 from importlib.metadata import version
 
+from tril import __version__
 from tril.game.space_invaders import rom_md5
 
-PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy", "tril")
+PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy")
 
 
 @cache
@@ -17,6 +18,7 @@ def versions() -> dict[str, str]:
     return {
         "python": platform.python_version(),
         **{package: version(package) for package in PACKAGES},
+        "tril": __version__,
         "rom_md5": rom_md5(),
         "platform": platform.platform(),
     }

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +40,7 @@ class _Sighting:
 
 
 class Jobs:
-    """Enqueues, cancels, resumes and follows runs.
+    """Enqueues, cancels and resumes runs.
 
     Every method changes the run's row first and then the queue. A crash in between leaves a row
     whose job is missing or over, or a job whose row is over; ``reconcile`` gives the former a job
@@ -97,24 +96,6 @@ class Jobs:
         with self._database.writing() as session:
             runs.queue_again(session, run_id)
         self.enqueue(run_id)
-
-    def follow(self, run_id: str, poll_s: float = 0.5) -> Iterator[RunRow]:
-        """Yield a run's row whenever it has changed, until the run is over.
-
-        Raises:
-            NotFound: No such run (any more).
-        """
-        last: tuple[Any, ...] | None = None
-        while True:
-            with self._database.reading() as session:
-                row = runs.get(session, run_id)
-            state = (row.status, row.stage, row.stage_done, row.remaining_s, row.message)
-            if state != last:
-                last = state
-                yield row
-            if RunStatus(row.status).is_over:
-                return
-            time.sleep(poll_s)
 
     def reconcile(self) -> None:
         """Make the queue agree with the rows: nothing waits without a job, no job without a worker.

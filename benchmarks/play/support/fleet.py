@@ -18,7 +18,7 @@ import psutil
 from server.main import take_port
 from server.play.hub import N_SPARE_CONSOLES
 from server.play.lateness import Lateness
-from tests.waiting import wait_until
+from testsupport.waiting import wait_until
 from tril.settings import Settings
 
 START_TIMEOUT_S = 120.0

@@ -20,7 +20,7 @@ import httpx2
 import numpy as np
 
 from server.play.wire.protocol import InputMessage, client_bytes
-from tests.server.live import TIMEOUT_S, cookie
+from testsupport.live import TIMEOUT_S, cookie
 from tril.game.controls import Keys
 from tril.settings import Settings
 

@@ -1,9 +1,9 @@
 import { queryOptions } from "@tanstack/react-query";
 
+import { RecordedFrames } from "@/lib/game/codec";
+
 import { api, bodyOf, fetchBytes, problemOf, unwrap, watchedFetch } from "./client";
 import type { ImportResult, Recording, RecordingsChange, RecordingUpdate } from "./types";
-
-import { RecordedFrames } from "@/lib/codec";
 
 /** A behaviour's kept and unfinished recordings, newest first. */
 export function recordingsQuery(behaviourId: number) {

@@ -1,9 +1,7 @@
-import { queryOptions, useQueryClient } from "@tanstack/react-query";
+import { queryOptions } from "@tanstack/react-query";
 
 import { api, unwrap } from "./client";
-import type { Metrics, Run, RunNew } from "./types";
-
-import { mergeSeries } from "@/lib/series";
+import type { Run, RunNew } from "./types";
 
 function at(runId: string) {
   return { params: { path: { run_id: runId } } };
@@ -40,26 +38,6 @@ export function resultsQuery(runId: string) {
     queryKey: ["results", runId],
     queryFn: ({ signal }) =>
       unwrap(api.GET("/api/runs/{run_id}/results", { ...at(runId), signal })),
-  });
-}
-
-/** A run's curves; each fetch asks only for the points since the last one. */
-export function useMetricsQuery(runId: string) {
-  const client = useQueryClient();
-  const queryKey = ["metrics", runId];
-  return queryOptions({
-    queryKey,
-    queryFn: async ({ signal }): Promise<Metrics> => {
-      const have = client.getQueryData<Metrics>(queryKey);
-      const more = await unwrap(
-        api.GET("/api/runs/{run_id}/metrics", {
-          params: { path: { run_id: runId }, query: { after: have?.last ?? 0 } },
-          signal,
-        }),
-      );
-      return have ? { last: more.last, series: mergeSeries(have.series, more.series) } : more;
-    },
-    structuralSharing: false,
   });
 }
 

@@ -33,13 +33,13 @@ export interface paths {
         };
         /**
          * List Behaviours
-         * @description Return all behaviours, those that come ready first.
+         * @description Return all behaviours, the built-in ones first.
          */
         get: operations["list_behaviours"];
         put?: never;
         /**
          * Create Behaviour
-         * @description Add a behaviour of one's own.
+         * @description Add a behaviour.
          */
         post: operations["create_behaviour"];
         delete?: never;
@@ -64,14 +64,14 @@ export interface paths {
         post?: never;
         /**
          * Delete Behaviour
-         * @description Take a behaviour out of the lists.
+         * @description Delete a behaviour; its trainings remain.
          */
         delete: operations["delete_behaviour"];
         options?: never;
         head?: never;
         /**
          * Update Behaviour
-         * @description Change a behaviour; fields that are left out stay.
+         * @description Change a behaviour; omitted fields stay.
          */
         patch: operations["update_behaviour"];
         trace?: never;
@@ -85,10 +85,10 @@ export interface paths {
         };
         /**
          * Get Checklist
-         * @description Return the demonstrations that exemplify a behaviour, and which of them were played.
+         * @description Return the demonstrations that exemplify a behaviour, and which of them exist.
          *
-         *     The rules are the demonstrator's; of the library's verified recordings, whoever played them,
-         *     it counts what they hit, and that they were survived to their end.
+         *     The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
+         *     what a plan asks for and ends without the player's death.
          */
         get: operations["get_checklist"];
         put?: never;
@@ -131,12 +131,12 @@ export interface paths {
         };
         /**
          * Get Ranking
-         * @description Return the ranking as it stands.
+         * @description Return the current ranking.
          */
         get: operations["get_ranking"];
         /**
          * Save Ranking
-         * @description Save an order.
+         * @description Save a ranking.
          */
         put: operations["save_ranking"];
         post?: never;
@@ -157,7 +157,7 @@ export interface paths {
         put?: never;
         /**
          * Redo Ranking
-         * @description Bring back the order that was undone last.
+         * @description Redo the change that was undone last.
          */
         post: operations["redo_ranking"];
         delete?: never;
@@ -175,7 +175,7 @@ export interface paths {
         };
         /**
          * List Ranking Revisions
-         * @description Return what was done to the ranking, newest first.
+         * @description Return the revisions of the ranking, newest first.
          */
         get: operations["list_ranking_revisions"];
         put?: never;
@@ -197,7 +197,7 @@ export interface paths {
         put?: never;
         /**
          * Undo Ranking
-         * @description Bring back the order before the last change.
+         * @description Undo the last change.
          */
         post: operations["undo_ranking"];
         delete?: never;
@@ -295,7 +295,7 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream what changes, from now on.
+         * @description Stream changes from now on.
          */
         get: operations["stream_events"];
         put?: never;
@@ -317,7 +317,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game
-         * @description Begin a game; it waits for a player at its stream. 503 if too many games are open.
+         * @description Create a game, which begins when a player joins its stream. 503 if too many are open.
          */
         post: operations["create_game"];
         delete?: never;
@@ -335,7 +335,7 @@ export interface paths {
         };
         /**
          * Get Game
-         * @description Return a game as it was saved last.
+         * @description Return a game as last saved.
          */
         get: operations["get_game"];
         put?: never;
@@ -357,7 +357,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game From
-         * @description Begin a game that goes on from a frame of a recording, which stays as it is.
+         * @description Create a game that continues from a frame of a recording, which stays unchanged.
          *
          *     503 if too many games are open.
          */
@@ -377,7 +377,9 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Say that the server answers, and which of its background tasks fail. Needs no cookie.
+         * @description Answer that the server runs, and which of its background tasks fail.
+         *
+         *     Asks no database and needs no cookie.
          */
         get: operations["get_health"];
         put?: never;
@@ -397,7 +399,7 @@ export interface paths {
         };
         /**
          * Get Player
-         * @description Return who plays here.
+         * @description Return the player.
          */
         get: operations["get_player"];
         put?: never;
@@ -421,7 +423,7 @@ export interface paths {
         };
         /**
          * List Recipes
-         * @description Return the ways of learning, the one proposed first.
+         * @description Return the recipes, the proposed one first.
          */
         get: operations["list_recipes"];
         put?: never;
@@ -441,7 +443,7 @@ export interface paths {
         };
         /**
          * Get Recording
-         * @description Return one recording, a deleted one too.
+         * @description Return a recording, even a deleted one.
          */
         get: operations["get_recording"];
         put?: never;
@@ -489,7 +491,7 @@ export interface paths {
         };
         /**
          * Get Recording Course
-         * @description Return what was done in every frame, and which recordings this one is related to.
+         * @description Return the action of every frame, and the recordings that this one is related to.
          */
         get: operations["get_recording_course"];
         put?: never;
@@ -511,7 +513,7 @@ export interface paths {
         put?: never;
         /**
          * Discard Recording
-         * @description Delete a recording as DELETE does, and return it; it can be restored.
+         * @description Delete a recording and return it; it can be restored.
          */
         post: operations["discard_recording"];
         delete?: never;
@@ -529,7 +531,7 @@ export interface paths {
         };
         /**
          * Export Recording
-         * @description Return one recording in the exchange format.
+         * @description Return a recording in the exchange format.
          */
         get: operations["export_recording"];
         put?: never;
@@ -611,7 +613,7 @@ export interface paths {
         put?: never;
         /**
          * Restore Recording
-         * @description Bring a deleted recording back, unranked.
+         * @description Restore a deleted recording, unranked.
          */
         post: operations["restore_recording"];
         delete?: never;
@@ -655,7 +657,7 @@ export interface paths {
         put?: never;
         /**
          * Create Run
-         * @description Start a training from the ranking as it stands; a worker takes it from the queue.
+         * @description Start a training from the current ranking; a worker takes it from the queue.
          */
         post: operations["create_run"];
         delete?: never;
@@ -673,14 +675,14 @@ export interface paths {
         };
         /**
          * Get Run
-         * @description Return a training as it stands.
+         * @description Return a training.
          */
         get: operations["get_run"];
         put?: never;
         post?: never;
         /**
          * Delete Run
-         * @description Take a training that is over out of the lists.
+         * @description Delete a training that has ended.
          */
         delete: operations["delete_run"];
         options?: never;
@@ -699,7 +701,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Run
-         * @description Cancel a training; its worker stops within seconds and it can be resumed.
+         * @description Cancel a training; its worker stops within seconds. It can be resumed.
          */
         post: operations["cancel_run"];
         delete?: never;
@@ -717,7 +719,7 @@ export interface paths {
         };
         /**
          * Get Run Metrics
-         * @description Return the points of a training's curves that came after an earlier answer's ``last``.
+         * @description Return the points of a training's curves that are newer than an earlier answer's ``last``.
          */
         get: operations["get_run_metrics"];
         put?: never;
@@ -737,7 +739,7 @@ export interface paths {
         };
         /**
          * Get Run Results
-         * @description Return everything that a training has found so far.
+         * @description Return the results of a training so far.
          */
         get: operations["get_run_results"];
         put?: never;
@@ -759,7 +761,7 @@ export interface paths {
         put?: never;
         /**
          * Resume Run
-         * @description Go on with a training that was cancelled, stopped or failed.
+         * @description Resume a training that was cancelled, stopped or failed.
          */
         post: operations["resume_run"];
         delete?: never;
@@ -797,7 +799,7 @@ export interface paths {
         };
         /**
          * Get System
-         * @description Return which processes live and how much room there is.
+         * @description Return the state of the processes and the disk usage.
          */
         get: operations["get_system"];
         put?: never;
@@ -855,7 +857,7 @@ export interface components {
         };
         /**
          * Behaviour
-         * @description What is being taught. ``target`` is None where hits do not describe it.
+         * @description A behaviour. ``target`` is None if hits do not describe it.
          */
         Behaviour: {
             /** Built In */
@@ -888,7 +890,7 @@ export interface components {
         };
         /**
          * BehaviourNew
-         * @description A behaviour of one's own.
+         * @description A behaviour to add.
          */
         BehaviourNew: {
             /**
@@ -911,7 +913,7 @@ export interface components {
         };
         /**
          * BehaviourUpdate
-         * @description Fields left out stay. A target can't change once runs exist (409).
+         * @description Omitted fields stay. A target can't change once runs exist (409).
          */
         BehaviourUpdate: {
             /** Description */
@@ -928,7 +930,7 @@ export interface components {
         };
         /**
          * Branch
-         * @description A recording and the frame at which the other one leaves it.
+         * @description A related recording, and the frame at which the two part.
          */
         Branch: {
             /** Frame */
@@ -938,7 +940,7 @@ export interface components {
         };
         /**
          * Checklist
-         * @description ``planned`` best first; ``note`` says why there are none.
+         * @description ``planned`` from best to worst; ``note`` says why it is empty.
          */
         Checklist: {
             /** Note */
@@ -948,7 +950,7 @@ export interface components {
         };
         /**
          * ClipKind
-         * @description What a recording can be made into.
+         * @description The formats of clips.
          * @enum {string}
          */
         ClipKind: "gif" | "webp" | "mp4";
@@ -1018,7 +1020,7 @@ export interface components {
         };
         /**
          * Game
-         * @description ``stream_path`` is the WebSocket's path (docs/protocol.md).
+         * @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md).
          */
         Game: {
             /** Behaviour Id */
@@ -1036,7 +1038,7 @@ export interface components {
         };
         /**
          * GameFrom
-         * @description A game that goes on after this frame of a recording.
+         * @description The frame of a recording after which a game continues.
          */
         GameFrom: {
             /** Frame */
@@ -1044,7 +1046,7 @@ export interface components {
         };
         /**
          * GameNew
-         * @description ``idle_frames`` None draws a start for play.
+         * @description A game to create. Without ``idle_frames`` its start is drawn at random.
          */
         GameNew: {
             /** Behaviour Id */
@@ -1054,9 +1056,9 @@ export interface components {
         };
         /**
          * Ghost
-         * @description Where the cannon of a recording stood on the screen, in pixels.
+         * @description The cannon's rectangle in a recording, in pixels of the screen.
          *
-         *     ``lefts`` are its left edges: at the start, then after every frame.
+         *     ``lefts`` are its left edges at the start and after every frame.
          */
         Ghost: {
             /** Height */
@@ -1065,11 +1067,7 @@ export interface components {
             lefts: number[];
             /** Recording Id */
             recording_id: number;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
+            source: components["schemas"]["Source"];
             /** Top */
             top: number;
             /** Width */
@@ -1091,7 +1089,7 @@ export interface components {
         };
         /**
          * Health
-         * @description The server answers; ``failing`` names the background tasks whose last run failed, if any.
+         * @description The server runs; ``failing`` names the background tasks whose last run failed, if any.
          */
         Health: {
             /** Failing */
@@ -1104,7 +1102,7 @@ export interface components {
         };
         /**
          * Hit
-         * @description An alien that was shot, after how many frames.
+         * @description An alien that was shot, and the frame in which it was hit.
          */
         Hit: {
             /** Column */
@@ -1118,7 +1116,7 @@ export interface components {
         };
         /**
          * ImportResult
-         * @description What became of an uploaded file; ``imported`` are the new recordings.
+         * @description The outcome of an upload; ``imported`` are the new recordings.
          */
         ImportResult: {
             /** Imported */
@@ -1176,10 +1174,10 @@ export interface components {
         };
         /**
          * Latency
-         * @description How late a game was seen by who played it (server.play.conditions).
+         * @description The latency that the player of a game experienced (server.play.conditions).
          *
-         *     Milliseconds from the event of a key to the drawing of the first frame executed with it;
-         *     ``frames_dropped`` were executed and not drawn.
+         *     Milliseconds from a key's event to the drawing of the first frame executed with it;
+         *     ``frames_dropped`` were executed but not drawn.
          */
         Latency: {
             /** Frames Dropped */
@@ -1195,7 +1193,7 @@ export interface components {
         };
         /**
          * MemoryCell
-         * @description What an address of the console's RAM holds.
+         * @description The meaning of an address of the console's RAM.
          */
         MemoryCell: {
             /** Address */
@@ -1224,8 +1222,8 @@ export interface components {
          * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
-         *     ``recording_id`` is a recording that hit what it asks for and was survived to its end; None
-         *     while it is missing.
+         *     ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
+         *     None while there is none.
          */
         PlannedDemonstration: {
             /** Description */
@@ -1237,18 +1235,14 @@ export interface components {
         };
         /**
          * Player
-         * @description Who plays.
+         * @description A player.
          */
         Player: {
             /** Id */
             id: number;
             /** Name */
             name: string;
-            /**
-             * Role
-             * @enum {string}
-             */
-            role: "owner" | "researcher" | "participant";
+            role: components["schemas"]["Role"];
         };
         /**
          * PlayerUpdate
@@ -1289,7 +1283,7 @@ export interface components {
         };
         /**
          * Problem
-         * @description Every error's body. ``detail`` says what is wrong and what to do.
+         * @description The body of every error. ``detail`` says what is wrong and what to do.
          */
         Problem: {
             /** Detail */
@@ -1301,7 +1295,7 @@ export interface components {
         };
         /**
          * ProcessStatus
-         * @description ``alive`` is false when nothing was heard for 15 s.
+         * @description ``alive`` is false after 15 s without a heartbeat.
          */
         ProcessStatus: {
             /** Alive */
@@ -1331,7 +1325,7 @@ export interface components {
         };
         /**
          * Ranking
-         * @description ``tiers`` best first; ``unranked`` the kept, verified recordings in no tier, newest first.
+         * @description ``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first.
          */
         Ranking: {
             /** Behaviour Id */
@@ -1375,7 +1369,7 @@ export interface components {
         };
         /**
          * RankingConflict
-         * @description Somebody saved first: ``current`` is what stands, ``yours`` what was sent.
+         * @description Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent.
          */
         RankingConflict: {
             current: components["schemas"]["Ranking"];
@@ -1386,7 +1380,7 @@ export interface components {
         };
         /**
          * RankingRevision
-         * @description What was done to a ranking.
+         * @description A revision of a ranking and the change that made it.
          */
         RankingRevision: {
             /**
@@ -1416,7 +1410,7 @@ export interface components {
         };
         /**
          * RankingUpdate
-         * @description ``base_revision`` is the revision that was changed; an old one gives 409 RankingConflict.
+         * @description ``base_revision`` is the revision that was edited; an old one answers 409.
          */
         RankingUpdate: {
             /** Base Revision */
@@ -1454,11 +1448,10 @@ export interface components {
          * Recording
          * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
-         *     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
-         *     ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
-         *     was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
-         *     time; both are None where that is not known. ``parent`` is the recording that this one goes on
-         *     from.
+         *     ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
+         *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
+         *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
+         *     if unknown. ``parent`` is the recording that this one continues.
          */
         Recording: {
             /** Behaviour Id */
@@ -1508,27 +1501,15 @@ export interface components {
             single_steps: number | null;
             /** Slowest Percent */
             slowest_percent: number | null;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "playing" | "unfinished" | "finished" | "kept";
+            source: components["schemas"]["Source"];
+            state: components["schemas"]["RecordingState"];
             /** Strays */
             strays: number | null;
             /** Targets */
             targets: number | null;
             /** Thumbnail Url */
             thumbnail_url: string;
-            /**
-             * Verification
-             * @enum {string}
-             */
-            verification: "pending" | "verified" | "failed";
+            verification: components["schemas"]["Verification"];
             /** Verification Note */
             verification_note: string;
         };
@@ -1537,9 +1518,9 @@ export interface components {
          * @description A recording frame by frame.
          *
          *     ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
-         *     ``parent`` is the recording that this one goes on from, ``branches`` those that go on from it,
-         *     oldest first. At ``memory_url`` is the RAM at the start and after every frame, 128 bytes each;
-         *     ``memory_names`` names what is known of it.
+         *     ``parent`` is the recording that this one continues, ``branches`` those that continue this one,
+         *     oldest first. ``memory_url`` yields the RAM at the start and after every frame, 128 bytes each;
+         *     ``memory_names`` names its known addresses.
          */
         RecordingCourse: {
             /** Actions */
@@ -1558,7 +1539,7 @@ export interface components {
         };
         /**
          * RecordingsChange
-         * @description Something to do to several recordings of a behaviour, to all or to none.
+         * @description A change of several recordings of a behaviour, made to all or to none.
          */
         RecordingsChange: {
             /**
@@ -1570,8 +1551,17 @@ export interface components {
             recording_ids: number[];
         };
         /**
+         * RecordingState
+         * @description Where a recording stands.
+         *
+         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
+         *     decided; KEPT: in the library.
+         * @enum {string}
+         */
+        RecordingState: "playing" | "unfinished" | "finished" | "kept";
+        /**
          * RecordingUpdate
-         * @description Fields left out stay.
+         * @description Omitted fields stay.
          */
         RecordingUpdate: {
             /** Notes */
@@ -1615,6 +1605,12 @@ export interface components {
             /** Run Id */
             run_id: string;
         };
+        /**
+         * Role
+         * @description What a player may do; today there is one owner, invited participants come later.
+         * @enum {string}
+         */
+        Role: "owner" | "researcher" | "participant";
         /**
          * Run
          * @description One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order.
@@ -1739,8 +1735,14 @@ export interface components {
             summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
+         * Source
+         * @description Who played a recording.
+         * @enum {string}
+         */
+        Source: "person" | "scripted" | "policy";
+        /**
          * Storage
-         * @description What the data folder holds; the cache never takes more than its limit.
+         * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
          */
         Storage: {
             /** Artifacts Bytes */
@@ -1756,7 +1758,7 @@ export interface components {
         };
         /**
          * System
-         * @description Whether Tril is well. ``data_bytes`` is what the parts of ``storage`` take together.
+         * @description State of the installation. ``data_bytes`` is the sum of the parts of ``storage``.
          */
         System: {
             /** Data Bytes */
@@ -1769,6 +1771,12 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * Verification
+         * @description Whether a replay of the recording gave what was recorded.
+         * @enum {string}
+         */
+        Verification: "pending" | "verified" | "failed";
     };
     responses: never;
     parameters: never;
@@ -1825,7 +1833,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -1986,7 +1994,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2071,7 +2079,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2154,7 +2162,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2163,7 +2171,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2252,7 +2260,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2261,7 +2269,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2346,7 +2354,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2431,7 +2439,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2516,7 +2524,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2605,7 +2613,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2614,7 +2622,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2703,7 +2711,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2712,7 +2720,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2797,7 +2805,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2886,7 +2894,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2895,7 +2903,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2982,7 +2990,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3071,7 +3079,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3080,7 +3088,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -3168,7 +3176,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3264,7 +3272,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3273,7 +3281,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -3320,7 +3328,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Events named "change" with data {"topic", "key"}; they say what to load again. A comment every 15 s keeps the connection open. */
+            /** @description Events named "change" with data {"topic", "key"}: what to load again. A comment every 15 s keeps the connection open. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -3434,7 +3442,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3519,7 +3527,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3608,7 +3616,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3617,7 +3625,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4002,7 +4010,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4085,7 +4093,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4094,7 +4102,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4183,7 +4191,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4274,7 +4282,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4359,7 +4367,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4444,7 +4452,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4453,7 +4461,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4538,7 +4546,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4626,7 +4634,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4711,7 +4719,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4720,7 +4728,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4808,7 +4816,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4893,7 +4901,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4902,7 +4910,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4990,7 +4998,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5075,7 +5083,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5162,7 +5170,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5171,7 +5179,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5256,7 +5264,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5339,7 +5347,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5348,7 +5356,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5433,7 +5441,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5442,7 +5450,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5529,7 +5537,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5614,7 +5622,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5699,7 +5707,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5708,7 +5716,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5794,7 +5802,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;

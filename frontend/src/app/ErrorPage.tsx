@@ -1,10 +1,10 @@
 import { useRouteError } from "react-router";
 
-import styles from "./pages.module.css";
-
 import { messageOf } from "@/api/client";
-import { Alien } from "@/components/AlienGrid";
-import { Button } from "@/components/Button";
+import { Button } from "@/components/controls/Button";
+import { Alien } from "@/components/game/AlienGrid";
+
+import styles from "./pages.module.css";
 
 /** The page itself failed: a defect. */
 export function ErrorPage() {
@@ -13,9 +13,7 @@ export function ErrorPage() {
     <main className={styles.lone} role="alert">
       <Alien row={5} scale={5} />
       <h1>This page has failed</h1>
-      <p>
-        That is a defect in Tril. Nothing that was saved is lost; load the page again to go on.
-      </p>
+      <p>That is a defect in Tril. Nothing that was saved is lost; load the page again to go on.</p>
       <p className={styles.url}>{messageOf(error)}</p>
       <Button kind="primary" icon="restart" onClick={() => location.reload()}>
         Load the page again

@@ -1,13 +1,10 @@
-import { ButtonLink } from "@/components/Button";
-import { Empty } from "@/components/States";
+import { ButtonLink } from "@/components/controls/Button";
+import { Empty } from "@/components/feedback/States";
 
 /** No page has this address. */
 export function NotFound() {
   return (
-    <Empty
-      title="There is no such page"
-      actions={<ButtonLink to="/">All behaviours</ButtonLink>}
-    >
+    <Empty title="There is no such page" actions={<ButtonLink to="/">All behaviours</ButtonLink>}>
       <p>The address is wrong, or what it showed was deleted.</p>
     </Empty>
   );

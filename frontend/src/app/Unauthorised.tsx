@@ -1,6 +1,6 @@
-import styles from "./pages.module.css";
+import { Alien } from "@/components/game/AlienGrid";
 
-import { Alien } from "@/components/AlienGrid";
+import styles from "./pages.module.css";
 
 /** This browser has no valid cookie. */
 export function Unauthorised() {

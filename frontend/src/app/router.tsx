@@ -2,19 +2,19 @@ import { useQuery } from "@tanstack/react-query";
 import { lazy, type ReactNode, Suspense } from "react";
 import { createBrowserRouter, Navigate, useParams } from "react-router";
 
-import { ErrorPage } from "./ErrorPage";
-import { Layout } from "./Layout";
-import { NotFound } from "./NotFound";
-
 import { isNotFound } from "@/api/client";
 import { recordingQuery } from "@/api/recordings";
 import { runQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
-import { Failed, Loading } from "@/components/States";
+import { Layout } from "@/app/layout/Layout";
+import { Failed, Loading } from "@/components/feedback/States";
 import { BehaviourFrame } from "@/features/behaviours/BehaviourFrame";
 import { HomePage } from "@/features/behaviours/HomePage";
 import { PlayPage } from "@/features/play/PlayPage";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
+
+import { ErrorPage } from "./ErrorPage";
+import { NotFound } from "./NotFound";
 
 // What the first steps don't need is loaded when it is opened.
 const RecordingPage = lazy(async () => ({

@@ -1,8 +1,8 @@
 import { Fragment } from "react";
 
-import styles from "./ValueTable.module.css";
-
 import type { ValueRow } from "@/lib/recipe-values";
+
+import styles from "./ValueTable.module.css";
 
 /** Names and values, by section. */
 export function ValueTable({ rows, label }: { rows: readonly ValueRow[]; label: string }) {

@@ -1,5 +1,6 @@
 /** What a recording is called and how it went, in words. */
-import { type Cell } from "./aliens";
+import { type Cell } from "@/lib/game/aliens";
+
 import { count, FRAMES_PER_STEP, seconds, STEPS_PER_S } from "./format";
 
 /** Fields of a recording that these functions read. */

@@ -28,10 +28,3 @@ export function playedBy(source: "person" | "scripted" | "policy"): Thing {
   if (source === "person") return "person";
   return source === "scripted" ? "demonstrator" : "imitator";
 }
-
-/** The name of a source, as a badge shows it. */
-export const SOURCE_NAMES = {
-  person: "person",
-  scripted: "scripted",
-  policy: "policy",
-} as const;

@@ -21,7 +21,7 @@ export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
       [1, 0],
     ],
     ordered: false,
-    ready_made: true,
+    built_in: true,
     n_recordings: 0,
     n_ranked: 0,
     n_perfect: 0,
@@ -87,7 +87,7 @@ export function recipe(change: Partial<Recipe> = {}): Recipe {
     summary: "Minutes on a laptop.",
     default_steps: 300_000,
     learning_rate: 0.0003,
-    values: { name: "fast", reward: { updates: 200 }, policy: { n_games: 24 } },
+    values: { name: "fast", reward: { updates: 200 }, policy: { n_envs: 24 } },
     steps_per_s: 500,
     steps_per_s_measured: false,
     overhead_s: 120,
@@ -130,7 +130,7 @@ export function run(change: Partial<Run> = {}): Run {
 export function game(change: Partial<EvaluationGame> = {}): EvaluationGame {
   return {
     policy: "imitator",
-    choice: "greedy",
+    action_selection: "greedy",
     start_number: 0,
     held_out: true,
     predicted_return: 1,

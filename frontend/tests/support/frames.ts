@@ -1,7 +1,7 @@
 /** A recording's file of frames, made here. */
 import { zlibSync } from "fflate";
 
-import { SCREEN_BYTES } from "@/lib/codec";
+import { SCREEN_BYTES } from "@/lib/game/codec";
 
 /** A file of so many frames after the start's screen; each shows the number of its frame. */
 export function framesFile(nFrames: number): ArrayBuffer {

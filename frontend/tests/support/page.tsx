@@ -4,7 +4,7 @@ import type { ReactNode } from "react";
 import { createMemoryRouter, RouterProvider } from "react-router";
 
 import { createQueryClient } from "@/app/query-client";
-import { ToastProvider } from "@/components/Toasts";
+import { ToastProvider } from "@/components/feedback/Toasts";
 
 /** Shows something as the application would, at an address. */
 export function show(element: ReactNode, path = "/") {

@@ -12,8 +12,8 @@ import pytest
 from server.play.background import PeriodicTask
 from server.play.session.live_game import LiveGame
 from server.play.wire.protocol import Close
-from tests.server.live import LiveServer
-from tests.waiting import wait_until
+from testsupport.live import LiveServer
+from testsupport.waiting import wait_until
 from tril.errors import Unavailable
 from tril.store import games
 

@@ -10,9 +10,9 @@ import pytest
 
 from server.play.wire.byte_budget import BURST_BYTES, RATE_BYTES_PER_S, TokenBucket
 from server.play.wire.protocol import FrameMessage, Hello, InputMessage, client_bytes
-from tests.server.live import Player, join
-from tests.server.processes import server_process
-from tests.workplace import Workplace
+from testsupport.live import Player, join
+from testsupport.processes import server_process
+from testsupport.workplace import Workplace
 from tril.game.controls import Keys
 
 MESSAGE_BYTES = 14
@@ -82,4 +82,4 @@ def test_a_flooding_socket_is_cut_off_and_slows_nobody_down(workplace: Workplace
         with join(server.settings, others) as back:
             assert back.begin().resumed is False
             back.until_frame(5)
-        assert sum("sent more than" in line for line in server.said) == 1
+        assert sum("sent more than" in line for line in server.output) == 1

@@ -14,9 +14,9 @@ import pytest
 from server.play.limits import GameLimits
 from server.play.rules import PlayRules
 from server.play.wire.protocol import Close, Hello, Paused
-from tests.server.live import LiveServer, live_server
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, live_server
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.settings import Settings
 from tril.store import games
 from tril.store.models import GameRow

@@ -16,7 +16,6 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from server.play.rules import PlayRules
-from server.play.wire.codec import Screen
 from server.play.wire.protocol import (
     MAX_UNACKNOWLEDGED,
     Close,
@@ -28,25 +27,20 @@ from server.play.wire.protocol import (
     Paused,
     TakenOver,
 )
-from tests.server.live import LiveServer, Player, cookie, live_server
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from tests.server.clients import replayed, stored
+from testsupport.live import LiveServer, Player, cookie, live_server
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.game.controls import Keys
-from tril.game.episode import Episode
 from tril.game.space_invaders import Action
-from tril.recording import replay
 from tril.store import games, recordings
 from tril.store.database import Database
 
 
 def assert_screens_replay(live: LiveServer, player: Player, ended: Ended) -> None:
     """Compare every screen that was seen with the stored recording's replay."""
-    screens: list[Screen] = []
-
-    def keep_screen(episode: Episode) -> None:
-        screens.append(episode.console.screen_palette())
-
-    replay(recordings.as_recording(live.row(ended.recording_id)), on_frame=keep_screen)
+    recording = stored(live.database, ended.recording_id)
+    screens = replayed(recording, lambda console: console.screen_palette())
     assert len(screens) == ended.frame + 1
     for frame, screen in player.screens.items():
         np.testing.assert_array_equal(screen, screens[frame])

@@ -13,8 +13,8 @@ import pytest
 
 from server.play.replays import ReplayProcess, ReplayTask, process
 from server.play.replays.products import frames_file
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused
 from tril.store import recordings

@@ -11,8 +11,8 @@ import numpy as np
 from server.play.session.rewind import Checkpoints
 from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.wire.scene import Scene
-from tests.server.live import LiveServer, Player, live_server
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, Player, live_server
+from testsupport.workplace import Workplace
 from tril.game.console import Console
 from tril.game.controls import Keys
 from tril.game.episode import Episode, Start

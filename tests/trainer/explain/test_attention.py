@@ -33,10 +33,10 @@ def game_observation() -> npt.NDArray[np.uint8]:
     console = Console()
     console.start(evaluation_start(0))
     view = AgentView()
-    view.begin(console)
+    view.reset(console)
     for frame in range(1, 121):
         console.act(1 if frame % 3 else 2)
-        view.watch(console, frame)
+        view.update(console, frame)
     return np.array(view.observation)
 
 

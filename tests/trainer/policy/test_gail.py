@@ -22,7 +22,7 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import RunCancelled
 from trainer.reward.model import RewardModel
 from tril.behaviours import BUILT_IN
-from tril.demonstrator import Demonstration, perfect_demonstrations
+from tril.demonstrator import Demonstration, ExampleKind, example_tasks, execute
 from tril.errors import Invalid
 from tril.game.starts import Start
 from tril.recipes import GailRecipe
@@ -45,7 +45,8 @@ class Random:
 @pytest.fixture(scope="module")
 def shown() -> list[Demonstration]:
     """Return two perfect games of column 1."""
-    return list(perfect_demonstrations(BUILT_IN[0], 2, np.random.default_rng(1)))
+    kind = ExampleKind("perfect", "perfect games alone", n_ranked=0)
+    return list(execute(example_tasks(BUILT_IN[0], np.random.default_rng(1), 2, kind)))
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
 from trainer.reporting.run_report import write_report
 from tril.behaviours import Score
 from tril.files.artifact_store import ArtifactStore
-from tril.store import behaviours
+from tril.store import behaviours, recordings
 from tril.store.training import evaluations, metrics, runs
+from tril.store.training.evaluations import ACTION_SELECTIONS as HOW
 from tril.store.training.evaluations import EvaluationKey
 
 WARNED = "The reward model can\u2019t tell these tiers apart: 3 and 4."
@@ -35,10 +36,11 @@ def page_of(workplace: Workplace, training: Training, warning: str | None = WARN
     curves = training.curves()
     with workplace.database.writing() as session:
         runs.get(session, run_id).outcome = {"check": check}
-        for action_selection, targets in (("greedy", 5), ("sampled", 4), ("sticky", 2)):
-            key = EvaluationKey("imitator", action_selection, 0)
-            score = Score(targets, 1, 0)
-            evaluations.add(session, run_id, key, workplace.ranked[0], True, 640.0, score)
+        played = recordings.by_ids(session, workplace.ranked)
+        for number, how, targets in zip(workplace.ranked, HOW, (5, 4, 2), strict=False):
+            key = EvaluationKey("imitator", how, 0)
+            played[number].hits = [[0, 1, 60], *([row, 0, 90] for row in range(targets))]
+            evaluations.add(session, run_id, key, number, True, 640.0, Score(targets, 1, 0))
         for place, (step, _) in enumerate(curves["hits"]):
             values = {name: points[place][1] for name, points in curves.items()}
             metrics.add(session, run_id, "imitator", step, values)

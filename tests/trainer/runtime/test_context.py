@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
 from trainer.runtime.throttle import Throttle

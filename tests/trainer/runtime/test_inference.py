@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
 import stat
 import struct
-import subprocess
-import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workplace import Workplace, make_workplace
+from testsupport.processes import tril_process
+from testsupport.workplace import Workplace, make_workplace
 from trainer.explain.attention import attention_map
 from trainer.policy.networks import Policy, new_policy, save_policy
 from trainer.reward.model import RewardModel
@@ -258,30 +257,18 @@ def test_who_goes_away_in_mid_message_harms_nothing(
 def test_the_process_serves_one_data_folder_alone_and_survives_a_kill(
     workplace: Workplace, client: InferenceClient
 ) -> None:
-    command = [sys.executable, "-m", "cli.main", "inference"]
-    environment = {**os.environ, "TRIL_DATA": str(workplace.settings.data)}
-
-    def start() -> subprocess.Popen[str]:
-        return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-
-    def until_it_answers(process: subprocess.Popen[str]) -> None:
-        assert process.stdout is not None
-        deadline = time.monotonic() + 60
-        while "Inference answers" not in process.stdout.readline():
-            assert time.monotonic() < deadline
+    with tril_process(workplace.settings, "inference") as first:
+        first.wait_for("Inference answers")
         client.ping()
-
-    with start() as first:
-        until_it_answers(first)
         with pytest.raises(Unavailable, match="Another inference process"):
             InferenceServer(
                 workplace.settings.inference_socket,
                 Networks(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
             )
-        first.kill()
+        first.process.kill()
     assert workplace.settings.inference_socket.exists()
-    with start() as second:
-        until_it_answers(second)
-        second.terminate()
-        assert second.wait(20) == 0
+    with tril_process(workplace.settings, "inference") as second:
+        second.wait_for("Inference answers")
+        client.ping()
+        assert second.stop(signal.SIGTERM) == 0
     assert not workplace.settings.inference_socket.exists()

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from stable_baselines3 import PPO
 
-from tests.trainer.runtime.kills import curves_of, finish, flaws
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.waiting import wait_until
-from tests.workplace import TINY, Workplace
+from testsupport.waiting import wait_until
+from testsupport.worker_kills import curves_of, finish, flaws
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import TINY, Workplace
 from tril.jobs import STAGES, Jobs
 from tril.recipes import Recipe, with_values
 from tril.store.models import RunStatus

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.workplace import TINY, Workplace
-from trainer.reporting.run_report import describe_example
+from testsupport.workplace import TINY, Workplace
+from trainer.reporting.run_entry import describe_example
 from trainer.runtime.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
 from trainer.runtime.stages import demonstrations
 from tril.demonstrator import example_tasks

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from stable_baselines3 import PPO
 
-from tests.trainer.runtime.worker_zygote import WorkerProcess, Zygote
-from tests.waiting import wait_until
-from tests.workplace import TINY, Workplace
+from testsupport.waiting import wait_until
+from testsupport.worker_zygote import WorkerProcess, Zygote
+from testsupport.workplace import TINY, Workplace
 from trainer.reward.model import RewardModel
 from trainer.runtime.pipeline import TAKEN_OVER
 from tril.jobs import STAGES, Jobs, overall_progress

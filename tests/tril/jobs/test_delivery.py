@@ -5,7 +5,6 @@ from __future__ import annotations
 import sqlite3
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,13 +13,13 @@ from pathlib import Path
 import pytest
 from dbos import DBOSClient
 
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Conflict
 from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
 from tril.jobs.queue import open_client
-from tril.store.models import RunRow, RunStatus
+from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 
 WORKER = Path(__file__).with_name("claiming_worker.py")
@@ -216,33 +215,3 @@ def test_reconciling_in_the_background_heals_without_being_asked(
     deadline = time.monotonic() + PATIENCE_S
     while job_status(queue, run_id) != "ENQUEUED":
         assert time.monotonic() < deadline
-
-
-def test_following_a_run_shows_every_change_until_it_is_over(
-    workplace: Workplace, jobs: Jobs
-) -> None:
-    run_id = workplace.make_run()
-    seen: list[RunRow] = []
-    noticed = threading.Semaphore(0)
-
-    def follow() -> None:
-        for row in jobs.follow(run_id, poll_s=0.01):
-            seen.append(row)
-            noticed.release()
-
-    thread = threading.Thread(target=follow)
-    thread.start()
-    assert noticed.acquire(timeout=PATIENCE_S)
-    with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", {})
-        assert claim is not None
-        leases.report(session, claim, "reward", 0.5, 12.0)
-    assert noticed.acquire(timeout=PATIENCE_S)
-    with workplace.database.writing() as session:
-        leases.end(session, claim, RunStatus.FAILED, "broken")
-    thread.join(PATIENCE_S)
-    assert [(row.status, row.stage_done, row.message) for row in seen] == [
-        ("queued", 0.0, ""),
-        ("running", 0.5, ""),
-        ("failed", 0.5, "broken"),
-    ]

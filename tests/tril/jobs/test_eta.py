@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
 from tril.jobs import STAGES, RunEta, estimate, overall_progress, stages_of
 from tril.jobs.stages import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe

@@ -146,7 +146,7 @@ def test_runs_of_the_first_version_learned_from_the_ordinary_example(tmp_path: P
         command.upgrade(config, "0001")
         connection.execute(
             text(
-                "INSERT INTO behaviours (id, slug, name, description, ordered, built_in,"
+                "INSERT INTO behaviours (id, slug, name, description, ordered, ready_made,"
                 " created_at) VALUES (1, 'own', 'Own', '', 0, 0, '2026-01-01')"
             )
         )

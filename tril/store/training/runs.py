@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.demonstrator import SCRIPTED, check_expert, kind_named
+from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import MOST_DAGGER_STEPS, Recipe
 from tril.store import behaviours, rankings, recordings
@@ -56,7 +56,7 @@ def create(
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")
     if recipe.method == "dagger":
-        check_expert(behaviours.as_behaviour(behaviour))
+        example_plans(behaviours.as_behaviour(behaviour))
         if steps > MOST_DAGGER_STEPS:
             raise Invalid(
                 f"DAgger keeps every state that it has seen: train it for at most"

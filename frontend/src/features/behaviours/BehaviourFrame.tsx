@@ -2,18 +2,18 @@ import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
 import { Link, NavLink } from "react-router";
 
-import styles from "./BehaviourFrame.module.css";
-import { type PathStep, pathOf, type StepId } from "./path";
-
 import { behaviourQuery } from "@/api/behaviours";
 import { isNotFound } from "@/api/client";
 import { runsQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
-import { AlienGrid } from "@/components/AlienGrid";
-import { ButtonLink } from "@/components/Button";
-import { Icon } from "@/components/Icon";
-import { Empty, Failed, Loading } from "@/components/States";
+import { ButtonLink } from "@/components/controls/Button";
+import { Icon } from "@/components/controls/Icon";
+import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { AlienGrid } from "@/components/game/AlienGrid";
 import { classes } from "@/lib/classes";
+
+import styles from "./BehaviourFrame.module.css";
+import { type PathStep, pathOf, type StepId } from "./path";
 
 interface BehaviourFrameProps {
   behaviourId: number;
@@ -116,8 +116,7 @@ function StepLink({
         {step.done ? <Icon name="check" /> : number}
       </span>
       <span className={styles.name}>
-        {step.name}{" "}
-        {step.done && <span className="visually-hidden">(done)</span>}
+        {step.name} {step.done && <span className="visually-hidden">(done)</span>}
         {step.next && <span className="visually-hidden">(next)</span>}
       </span>
       <span className={styles.caption}>

@@ -4,8 +4,8 @@ import { useNavigate } from "react-router";
 import { messageOf } from "@/api/client";
 import { createRun, recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
-import { Button } from "@/components/Button";
-import { useToast } from "@/components/Toasts";
+import { Button } from "@/components/controls/Button";
+import { useToast } from "@/components/feedback/Toasts";
 import { estimateInWords } from "@/lib/runs";
 
 /** Starts a whole example: scripted games, ranked and trained on, so that there is a result. */

@@ -2,19 +2,19 @@ import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link } from "react-router";
 
-import { ExampleButton } from "./ExampleButton";
-import styles from "./HomePage.module.css";
-import { NewBehaviourDialog } from "./NewBehaviourDialog";
-
 import { behavioursQuery } from "@/api/behaviours";
 import { runsQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
-import { AlienGrid } from "@/components/AlienGrid";
-import { Button, ButtonLink } from "@/components/Button";
-import { Failed, Loading } from "@/components/States";
-import { ThingMark } from "@/components/ThingMark";
+import { Button, ButtonLink } from "@/components/controls/Button";
+import { Failed, Loading } from "@/components/feedback/States";
+import { AlienGrid } from "@/components/game/AlienGrid";
+import { ThingMark } from "@/components/game/ThingMark";
 import { bounds, count, fixed } from "@/lib/format";
 import { isActive, standing } from "@/lib/runs";
+
+import { ExampleButton } from "./ExampleButton";
+import styles from "./HomePage.module.css";
+import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
 /** All behaviours; before anything was done, what Tril is and where to begin. */
 export function HomePage() {
@@ -62,7 +62,7 @@ export function HomePage() {
 }
 
 function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }) {
-  const example = all.find((one) => one.ready_made && one.slug === "column-1");
+  const example = all.find((one) => one.built_in && one.slug === "column-1");
   return (
     <>
       <section className={styles.hero}>

@@ -2,16 +2,16 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { type SubmitEvent, useState } from "react";
 import { useNavigate } from "react-router";
 
-import styles from "./NewBehaviourDialog.module.css";
-
 import { behavioursQuery, createBehaviour } from "@/api/behaviours";
 import { messageOf } from "@/api/client";
-import { AlienPicker } from "@/components/AlienPicker";
-import { Button } from "@/components/Button";
-import { Dialog } from "@/components/Dialog";
-import { Check, Field } from "@/components/Field";
-import { Notice } from "@/components/States";
-import type { Cell } from "@/lib/aliens";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { Checkbox, Field } from "@/components/controls/Field";
+import { Notice } from "@/components/feedback/States";
+import type { Cell } from "@/lib/game/aliens";
+
+import { AlienPicker } from "./AlienPicker";
+import styles from "./NewBehaviourDialog.module.css";
 
 /** Makes a behaviour of one's own: name, description, and a target if it has one. */
 export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
@@ -73,7 +73,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
           )}
         </Field>
         <div className={styles.target}>
-          <Check
+          <Checkbox
             label="Certain aliens are to be hit"
             hint="Then hits and strays are counted. The agent never sees this: it learns from your ranking alone."
             checked={hasTarget}
@@ -82,7 +82,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
           {hasTarget && (
             <>
               <AlienPicker value={target} onChange={setTarget} ordered={ordered} />
-              <Check
+              <Checkbox
                 label="The order matters"
                 hint="The order in which you pick them is the order in which they are to be hit."
                 checked={ordered}

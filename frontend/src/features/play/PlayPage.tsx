@@ -1,33 +1,35 @@
 import { useCallback, useEffect, useRef, useState } from "react";
 
-import { Checklist } from "./Checklist";
-import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "./choices";
-import { speedBeside, steers, type Wish } from "./controls";
-import { EndCard, type EndCardHandle } from "./EndCard";
-import type { GameStream } from "./game-stream";
-import { Clock, type ClockHandle, Score } from "./Hud";
-import { KeyHelp, Tip } from "./KeyHelp";
-import { KeysDialog } from "./KeysDialog";
-import { LatencyDisplay } from "./LatencyDisplay";
-import { MarksCanvas } from "./MarksCanvas";
-import { StageOverlay } from "./Overlays";
-import { PaceControls } from "./PaceControls";
-import styles from "./PlayPage.module.css";
-import { Toggles } from "./Toggles";
-import { TouchPad } from "./TouchPad";
-import { type PlayedGame, useGame } from "./use-game";
-import { useGamepad } from "./use-gamepad";
-import { useKeys } from "./use-keys";
-import { useMarks } from "./use-marks";
-import { useScreen } from "./use-screen";
-import { useSounds } from "./use-sounds";
-
 import { messageOf } from "@/api/client";
 import type { Behaviour } from "@/api/types";
-import { GameCanvas } from "@/components/GameCanvas";
-import { HeldKeys } from "@/lib/keys";
-import { readChoice, useChoice, writeChoice } from "@/lib/stored";
-import { useFittingScreenSize } from "@/lib/use-screen-size";
+import { GameCanvas } from "@/components/game/GameCanvas";
+import { Checklist } from "@/features/play/hud/Checklist";
+import { Clock, type ClockHandle } from "@/features/play/hud/Clock";
+import { LatencyDisplay } from "@/features/play/hud/LatencyDisplay";
+import { PaceControls } from "@/features/play/hud/PaceControls";
+import { Score } from "@/features/play/hud/Score";
+import { Tip } from "@/features/play/hud/Tip";
+import { Toggles } from "@/features/play/hud/Toggles";
+import { speedBeside, steers, type Wish } from "@/features/play/input/intents";
+import { KeyHelp } from "@/features/play/input/KeyHelp";
+import { HeldKeys } from "@/features/play/input/keys";
+import { KeysDialog } from "@/features/play/input/KeysDialog";
+import { TouchPad } from "@/features/play/input/TouchPad";
+import { useGamepad } from "@/features/play/input/use-gamepad";
+import { useKeys } from "@/features/play/input/use-keys";
+import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "@/features/play/settings/settings";
+import { readSetting, useSetting, writeSetting } from "@/features/play/settings/stored";
+import { useSounds } from "@/features/play/sound/use-sounds";
+import { EndCard, type EndCardHandle } from "@/features/play/stage/EndCard";
+import { MarksCanvas } from "@/features/play/stage/MarksCanvas";
+import { StageOverlay } from "@/features/play/stage/StageOverlay";
+import { useMarks } from "@/features/play/stage/use-marks";
+import { useScreen } from "@/features/play/stage/use-screen";
+import type { GameStream } from "@/features/play/stream/game-stream";
+import { type PlayedGame, useGame } from "@/features/play/stream/use-game";
+import { useFittingScreenSize } from "@/lib/game/use-screen-size";
+
+import styles from "./PlayPage.module.css";
 
 /** Header, path and margins take this much of the window's height. */
 const CHROME_PX = 250;
@@ -47,7 +49,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const size = useFittingScreenSize(stage, stageHeight);
   const [held] = useState(() => new HeldKeys());
   const [choosesKeys, setChoosesKeys] = useState(false);
-  const [showsLatency] = useChoice(SHOW_LATENCY);
+  const [showsLatency] = useSetting(SHOW_LATENCY);
   const { target, ghost, hasGhost } = useMarks(behaviour);
   const { state, stream, start } = game;
   const phase = state?.phase;
@@ -199,7 +201,7 @@ function fulfil(wish: Wish, stream: GameStream): boolean {
     case "targets":
     case "ghost":
     case "sound":
-      writeChoice(SWITCHES[wish], !readChoice(SWITCHES[wish]));
+      writeSetting(SWITCHES[wish], !readSetting(SWITCHES[wish]));
       return true;
     default:
       return false;

@@ -1,9 +1,9 @@
-import { movedBetween, type Tiers } from "./order";
-import styles from "./RankPage.module.css";
-
-import { Button } from "@/components/Button";
-import { Dialog } from "@/components/Dialog";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { movedBetween, type Tiers } from "@/features/ranking/order/order";
 import { recordingName } from "@/lib/recordings";
+
+import styles from "./ConflictDialog.module.css";
 
 interface ConflictDialogProps {
   theirs: Tiers;

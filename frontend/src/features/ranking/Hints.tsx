@@ -1,12 +1,12 @@
 import { Link } from "react-router";
 
-import { pairCount, type Tiers } from "./order";
-import styles from "./RankPage.module.css";
-
 import type { Behaviour, Recording } from "@/api/types";
-import { ButtonLink } from "@/components/Button";
-import { Icon } from "@/components/Icon";
+import { ButtonLink } from "@/components/controls/Button";
+import { Icon } from "@/components/controls/Icon";
+import { pairCount, type Tiers } from "@/features/ranking/order/order";
 import { count } from "@/lib/format";
+
+import styles from "./Hints.module.css";
 
 const GOOD_NUMBER = 12;
 

@@ -1,10 +1,10 @@
-import type { BranchPair, Verdict } from "./branch-pairs";
-import styles from "./RankPage.module.css";
-
 import type { Behaviour } from "@/api/types";
-import { Button } from "@/components/Button";
+import { Button } from "@/components/controls/Button";
+import type { BranchPair, Verdict } from "@/features/ranking/order/branch-pairs";
 import { FRAME_RATE_HZ, seconds } from "@/lib/format";
 import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+
+import styles from "./Pairs.module.css";
 
 interface PairsProps {
   pairs: readonly BranchPair[];

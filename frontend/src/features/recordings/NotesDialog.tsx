@@ -1,12 +1,12 @@
 import { useState } from "react";
 
-import styles from "./RecordingCard.module.css";
-
 import type { Recording } from "@/api/types";
-import { Button } from "@/components/Button";
-import { Dialog } from "@/components/Dialog";
-import { Field } from "@/components/Field";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { Field } from "@/components/controls/Field";
 import { recordingName } from "@/lib/recordings";
+
+import styles from "./NotesDialog.module.css";
 
 const MOST_CHARACTERS = 4000;
 

@@ -2,23 +2,25 @@ import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 
-import { ActionLanes } from "./ActionLanes";
-import { Downloads } from "./Downloads";
-import { MemoryView } from "./MemoryView";
-import { NotesDialog } from "./NotesDialog";
-import styles from "./RecordingPage.module.css";
-
 import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
-import { ColumnBars, SourceBadge, VerifiedBadge } from "@/components/Badges";
-import { Button } from "@/components/Button";
-import { Player } from "@/components/Player";
-import { Failed, Loading, Notice } from "@/components/States";
-import { useRecordingActions } from "@/components/use-recording-actions";
-import { cellName } from "@/lib/aliens";
+import { Button } from "@/components/controls/Button";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
+import { SourceBadge } from "@/components/recording/SourceBadge";
+import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
+import { Downloads } from "@/features/recordings/detail/Downloads";
+import { MemoryView } from "@/features/recordings/detail/MemoryView";
 import { FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
-import type { Playback } from "@/lib/playback";
+import { cellName } from "@/lib/game/aliens";
+import type { Playback } from "@/lib/game/playback";
 import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+
+import { VerifiedBadge } from "./badges";
+import { ColumnBars } from "./ColumnBars";
+import { NotesDialog } from "./NotesDialog";
+import styles from "./RecordingPage.module.css";
 
 /** The window's height without what stands above and below the screen. */
 const screenHeight = (windowHeight: number) => Math.max(windowHeight - 420, 210);
@@ -53,7 +55,7 @@ export function RecordingPage({
       )}
       <div className={styles.page}>
         {frames.data ? (
-          <Player
+          <RecordingPlayer
             frames={frames.data}
             hits={recording.hits}
             startFrame={frameOf(search)}
@@ -61,31 +63,21 @@ export function RecordingPage({
           >
             {(playback) => (
               <>
-                {course.data && (
-                  <ActionLanes playback={playback} actions={course.data.actions} />
-                )}
+                {course.data && <ActionLanes playback={playback} actions={course.data.actions} />}
                 <Hits playback={playback} recording={recording} />
                 {course.data && <MemoryView playback={playback} course={course.data} />}
               </>
             )}
-          </Player>
+          </RecordingPlayer>
         ) : frames.error ? (
-          <Failed
-            what="The recording"
-            error={frames.error}
-            onRetry={() => void frames.refetch()}
-          />
+          <Failed what="The recording" error={frames.error} onRetry={() => void frames.refetch()} />
         ) : (
           <Loading what="the recording" rows={1} height="24rem" />
         )}
         <aside className={styles.side} aria-label="About this recording">
           <Facts recording={recording} behaviour={behaviour} />
           {course.error && (
-            <Failed
-              what="Its actions"
-              error={course.error}
-              onRetry={() => void course.refetch()}
-            />
+            <Failed what="Its actions" error={course.error} onRetry={() => void course.refetch()} />
           )}
           {course.data && <Relatives course={course.data} />}
           <section>

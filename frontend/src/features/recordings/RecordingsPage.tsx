@@ -2,15 +2,14 @@ import { useQuery } from "@tanstack/react-query";
 import { type DragEvent, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 
-import { readFilter } from "./filter";
-import { ImportDialog } from "./ImportDialog";
-import { Library } from "./Library";
-
 import { recordingsQuery } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
-import { Button, ButtonLink } from "@/components/Button";
-import { Empty, Failed, Loading } from "@/components/States";
-import { WatchDialog } from "@/components/WatchDialog";
+import { Button, ButtonLink } from "@/components/controls/Button";
+import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { WatchDialog } from "@/components/recording/WatchDialog";
+import { readFilter } from "@/features/recordings/library/filter";
+import { ImportDialog } from "@/features/recordings/library/ImportDialog";
+import { Library } from "@/features/recordings/library/Library";
 
 /** All recordings of a behaviour: watch, mark, note, delete, import, export. */
 export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
@@ -33,7 +32,7 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   if (!data) return <Loading what="the recordings" rows={2} height="18rem" />;
   return (
     // Dropping a file anywhere is beside the Import button, which does the same by key.
-     
+
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
       {data.length === 0 && !asksForDeleted ? (
         <NoRecordings behaviour={behaviour} onImport={() => setImporting({ dropped: null })} />

@@ -1,33 +1,26 @@
 import { useQuery } from "@tanstack/react-query";
-import { type ReactNode, useMemo, useState } from "react";
-
-import { Alarms } from "./Alarms";
-import { Attention } from "./Attention";
-import { Check } from "./Check";
-import { Comparison, type Watched } from "./Comparison";
-import { Curves } from "./Curves";
-import { Extrapolation } from "./Extrapolation";
-import { Files, Parameters } from "./Files";
-import { RunActions } from "./RunActions";
-import styles from "./RunPage.module.css";
-import { Stages } from "./Stages";
-import { SummaryTable } from "./SummaryTable";
+import { type ReactNode, useState } from "react";
 
 import { resultsQuery } from "@/api/runs";
-import { isAlive, systemQuery } from "@/api/system";
-import type {
-  Behaviour,
-  PolicyChoiceSummary,
-  PolicySummary,
-  Run,
-  RunResults,
-} from "@/api/types";
-import { Ago } from "@/components/Ago";
-import { RunStatus } from "@/components/Badges";
-import { Failed, Loading, Notice } from "@/components/States";
-import { WatchDialog } from "@/components/WatchDialog";
-import { count, shortCount } from "@/lib/format";
+import type { Behaviour, Run, RunResults } from "@/api/types";
+import { Failed, Loading } from "@/components/feedback/States";
+import { WatchDialog } from "@/components/recording/WatchDialog";
+import { Attention } from "@/features/results/attention/Attention";
+import { Curves } from "@/features/results/curves/Curves";
+import { Comparison } from "@/features/results/games/Comparison";
+import { PolicyResults } from "@/features/results/games/PolicyResults";
+import { Extrapolation } from "@/features/results/reward/Extrapolation";
+import { RewardCheck } from "@/features/results/reward/RewardCheck";
+import { Alarms } from "@/features/results/run/Alarms";
+import { Files } from "@/features/results/run/Files";
+import { Parameters } from "@/features/results/run/Parameters";
+import { RunHead } from "@/features/results/run/RunHead";
+import { RunNotices } from "@/features/results/run/RunNotices";
+import { Stages } from "@/features/results/run/Stages";
 import { isActive, runName } from "@/lib/runs";
+
+import styles from "./RunPage.module.css";
+import type { Watched } from "./watched";
 
 /** One run: how far it is while it goes, and all that came of it. */
 export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
@@ -36,16 +29,11 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
   return (
     <div className={styles.stack}>
       <title>{`${runName(run)} · ${behaviour.name} · Tril`}</title>
-      <Head run={run} />
-      <Remarks run={run} />
+      <RunHead run={run} />
+      <RunNotices run={run} />
       {run.status !== "done" && <Stages run={run} />}
       {results ? (
-        <Sections
-          run={run}
-          results={results}
-          behaviour={behaviour}
-          onWatch={setWatched}
-        />
+        <Sections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />
       ) : error ? (
         <Failed what="The results" error={error} onRetry={() => void refetch()} />
       ) : (
@@ -62,56 +50,6 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
         />
       )}
     </div>
-  );
-}
-
-function Head({ run }: { run: Run }) {
-  return (
-    <div className={styles.head}>
-      <div>
-        <div className={styles.title}>
-          <h2>{runName(run)}</h2>
-          <RunStatus run={run} />
-        </div>
-        <p className={styles.facts}>
-          <span>{run.recipe} recipe</span>
-          <span>{shortCount(run.steps)} steps</span>
-          <span>training seed {run.training_seed}</span>
-          {run.n_ranked !== null && <span>{count(run.n_ranked, "ranked recording")}</span>}
-          <Ago time={run.created_at} />
-        </p>
-      </div>
-      <RunActions run={run} />
-    </div>
-  );
-}
-
-function Remarks({ run }: { run: Run }) {
-  const { data: system } = useQuery(systemQuery);
-  const waiting = isActive(run) && !run.worker_alive && isAlive(system, "worker") === false;
-  return (
-    <>
-      {run.example && (
-        <Notice tone="calm" icon="eye">
-          <p>
-            This is an example: its demonstrations were made by a scripted player, not by a person.
-          </p>
-        </Notice>
-      )}
-      {waiting && (
-        <Notice live>
-          <p>
-            The worker isn&rsquo;t running, so nothing happens to this run. Start it with{" "}
-            <code>tril up</code>; the run then goes on where it was.
-          </p>
-        </Notice>
-      )}
-      {run.message && (
-        <Notice tone={run.status === "failed" ? "bad" : "warn"} live>
-          <p>{run.message}</p>
-        </Notice>
-      )}
-    </>
   );
 }
 
@@ -163,7 +101,7 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     results.summaries.length > 0 && {
       id: "result",
       title: "Result",
-      body: <Result results={results} behaviour={behaviour} />,
+      body: <PolicyResults results={results} behaviour={behaviour} />,
     },
     results.comparison.length > 0 && {
       id: "games",
@@ -173,7 +111,7 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     results.check && {
       id: "check",
       title: "Reward and ranking",
-      body: <Check check={results.check} behaviour={behaviour} onWatch={onWatch} />,
+      body: <RewardCheck check={results.check} behaviour={behaviour} onWatch={onWatch} />,
     },
     results.judged.some((group) => !group.demonstrated) && {
       id: "extrapolation",
@@ -183,7 +121,7 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     results.attention.length > 0 && {
       id: "attention",
       title: "What the reward model looks at",
-      body: <AttentionSection results={results} onWatch={onWatch} />,
+      body: <Attention results={results} onWatch={onWatch} />,
     },
     active ? null : curves,
     results.artifacts.length > 0 && {
@@ -193,79 +131,4 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     },
     { id: "parameters", title: "Parameters", body: <Parameters run={run} /> },
   ].filter((plan) => plan !== null && plan !== false);
-}
-
-type Choice = PolicyChoiceSummary["choice"];
-
-/** Ways of playing beside the headline's; runs of earlier versions have no sticky games. */
-const OTHER_CHOICES = [
-  {
-    choice: "sampled",
-    title: "With actions drawn by chance instead",
-    note: "Each policy draws its action by the probabilities that it gives them.",
-    label: "Imitator and clone, actions drawn by chance",
-  },
-  {
-    choice: "sticky",
-    title: "With sticky actions",
-    note:
-      "Each policy takes the action it thinks best, but at every frame there is a chance of 25 % " +
-      "that the last frame’s action is executed again: a test of whether it can recover.",
-    label: "Imitator and clone, with sticky actions",
-  },
-] as const;
-
-function Result({ results, behaviour }: { results: RunResults; behaviour: Behaviour }) {
-  const find = (policy: "imitator" | "clone", choice: Choice): PolicySummary | null =>
-    results.summaries.find((one) => one.policy === policy && one.choice === choice)?.summary ??
-    null;
-  const both = (choice: Choice) => ({
-    imitator: find("imitator", choice),
-    clone: find("clone", choice),
-  });
-  const greedy = both("greedy");
-  const n = greedy.imitator?.steps.n ?? greedy.clone?.steps.n ?? 0;
-  return (
-    <>
-      <SummaryTable {...greedy} behaviour={behaviour} label="Imitator and clone" />
-      <p className={styles.note}>
-        Means of {count(n, "game")} from starts that no training or demonstration game began from,
-        with 95 % bootstrap intervals. Each policy takes the action it thinks best.
-      </p>
-      {OTHER_CHOICES.map(({ choice, title, note, label }) => {
-        const found = both(choice);
-        return (
-          (found.imitator ?? found.clone) && (
-            <details key={choice} className={styles.choice}>
-              <summary className={styles.note}>{title}</summary>
-              <p className={styles.note}>{note}</p>
-              <SummaryTable {...found} behaviour={behaviour} label={label} />
-            </details>
-          )
-        );
-      })}
-    </>
-  );
-}
-
-function AttentionSection({
-  results,
-  onWatch,
-}: {
-  results: RunResults;
-  onWatch: (watched: Watched) => void;
-}) {
-  const recordings = useMemo(
-    () => new Map(results.check?.returns.map(({ recording }) => [recording.id, recording])),
-    [results],
-  );
-  return (
-    <>
-      <p className={styles.note}>
-        Each spot of the screen is covered in turn; the more R changes by that, the brighter (or
-        redder) the spot. Shown at four states of the ranked recordings, by how high R is there.
-      </p>
-      <Attention maps={results.attention} recordings={recordings} onWatch={onWatch} />
-    </>
-  );
 }

@@ -1,17 +1,17 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "react-router";
 
-import styles from "./RunsPage.module.css";
-
 import { runsQuery } from "@/api/runs";
 import type { Behaviour, Interval, Run } from "@/api/types";
-import { Ago } from "@/components/Ago";
-import { RunStatus } from "@/components/Badges";
-import { ButtonLink } from "@/components/Button";
-import { Empty, Failed, Loading } from "@/components/States";
-import { ThingMark } from "@/components/ThingMark";
+import { ButtonLink } from "@/components/controls/Button";
+import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { ThingMark } from "@/components/game/ThingMark";
 import { bounds, count, duration, fixed, NONE, shortCount } from "@/lib/format";
 import { isActive, runName, standing } from "@/lib/runs";
+
+import { Ago } from "./Ago";
+import { RunStatus } from "./RunStatus";
+import styles from "./RunsPage.module.css";
 
 /** A behaviour's runs, side by side with their parameters and results. */
 export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
@@ -119,11 +119,13 @@ function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
         <>
           <IntervalCell interval={imitator?.targets} />
           <IntervalCell interval={run.headline?.clone?.targets} />
-          <td className={styles.right}>{imitator?.strays ? fixed(imitator.strays.mean, 1) : NONE}</td>
+          <td className={styles.right}>
+            {imitator?.strays ? fixed(imitator.strays.mean, 1) : NONE}
+          </td>
         </>
       )}
       <td className={styles.right}>
-        {imitator ? `${fixed(imitator.hit_share.mean * 100, 0)} %` : NONE}
+        {imitator ? `${fixed(imitator.death_rate.mean * 100, 0)} %` : NONE}
       </td>
       <td className={styles.right}>{tau === null ? NONE : fixed(tau, 2)}</td>
       <td>{run.recipe}</td>

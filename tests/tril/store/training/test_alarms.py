@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.store import behaviours
 from tril.store.training import metrics, runs
 from tril.store.training.alarms import alarm_of

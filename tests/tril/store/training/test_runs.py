@@ -8,7 +8,7 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import update
 
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.models import RunRow, RunStatus, now

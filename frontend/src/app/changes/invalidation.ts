@@ -1,0 +1,60 @@
+/** Which queries a change on the server makes stale. */
+import type { QueryClient, QueryKey } from "@tanstack/react-query";
+
+import type { Change } from "./change-stream";
+
+/** The beginnings of the keys of all queries that a change touches. */
+export function staleKeys({ topic, key }: Change): QueryKey[] {
+  switch (topic) {
+    case "run":
+      return [["run", key], ["results", key], ["metrics", key], ["runs"], ["behaviours"]];
+    case "recording":
+      return [["recordings"], ["recording", Number(key)], ["ranking"], ["behaviours"]];
+    case "ranking":
+      return [["ranking", Number(key)], ["recordings", Number(key)], ["behaviours"]];
+    case "behaviour":
+      return [["behaviours"]];
+    case "system":
+      return [["system"]];
+    case "player":
+      return [["player"]];
+    default:
+      return [];
+  }
+}
+
+/** At most one refetch per query and this many milliseconds, however fast changes come. */
+const GATHER_MS = 250;
+
+/** Gathers changes for a moment and then invalidates each query once. */
+export class Invalidator {
+  private readonly client: QueryClient;
+  private readonly pending = new Map<string, QueryKey>();
+  private timer: ReturnType<typeof setTimeout> | null = null;
+
+  constructor(client: QueryClient) {
+    this.client = client;
+  }
+
+  add(change: Change): void {
+    for (const key of staleKeys(change)) this.pending.set(JSON.stringify(key), key);
+    this.timer ??= setTimeout(() => this.flush(), GATHER_MS);
+  }
+
+  /** Everything may have changed. */
+  all(): void {
+    void this.client.invalidateQueries();
+  }
+
+  stop(): void {
+    if (this.timer !== null) clearTimeout(this.timer);
+    this.timer = null;
+    this.pending.clear();
+  }
+
+  private flush(): void {
+    const keys = [...this.pending.values()];
+    this.stop();
+    for (const queryKey of keys) void this.client.invalidateQueries({ queryKey });
+  }
+}

@@ -1,0 +1,117 @@
+import { useQueryClient } from "@tanstack/react-query";
+import { useEffect, useState, useSyncExternalStore } from "react";
+import { Link, NavLink, Outlet, ScrollRestoration, useLocation } from "react-router";
+
+import { connection } from "@/api/connection";
+import { listenToChanges } from "@/app/changes/change-stream";
+import { Invalidator } from "@/app/changes/invalidation";
+import { Unauthorised } from "@/app/Unauthorised";
+import { Button, IconButton } from "@/components/controls/Button";
+import { Alien } from "@/components/game/AlienGrid";
+
+import styles from "./Layout.module.css";
+import { PlayerMenu } from "./PlayerMenu";
+import { StatusMenu } from "./StatusMenu";
+import { applyTheme, nextTheme, readTheme } from "./theme";
+
+/** What every page has: the bar at the top, messages about the connection, the page itself. */
+export function Layout() {
+  const { reachable, authorised } = useSyncExternalStore(connection.subscribe, connection.snapshot);
+  useChanges(authorised);
+  useFocusOnNewPage();
+  if (!authorised) return <Unauthorised />;
+  return (
+    <>
+      <a className={styles.skip} href="#main">
+        Skip to the page
+      </a>
+      <header>
+        {!reachable && <UnreachableBanner />}
+        <div className={styles.bar}>
+          <Link to="/" className={styles.brand}>
+            <Alien row={2} scale={2} />
+            Tril
+          </Link>
+          <NavLink to="/" end className={styles.nav ?? ""}>
+            Behaviours
+          </NavLink>
+          <div className={styles.right}>
+            <StatusMenu />
+            <PlayerMenu />
+            <ThemeButton />
+          </div>
+        </div>
+      </header>
+      <main id="main" className={styles.main} tabIndex={-1}>
+        <Outlet />
+      </main>
+      <ScrollRestoration />
+    </>
+  );
+}
+
+/** Keeps what is shown up to date. */
+function useChanges(active: boolean): void {
+  const client = useQueryClient();
+  useEffect(() => {
+    if (!active) return undefined;
+    const invalidator = new Invalidator(client);
+    const stop = listenToChanges({
+      onChange: (change) => invalidator.add(change),
+      onAgain: () => invalidator.all(),
+    });
+    return () => {
+      stop();
+      invalidator.stop();
+    };
+  }, [active, client]);
+}
+
+/** After a step to another page, keyboard and screen reader begin at its top. */
+function useFocusOnNewPage(): void {
+  const { pathname } = useLocation();
+  const [first] = useState(pathname);
+  const [left, setLeft] = useState(false);
+  if (!left && pathname !== first) setLeft(true);
+  useEffect(() => {
+    if (left) document.getElementById("main")?.focus({ preventScroll: true });
+  }, [left, pathname]);
+}
+
+function UnreachableBanner() {
+  const client = useQueryClient();
+  const [trying, setTrying] = useState(false);
+  const retry = () => {
+    setTrying(true);
+    void client.invalidateQueries().finally(() => setTrying(false));
+  };
+  return (
+    <div className={styles.banner} role="alert">
+      <span>
+        <strong>Tril&rsquo;s server doesn&rsquo;t answer.</strong> Is <code>tril up</code> still
+        running? Nothing that was saved is lost.
+      </span>
+      <Button onClick={retry} disabled={trying} icon="restart">
+        {trying ? "Trying…" : "Try again"}
+      </Button>
+    </div>
+  );
+}
+
+const THEME_ICONS = { system: "system", light: "sun", dark: "moon" } as const;
+const THEME_NAMES = { system: "as the system", light: "light", dark: "dark" } as const;
+
+function ThemeButton() {
+  const [theme, setTheme] = useState(readTheme);
+  return (
+    <IconButton
+      icon={THEME_ICONS[theme]}
+      label={`Theme: ${THEME_NAMES[theme]}. Change`}
+      onClick={() => {
+        const next = nextTheme(theme);
+        applyTheme(next);
+        setTheme(next);
+      }}
+    />
+  );
+}

@@ -1,0 +1,25 @@
+import type { CSSProperties, ReactNode } from "react";
+
+import { classes } from "@/lib/classes";
+import { type Thing, THING_NAMES, THING_SHAPES, thingColour } from "@/lib/things";
+
+import styles from "./ThingMark.module.css";
+
+interface ThingMarkProps {
+  thing: Thing;
+  /** Only the mark's outline, as a chart may show it. */
+  hollow?: boolean;
+  children?: ReactNode;
+}
+
+/** A thing's mark in its colour, with its name or other words beside it. */
+export function ThingMark({ thing, hollow = false, children }: ThingMarkProps) {
+  return (
+    <span className={styles.mark} style={{ "--thing": thingColour(thing) } as CSSProperties}>
+      <svg viewBox="0 0 10 10" width="10" height="10" aria-hidden="true">
+        <path d={THING_SHAPES[thing]} className={classes(hollow && styles.hollow)} />
+      </svg>
+      <span>{children ?? THING_NAMES[thing]}</span>
+    </span>
+  );
+}

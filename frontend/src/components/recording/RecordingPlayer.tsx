@@ -1,0 +1,150 @@
+import {
+  type KeyboardEvent,
+  type ReactNode,
+  useEffect,
+  useMemo,
+  useRef,
+  useState,
+  useSyncExternalStore,
+} from "react";
+
+import type { Recording } from "@/api/types";
+import { IconButton } from "@/components/controls/Button";
+import { GameCanvas } from "@/components/game/GameCanvas";
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
+import type { RecordedFrames } from "@/lib/game/codec";
+import { Playback, SPEEDS } from "@/lib/game/playback";
+import type { ScreenPainter } from "@/lib/game/screen";
+import { useFittingScreenSize } from "@/lib/game/use-screen-size";
+import { stepOf } from "@/lib/recordings";
+
+import styles from "./RecordingPlayer.module.css";
+import { Scrubber } from "./Scrubber";
+
+interface RecordingPlayerProps {
+  frames: RecordedFrames;
+  hits: Recording["hits"];
+  /** R of each observation, one per step; drawn along time. */
+  rewards?: readonly number[] | undefined;
+  /** Where to begin, standing still; it plays at once without it. */
+  startFrame?: number | undefined;
+  /** Room for the screen in a window of so many CSS pixels. Must keep its identity. */
+  screenHeight: (windowHeight: number) => number;
+  /** More about the present frame, below the controls. */
+  children?: (playback: Playback) => ReactNode;
+}
+
+/** Plays a recording, by mouse and keys: any frame, any speed. */
+export function RecordingPlayer(props: RecordingPlayerProps) {
+  const { frames, hits, rewards, startFrame, screenHeight, children } = props;
+  const playback = useMemo(() => new Playback(frames.last, frames.header.frame_rate_hz), [frames]);
+  const stage = useRef<HTMLDivElement>(null);
+  const size = useFittingScreenSize(stage, screenHeight);
+  const [painter, setPainter] = useState<ScreenPainter | null>(null);
+  const player = useRef<HTMLDivElement>(null);
+
+  // Before it stand buttons of its page or dialog; the keys are meant for the player.
+  useEffect(() => player.current?.focus({ preventScroll: true }), []);
+
+  useEffect(() => {
+    if (!painter) return undefined;
+    painter.setPalette(frames.header.palette);
+    const draw = () => painter.draw(frames.show(playback.snapshot().frame));
+    const unsubscribe = playback.subscribe(draw);
+    if (startFrame === undefined) playback.play();
+    else playback.seek(startFrame);
+    return () => {
+      playback.pause();
+      unsubscribe();
+    };
+  }, [frames, painter, playback, startFrame]);
+
+  return (
+    // Keys reach the player from wherever in it the focus is; each has a control beside it.
+    // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
+    <div
+      ref={player}
+      className={styles.player}
+      role="group"
+      aria-label="Player"
+      tabIndex={-1}
+      onKeyDown={(event) => onKey(event, playback, frames.last)}
+    >
+      <div className={styles.stage} ref={stage}>
+        <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+      </div>
+      <Scrubber playback={playback} last={frames.last} hits={hits} rewards={rewards} />
+      <Controls playback={playback} last={frames.last} />
+      {children?.(playback)}
+    </div>
+  );
+}
+
+function Controls({ playback, last }: { playback: Playback; last: number }) {
+  const { frame, playing, speed } = useSyncExternalStore(playback.subscribe, playback.snapshot);
+  return (
+    <>
+      <div className={styles.controls}>
+        <IconButton
+          icon={playing ? "pause" : "play"}
+          label={playing ? "Pause" : "Play"}
+          kind="secondary"
+          onClick={() => playback.toggle()}
+        />
+        <IconButton icon="stepBack" label="One frame back" onClick={() => playback.step(-1)} />
+        <IconButton icon="stepOn" label="One frame on" onClick={() => playback.step(1)} />
+        <label>
+          <span className="visually-hidden">Speed</span>
+          <select
+            className={styles.speed}
+            value={speed}
+            onChange={(event) => playback.setSpeed(Number(event.currentTarget.value))}
+          >
+            {SPEEDS.map((one) => (
+              <option key={one} value={one}>
+                {one}×
+              </option>
+            ))}
+          </select>
+        </label>
+        <span className={styles.time}>
+          {seconds(frame / FRAME_RATE_HZ, 2)} of {seconds(last / FRAME_RATE_HZ, 2)} · step{" "}
+          {stepOf(frame)} · frame {frame}
+        </span>
+      </div>
+      <p className={styles.keys}>
+        <span>
+          <kbd>Space</kbd> play or pause
+        </span>
+        <span>
+          <kbd>←</kbd> <kbd>→</kbd> one frame
+        </span>
+        <span>
+          <kbd>Shift</kbd> with them one step
+        </span>
+        <span>
+          <kbd>Home</kbd> <kbd>End</kbd> start and end
+        </span>
+      </p>
+    </>
+  );
+}
+
+function onKey(event: KeyboardEvent, playback: Playback, last: number): void {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const target = event.target as HTMLElement;
+  if (target.tagName === "SELECT") return;
+  const leap = event.shiftKey ? FRAMES_PER_STEP : 1;
+  const actions: Readonly<Record<string, () => void>> = {
+    ArrowLeft: () => playback.step(-leap),
+    ArrowRight: () => playback.step(leap),
+    Home: () => playback.seek(0),
+    End: () => playback.seek(last),
+    Space: () => playback.toggle(),
+  };
+  const action = actions[event.code];
+  // Space on a button presses the button.
+  if (!action || (event.code === "Space" && target.tagName === "BUTTON")) return;
+  event.preventDefault();
+  action();
+}

@@ -1,0 +1,95 @@
+import { useQuery } from "@tanstack/react-query";
+import { useEffect, useRef, useState } from "react";
+
+import { framesQuery } from "@/api/recordings";
+import type { Recording } from "@/api/types";
+import { GameCanvas } from "@/components/game/GameCanvas";
+import type { RecordedFrames } from "@/lib/game/codec";
+import { Playback } from "@/lib/game/playback";
+import type { ScreenPainter } from "@/lib/game/screen";
+import { type ScreenSize, useScreenSize } from "@/lib/game/use-screen-size";
+
+import styles from "./RecordingScreen.module.css";
+
+interface RecordingScreenProps {
+  recording: Recording;
+  /** Whether it plays, over and over; otherwise its thumbnail stands still. */
+  playing: boolean;
+  /** Room in CSS pixels. */
+  width: number;
+  height: number;
+}
+
+/** A recording's picture, which plays when it is looked at. */
+export function RecordingScreen({ recording, playing, width, height }: RecordingScreenProps) {
+  const size = useScreenSize(width, height);
+  const { data: frames } = useQuery({ ...framesQuery(recording), enabled: playing });
+  return (
+    <div className={styles.screen} style={{ width, height }}>
+      <img
+        className={styles.still}
+        src={recording.thumbnail_url}
+        alt=""
+        loading="lazy"
+        style={{ width: size.width, height: size.height }}
+      />
+      {playing && frames && (
+        <div className={styles.stacked}>
+          <Loop frames={frames} size={size} />
+        </div>
+      )}
+    </div>
+  );
+}
+
+function Loop({ frames, size }: { frames: RecordedFrames; size: ScreenSize }) {
+  const [painter, setPainter] = useState<ScreenPainter | null>(null);
+  useEffect(() => {
+    if (!painter) return undefined;
+    const { header } = frames;
+    const playback = new Playback(frames.last, header.frame_rate_hz, { loop: true });
+    painter.setPalette(header.palette);
+    playback.subscribe(() => painter.draw(frames.show(playback.snapshot().frame)));
+    playback.play();
+    return () => playback.dispose();
+  }, [frames, painter]);
+  return <GameCanvas size={size} label="Recording, playing" onPainter={setPainter} />;
+}
+
+/** Passing over something on the way elsewhere starts nothing. */
+const LOOK_AFTER_MS = 150;
+
+/**
+ * Whether something is pointed at or focused, and what tells so.
+ *
+ * @param onLook Called whenever it begins to be.
+ */
+export function useLookedAt(onLook?: () => void): [boolean, Record<string, () => void>] {
+  const [looked, setLooked] = useState(false);
+  const timer = useRef<ReturnType<typeof setTimeout> | null>(null);
+  const later = (value: boolean) => {
+    if (timer.current) clearTimeout(timer.current);
+    timer.current = setTimeout(
+      () => {
+        setLooked(value);
+        if (value) onLook?.();
+      },
+      value ? LOOK_AFTER_MS : 0,
+    );
+  };
+  useEffect(
+    () => () => {
+      if (timer.current) clearTimeout(timer.current);
+    },
+    [],
+  );
+  return [
+    looked,
+    {
+      onMouseEnter: () => later(true),
+      onMouseLeave: () => later(false),
+      onFocus: () => later(true),
+      onBlur: () => later(false),
+    },
+  ];
+}

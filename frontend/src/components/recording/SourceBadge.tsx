@@ -1,0 +1,16 @@
+import type { Recording } from "@/api/types";
+import { Badge } from "@/components/feedback/Badge";
+import { ThingMark } from "@/components/game/ThingMark";
+import { playedBy } from "@/lib/things";
+
+/** Who played a recording. */
+export function SourceBadge({ recording }: { recording: Recording }) {
+  const { source, player } = recording;
+  return (
+    <Badge>
+      <ThingMark thing={playedBy(source)}>
+        {source === "person" && player ? player : source}
+      </ThingMark>
+    </Badge>
+  );
+}

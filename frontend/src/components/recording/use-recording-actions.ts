@@ -1,0 +1,110 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+
+import { messageOf } from "@/api/client";
+import {
+  changeRecordings,
+  deleteRecording,
+  recordingsQuery,
+  restoreRecording,
+  updateRecording,
+} from "@/api/recordings";
+import type { Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
+import { useToast } from "@/components/feedback/Toasts";
+import { count } from "@/lib/format";
+import { recordingName } from "@/lib/recordings";
+
+interface RecordingActions {
+  setPerfect: (recording: Recording, perfect: boolean) => void;
+  setNotes: (recording: Recording, notes: string) => void;
+  remove: (recording: Recording) => void;
+  restore: (recording: Recording) => void;
+  /** Does the same to several, to all or to none; a deletion can be taken back. */
+  changeAll: (recordings: readonly Recording[], change: RecordingsChange["change"]) => void;
+}
+
+/** What can be done to a recording; the list shows it at once and takes it back on a refusal. */
+export function useRecordingActions(behaviourId: number): RecordingActions {
+  const client = useQueryClient();
+  const toast = useToast();
+  const { queryKey } = recordingsQuery(behaviourId);
+
+  function show(change: (list: Recording[]) => Recording[]) {
+    const before = client.getQueryData(queryKey);
+    client.setQueryData(queryKey, (list) => list && change(list));
+    return before;
+  }
+
+  function settle() {
+    void client.invalidateQueries({ queryKey });
+    void client.invalidateQueries({ queryKey: ["recording"] });
+    void client.invalidateQueries({ queryKey: ["behaviours"] });
+    void client.invalidateQueries({ queryKey: ["ranking", behaviourId] });
+  }
+
+  const update = useMutation({
+    mutationFn: ({ id, body }: { id: number; body: RecordingUpdate }) => updateRecording(id, body),
+    onMutate: async ({ id, body }) => {
+      await client.cancelQueries({ queryKey });
+      return show((list) => list.map((one) => (one.id === id ? changed(one, body) : one)));
+    },
+    onError: (error, _change, before) => {
+      client.setQueryData(queryKey, before);
+      toast(messageOf(error));
+    },
+    onSettled: settle,
+  });
+
+  const restore = useMutation({
+    mutationFn: (id: number) => restoreRecording(id),
+    onError: (error) => toast(messageOf(error)),
+    onSettled: settle,
+  });
+
+  const remove = useMutation({
+    mutationFn: (recording: Recording) => deleteRecording(recording.id),
+    onMutate: async (recording) => {
+      await client.cancelQueries({ queryKey });
+      return show((list) => list.filter((one) => one.id !== recording.id));
+    },
+    onSuccess: (_nothing, recording) =>
+      toast(`${recordingName(recording)} deleted.`, {
+        label: "Undo",
+        run: () => restore.mutate(recording.id),
+      }),
+    onError: (error, _recording, before) => {
+      client.setQueryData(queryKey, before);
+      toast(messageOf(error));
+    },
+    onSettled: settle,
+  });
+
+  const changeAll = useMutation({
+    mutationFn: (body: RecordingsChange) => changeRecordings(behaviourId, body),
+    onSuccess: (_changed, { change, recording_ids: ids }) => {
+      if (change !== "delete") return;
+      toast(`${count(ids.length, "recording")} deleted.`, {
+        label: "Undo",
+        run: () => changeAll.mutate({ recording_ids: ids, change: "restore" }),
+      });
+    },
+    onError: (error) => toast(messageOf(error)),
+    onSettled: settle,
+  });
+
+  return {
+    setPerfect: ({ id }, perfect) => update.mutate({ id, body: { perfect } }),
+    setNotes: ({ id }, notes) => update.mutate({ id, body: { notes } }),
+    remove: (recording) => remove.mutate(recording),
+    restore: ({ id }) => restore.mutate(id),
+    changeAll: (recordings, change) =>
+      changeAll.mutate({ recording_ids: recordings.map(({ id }) => id), change }),
+  };
+}
+
+function changed(recording: Recording, { perfect, notes }: RecordingUpdate): Recording {
+  return {
+    ...recording,
+    perfect: perfect ?? recording.perfect,
+    notes: notes ?? recording.notes,
+  };
+}

@@ -1,0 +1,47 @@
+import { useQuery } from "@tanstack/react-query";
+import { Link } from "react-router";
+
+import { checklistQuery } from "@/api/behaviours";
+import type { Behaviour } from "@/api/types";
+import { Icon } from "@/components/controls/Icon";
+import { recordingName } from "@/lib/recordings";
+
+import styles from "./Checklist.module.css";
+
+/** Which demonstrations an agent would learn well from are there, and which are missing. */
+export function Checklist({ behaviour }: { behaviour: Behaviour }) {
+  const { data } = useQuery(checklistQuery(behaviour.id));
+  if (!data || data.planned.length === 0) return null;
+  const { planned } = data;
+  const done = planned.filter((one) => one.recording_id !== null).length;
+  const next = planned.find((one) => one.recording_id === null);
+  return (
+    <details className={styles.checklist}>
+      <summary>
+        Demonstrations: {done} of {planned.length}
+        {next && <span> Next: {next.description}</span>}
+      </summary>
+      <p className={styles.checklistRule}>
+        A game counts that is survived to its end; one that was stopped or lost does not.
+      </p>
+      <ol aria-label="Demonstrations, best first">
+        {planned.map(({ number, description, recording_id: id }) => (
+          <li key={number} className={id === null ? undefined : styles.ticked}>
+            <Icon name={id === null ? "play" : "check"} />
+            <span>
+              {description}
+              {id === null ? (
+                <span className="visually-hidden">, missing</span>
+              ) : (
+                <>
+                  {" "}
+                  <Link to={`/recordings/${id}`}>{recordingName({ id })}</Link>
+                </>
+              )}
+            </span>
+          </li>
+        ))}
+      </ol>
+    </details>
+  );
+}

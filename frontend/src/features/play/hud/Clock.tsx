@@ -1,0 +1,47 @@
+import { type RefObject, useImperativeHandle, useRef } from "react";
+
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
+
+import styles from "./Clock.module.css";
+
+/** Shows the time without React: it changes sixty times a second. */
+export interface ClockHandle {
+  show: (frame: number, maxFrames: number) => void;
+}
+
+/** Time left of the 300 steps. */
+export function Clock({ handle }: { handle: RefObject<ClockHandle | null> }) {
+  const left = useRef<HTMLSpanElement>(null);
+  const step = useRef<HTMLSpanElement>(null);
+  const bar = useRef<HTMLElement>(null);
+  useImperativeHandle(handle, () => ({
+    show: (frame, maxFrames) => {
+      if (!left.current || !step.current || !bar.current) return;
+      left.current.textContent = ((maxFrames - frame) / FRAME_RATE_HZ).toFixed(1);
+      step.current.textContent = stepWords(frame);
+      bar.current.style.transform = `scaleX(${1 - frame / maxFrames})`;
+    },
+  }));
+  return (
+    <div className={styles.time}>
+      <div className={styles.timeWords}>
+        <span role="timer" aria-label="Time left">
+          <span className={styles.timeLeft} ref={left}>
+            {(MAX_STEPS * FRAMES_PER_STEP) / FRAME_RATE_HZ}.0
+          </span>{" "}
+          s left
+        </span>
+        <span className={styles.step} ref={step}>
+          {stepWords(0)}
+        </span>
+      </div>
+      <div className={styles.bar}>
+        <i ref={bar} />
+      </div>
+    </div>
+  );
+}
+
+function stepWords(frame: number): string {
+  return `step ${Math.floor(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
+}

@@ -1,0 +1,39 @@
+import { useEffect, useState } from "react";
+
+import type { GameStream } from "@/features/play/stream/game-stream";
+import type { LatencySummary } from "@/features/play/stream/latency";
+import { fixed, NONE, whole } from "@/lib/format";
+
+import styles from "./LatencyDisplay.module.css";
+
+const REFRESH_MS = 500;
+
+/** In a corner of the screen: how late this game is seen, and how many frames were left out. */
+export function LatencyDisplay({ stream }: { stream: GameStream }) {
+  const [shown, setShown] = useState(() => stream.latencySummary());
+  useEffect(() => {
+    // Often enough to be read, too seldom to cost a frame.
+    const timer = setInterval(() => setShown(stream.latencySummary()), REFRESH_MS);
+    return () => clearInterval(timer);
+  }, [stream]);
+  return (
+    <dl className={styles.latency} aria-label="Latency">
+      <dt title="From a key's event to the drawing of the first frame with it, the median">
+        key to draw, p50
+      </dt>
+      <dd>{ms(shown.p50Ms)}</dd>
+      <dt title="95 of 100 presses show within this time">p95</dt>
+      <dd>{ms(shown.p95Ms)}</dd>
+      <dt title="Frames of the game that were not drawn">dropped</dt>
+      <dd>{droppedWords(shown)}</dd>
+    </dl>
+  );
+}
+
+function ms(value: number | null): string {
+  return value === null ? NONE : `${fixed(value, 0)} ms`;
+}
+
+function droppedWords({ dropped, drawn }: LatencySummary): string {
+  return `${whole(dropped)} of ${whole(dropped + drawn)}`;
+}

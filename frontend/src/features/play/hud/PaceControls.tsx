@@ -1,0 +1,72 @@
+import { Button } from "@/components/controls/Button";
+import { steers } from "@/features/play/input/intents";
+import type { GameState } from "@/features/play/stream/game-stream";
+import { SPEEDS } from "@/features/play/stream/text-messages";
+
+import styles from "./PaceControls.module.css";
+
+interface PaceControlsProps {
+  state: GameState;
+  onPause: () => void;
+  onGoOn: () => void;
+  onStep: () => void;
+  onStop: () => void;
+  onSpeed: (percent: number) => void;
+  onRewind: () => void;
+  onRelease: () => void;
+}
+
+/** How fast the game goes: as it is, slower, frame by frame, or not at all. */
+export function PaceControls(props: PaceControlsProps) {
+  const { phase, speed } = props.state;
+  const stands = phase === "paused" || phase === "stepping";
+  if (!steers(phase)) return null;
+  return (
+    <div className={styles.pace}>
+      <div className={styles.stop}>
+        {stands ? (
+          <>
+            <Button icon="play" onClick={props.onGoOn}>
+              Go on
+            </Button>
+            <Button icon="stepOn" onClick={props.onStep}>
+              One frame <kbd>.</kbd>
+            </Button>
+          </>
+        ) : (
+          <Button icon="pause" onClick={props.onPause}>
+            Pause
+          </Button>
+        )}
+        <Button
+          icon="undo"
+          title="Hold to run the game back; let go to play on from there"
+          onPointerDown={(event) => {
+            event.currentTarget.setPointerCapture(event.pointerId);
+            props.onRewind();
+          }}
+          onLostPointerCapture={props.onRelease}
+          onContextMenu={(event) => event.preventDefault()}
+        >
+          Rewind <kbd>⌫</kbd>
+        </Button>
+        <Button onClick={props.onStop}>End the game here</Button>
+      </div>
+      <div className={styles.speeds} role="group" aria-label="Speed">
+        {SPEEDS.map((percent) => (
+          <Button
+            key={percent}
+            kind="quiet"
+            aria-pressed={percent === speed}
+            onClick={() => props.onSpeed(percent)}
+          >
+            {percent} %
+          </Button>
+        ))}
+        <span className={styles.speedKeys}>
+          <kbd>−</kbd> <kbd>+</kbd>
+        </span>
+      </div>
+    </div>
+  );
+}

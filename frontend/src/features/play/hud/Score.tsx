@@ -1,0 +1,38 @@
+import type { Behaviour } from "@/api/types";
+import { AlienGrid } from "@/components/game/AlienGrid";
+import type { HitAt } from "@/features/play/stream/text-messages";
+import { gridState } from "@/lib/game/aliens";
+
+import styles from "./Score.module.css";
+
+/** What was hit so far, on and off target. */
+export function Score({ hits, behaviour }: { hits: readonly HitAt[]; behaviour: Behaviour }) {
+  const cells = hits.map(({ row, column }) => [row, column] as const);
+  const { hit, stray } = gridState(cells, behaviour.target);
+  return (
+    <div className={styles.score}>
+      <AlienGrid hits={cells} target={behaviour.target} scale={2} />
+      <dl>
+        {behaviour.target ? (
+          <>
+            <div>
+              <dt>Targets hit</dt>
+              <dd>
+                {hit.length} <small>of {behaviour.target.length}</small>
+              </dd>
+            </div>
+            <div>
+              <dt>Strays</dt>
+              <dd>{stray.length}</dd>
+            </div>
+          </>
+        ) : (
+          <div>
+            <dt>Aliens hit</dt>
+            <dd>{hits.length}</dd>
+          </div>
+        )}
+      </dl>
+    </div>
+  );
+}

@@ -1,0 +1,107 @@
+import type { ReactNode } from "react";
+import { Link } from "react-router";
+
+import { Button } from "@/components/controls/Button";
+import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "@/features/play/settings/settings";
+import { type Setting, useSetting } from "@/features/play/settings/stored";
+import { canSound } from "@/features/play/sound/use-sounds";
+import type { Marks } from "@/features/play/stage/marks";
+import { recordingName } from "@/lib/recordings";
+import { playedBy, thingColour } from "@/lib/things";
+
+import styles from "./Toggles.module.css";
+
+interface TogglesProps {
+  hasTarget: boolean;
+  hasGhost: boolean;
+  marks: Marks;
+  onChooseKeys: () => void;
+  onFullscreen: () => void;
+}
+
+/** What a player can choose to see and hear beside the game; kept in this browser. */
+export function Toggles({ hasTarget, hasGhost, marks, onChooseKeys, onFullscreen }: TogglesProps) {
+  return (
+    <div>
+      <div className={styles.toggles}>
+        {hasTarget && (
+          <Toggle choice={SHOW_TARGETS} name="T">
+            Outline targets
+          </Toggle>
+        )}
+        {hasGhost && (
+          <Toggle choice={SHOW_GHOST} name="G">
+            Ghost
+          </Toggle>
+        )}
+        {canSound() && (
+          <Toggle choice={SOUND} name="M">
+            Sound
+          </Toggle>
+        )}
+        <Toggle choice={SHOW_LATENCY} name="L">
+          Latency
+        </Toggle>
+        <Button kind="quiet" onClick={onFullscreen}>
+          Fullscreen <kbd>F</kbd>
+        </Button>
+        <Button kind="quiet" onClick={onChooseKeys}>
+          Change the keys
+        </Button>
+      </div>
+      <Legend {...marks} />
+    </div>
+  );
+}
+
+function Toggle({
+  choice,
+  name,
+  children,
+}: {
+  choice: Setting<boolean>;
+  /** Of its key. */
+  name: string;
+  children: ReactNode;
+}) {
+  const [isOn, turn] = useSetting(choice);
+  return (
+    <Button kind="quiet" aria-pressed={isOn} onClick={() => turn(!isOn)}>
+      {children} <kbd>{name}</kbd>
+    </Button>
+  );
+}
+
+/** What is drawn over the game means this. */
+function Legend({ target, ghost }: Marks) {
+  if (!target && !ghost) return null;
+  return (
+    <ul className={styles.legend} aria-label="Drawn over the game, and not recorded">
+      {target && (
+        <li>
+          <svg className={styles.swatch} viewBox="0 0 14 14" aria-hidden="true">
+            <path d="M2.5 1.5h9v11h-9z" fill="none" stroke="var(--accent)" />
+          </svg>
+          <span>target aliens that are left</span>
+        </li>
+      )}
+      {ghost && (
+        <li>
+          <svg className={styles.swatch} viewBox="0 0 14 14" aria-hidden="true">
+            <path
+              d="M5.5 2h3v6h2v4h-7V8h2z"
+              fill={thingColour(playedBy(ghost.source))}
+              opacity="0.75"
+            />
+          </svg>
+          <span>
+            where the cannon was at this moment of the best demonstration,{" "}
+            <Link to={`/recordings/${ghost.recording_id}`}>
+              {recordingName({ id: ghost.recording_id })}
+            </Link>
+          </span>
+        </li>
+      )}
+    </ul>
+  );
+}

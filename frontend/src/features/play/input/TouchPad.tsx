@@ -1,0 +1,49 @@
+import type { PointerEvent } from "react";
+
+import { FIRE, LEFT, RIGHT } from "./keys";
+import styles from "./TouchPad.module.css";
+
+const BUTTONS = [
+  { name: "Left", sign: "←", bit: LEFT },
+  { name: "Right", sign: "→", bit: RIGHT },
+  { name: "Fire", sign: "Fire", bit: FIRE },
+] as const;
+
+/** Buttons for fingers; several can be held at a time. */
+export function TouchPad({
+  onHold,
+  onRelease,
+}: {
+  onHold: (name: string, bit: number, atMs: number) => void;
+  onRelease: (name: string) => void;
+}) {
+  return (
+    <div className={styles.pad} role="group" aria-label="Touch controls">
+      {BUTTONS.map(({ name, sign, bit }) => {
+        const release = (event: PointerEvent) => onRelease(fingerName(event, name));
+        return (
+          <button
+            key={name}
+            type="button"
+            aria-label={name}
+            onContextMenu={(event) => event.preventDefault()}
+            onPointerDown={(event) => {
+              event.preventDefault();
+              event.currentTarget.setPointerCapture(event.pointerId);
+              onHold(fingerName(event, name), bit, event.timeStamp);
+            }}
+            onPointerUp={release}
+            onPointerCancel={release}
+            onLostPointerCapture={release}
+          >
+            {sign}
+          </button>
+        );
+      })}
+    </div>
+  );
+}
+
+function fingerName(event: PointerEvent, name: string): string {
+  return `${name}-${event.pointerId}`;
+}

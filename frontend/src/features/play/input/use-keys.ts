@@ -1,0 +1,68 @@
+import { type RefObject, useEffect } from "react";
+
+import { readSetting } from "@/features/play/settings/stored";
+import type { GameStream } from "@/features/play/stream/game-stream";
+
+import { dialogIsOpen } from "./dialogs";
+import { steers, type Wish, wishOf } from "./intents";
+import { bitOf, controlOf, type HeldKeys, isGameKey, KEYS } from "./keys";
+
+/** Passes keys on to the game, and what else they ask for to where it is done. */
+export function useKeys(
+  stream: GameStream | null,
+  held: HeldKeys,
+  onWish: RefObject<(wish: Wish) => void>,
+): void {
+  useEffect(() => {
+    if (!stream) return undefined;
+    const down = (event: KeyboardEvent) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
+      const { phase, endedAt } = stream.snapshot();
+      const keys = readSetting(KEYS);
+      const wish = wishOf(event, phase, performance.now() - endedAt, keys);
+      if (wish && !(isButton(event.target) && pressesButton(event.code))) {
+        event.preventDefault();
+        onWish.current(wish);
+      } else if (steers(phase) && isGameKey(keys, event.code)) {
+        event.preventDefault();
+        if (held.hold(event.code, bitOf(keys, event.code))) {
+          stream.hold(held.bits, event.timeStamp);
+        }
+      } else if (phase === "ended" && event.repeat && isGameKey(keys, event.code)) {
+        // Still held from the game: it must neither scroll the page nor press a button.
+        event.preventDefault();
+      }
+    };
+    const up = (event: KeyboardEvent) => {
+      if (controlOf(readSetting(KEYS), event.code) === "rewind") stream.release();
+      if (held.release(event.code)) stream.hold(held.bits);
+    };
+    const letGo = () => {
+      stream.release();
+      if (held.releaseAll()) stream.hold(0);
+    };
+    window.addEventListener("keydown", down);
+    window.addEventListener("keyup", up);
+    window.addEventListener("blur", letGo);
+    return () => {
+      letGo();
+      window.removeEventListener("keydown", down);
+      window.removeEventListener("keyup", up);
+      window.removeEventListener("blur", letGo);
+    };
+  }, [stream, held, onWish]);
+}
+
+/** Whether keys are meant for something else: a field, or an open dialog. */
+function isElsewhere(target: EventTarget | null): boolean {
+  if (dialogIsOpen()) return true;
+  return target instanceof HTMLElement && target.matches("input, textarea, select");
+}
+
+function isButton(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.matches("button, a");
+}
+
+function pressesButton(code: string): boolean {
+  return code === "Space" || code === "Enter" || code === "NumpadEnter";
+}

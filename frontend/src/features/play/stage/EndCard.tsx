@@ -1,0 +1,147 @@
+import { type RefObject, useImperativeHandle } from "react";
+
+import type { Behaviour } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import type { Wish } from "@/features/play/input/intents";
+import type { Ended } from "@/features/play/stream/text-messages";
+import { count, FRAME_RATE_HZ, seconds } from "@/lib/format";
+
+import { Overlay } from "./Overlay";
+import styles from "./Overlay.module.css";
+import { useDecision } from "./use-decision";
+
+/** Lets key presses reach the card. */
+export interface EndCardHandle {
+  wish: (wish: Wish) => void;
+}
+
+interface EndCardProps {
+  ended: Ended;
+  behaviour: Behaviour;
+  handle: RefObject<EndCardHandle | null>;
+  starting: boolean;
+  onAgain: () => void;
+  /** Plays on from shortly before the end. */
+  onRewind: () => void;
+}
+
+/** How a game ended, and what becomes of it. */
+export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind }: EndCardProps) {
+  const choice = useDecision(behaviour.id, ended.recording_id);
+  const failed = ended.verification === "failed";
+  const { decision, perfect, busy } = choice;
+
+  function again() {
+    // What is good enough to be played on from is kept: bad games teach, too.
+    choice.keep();
+    onAgain();
+  }
+
+  function rewind() {
+    choice.keep();
+    onRewind();
+  }
+
+  useImperativeHandle(handle, () => ({
+    wish: (wish) => {
+      if (wish === "keep") choice.keep();
+      else if (wish === "discard") choice.discard();
+      else if (wish === "perfect") choice.togglePerfect();
+      else if (wish === "again") again();
+      else if (wish === "rewind" && !failed) rewind();
+    },
+  }));
+
+  return (
+    <Overlay>
+      <div role="status" aria-live="polite">
+        <p className={styles.big} style={{ color: "inherit" }}>
+          {endSentence(ended)}
+        </p>
+        <p>{scoreSentence(ended, behaviour)}</p>
+        {failed && (
+          <p>
+            A replay didn&rsquo;t give what was recorded: {ended.verification_note} It can&rsquo;t
+            be ranked.
+          </p>
+        )}
+        <p>{decisionSentence(decision, perfect, ended.recording_id)}</p>
+      </div>
+      <div className={styles.actions}>
+        {decision === "open" && (
+          <Button kind="primary" onClick={choice.keep} disabled={busy}>
+            Keep <kbd>K</kbd>
+          </Button>
+        )}
+        {decision !== "discarded" && (
+          <>
+            <Button
+              icon="star"
+              aria-pressed={perfect}
+              onClick={choice.togglePerfect}
+              disabled={busy || failed}
+            >
+              Perfect <kbd>P</kbd>
+            </Button>
+            <Button onClick={choice.discard} disabled={busy}>
+              Discard <kbd>D</kbd>
+            </Button>
+          </>
+        )}
+        <Button
+          icon="undo"
+          onClick={rewind}
+          disabled={starting || failed}
+          title="Keeps this game, and plays on from two seconds before its end"
+        >
+          Rewind <kbd>⌫</kbd>
+        </Button>
+        <Button
+          kind={decision === "open" ? "secondary" : "primary"}
+          onClick={again}
+          disabled={starting}
+          title={decision === "open" ? "Keeps this game and starts another one" : undefined}
+        >
+          {starting ? "Starting…" : "Play again"} <kbd>Space</kbd>
+        </Button>
+      </div>
+    </Overlay>
+  );
+}
+
+function endSentence({ reason, frame }: Ended): string {
+  const after = `after ${seconds(frame / FRAME_RATE_HZ)}`;
+  switch (reason) {
+    case "hit":
+    case "lives":
+      return `Hit by a bomb ${after}`;
+    case "steps":
+      return "Survived all 300 steps";
+    case "cleared":
+      return `All aliens gone ${after}`;
+    case "landed":
+      return `The aliens landed ${after}`;
+    default:
+      return `Stopped ${after}`;
+  }
+}
+
+function scoreSentence(ended: Ended, { target }: Behaviour): string {
+  const { targets, strays, hits, order_errors: errors } = ended;
+  if (targets === null || strays === null) return `${count(hits.length, "alien")} hit`;
+  const parts = [
+    target ? `${targets} of ${target.length} targets` : `${targets} targets`,
+    strays === 0 ? "no strays" : count(strays, "stray"),
+  ];
+  if (errors) parts.push(`${count(errors, "hit")} out of order`);
+  return parts.join(", ");
+}
+
+function decisionSentence(
+  decision: "open" | "kept" | "discarded",
+  perfect: boolean,
+  id: number,
+): string {
+  if (decision === "kept") return `Kept as recording ${id}${perfect ? ", marked as perfect" : ""}.`;
+  return decision === "discarded" ? "Discarded." : "";
+}

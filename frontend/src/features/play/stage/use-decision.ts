@@ -1,0 +1,80 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+
+import { messageOf } from "@/api/client";
+import {
+  discardRecording,
+  keepRecording,
+  restoreRecording,
+  updateRecording,
+} from "@/api/recordings";
+import { useToast } from "@/components/feedback/Toasts";
+
+export type Decision = "open" | "kept" | "discarded";
+
+export interface GameDecision {
+  readonly decision: Decision;
+  readonly perfect: boolean;
+  readonly busy: boolean;
+  keep: () => void;
+  discard: () => void;
+  /** Keeps it and marks it as perfect, or takes the mark off again. */
+  togglePerfect: () => void;
+}
+
+/** What becomes of one ended game. */
+export function useDecision(behaviourId: number, recordingId: number): GameDecision {
+  const client = useQueryClient();
+  const toast = useToast();
+  const [decision, setDecision] = useState<Decision>("open");
+  const [perfect, setPerfect] = useState(false);
+
+  const change = useMutation({
+    mutationFn: async (act: () => Promise<unknown>) => {
+      await act();
+    },
+    scope: { id: `recording-${recordingId}` },
+    onError: (error) => toast(messageOf(error)),
+    onSettled: () => {
+      void client.invalidateQueries({ queryKey: ["recordings", behaviourId] });
+      void client.invalidateQueries({ queryKey: ["ranking", behaviourId] });
+      void client.invalidateQueries({ queryKey: ["behaviours"] });
+    },
+  });
+
+  function keep() {
+    if (decision !== "open") return;
+    change.mutate(async () => {
+      await keepRecording(recordingId);
+      setDecision("kept");
+    });
+  }
+
+  function discard() {
+    if (decision === "discarded") return;
+    change.mutate(async () => {
+      await discardRecording(recordingId);
+      setDecision("discarded");
+      toast(`Recording ${recordingId} discarded.`, { label: "Undo", run: takeBack });
+    });
+  }
+
+  function takeBack() {
+    change.mutate(async () => {
+      await restoreRecording(recordingId);
+      setDecision("kept");
+    });
+  }
+
+  function togglePerfect() {
+    if (decision === "discarded") return;
+    change.mutate(async () => {
+      if (decision === "open") await keepRecording(recordingId);
+      setDecision("kept");
+      await updateRecording(recordingId, { perfect: !perfect });
+      setPerfect(!perfect);
+    });
+  }
+
+  return { decision, perfect, busy: change.isPending, keep, discard, togglePerfect };
+}

@@ -1,0 +1,78 @@
+/** The binary messages of the play protocol (docs/protocol.md): frames, inputs, acknowledgements. */
+import { CodecError } from "@/lib/game/codec";
+
+import type { Formation } from "./formation";
+
+const FRAME_TYPE = 1;
+const FRAME_HEADER_BYTES = 16;
+const KEY_FRAME_FLAG = 1;
+const SHOT_FLAG = 2;
+/** Added to the formation's left edge, which can lie left of the screen, to make it unsigned. */
+const LEFT_BIAS = 96;
+const INPUT_TYPE = 1;
+const ACK_TYPE = 2;
+
+export interface FrameMessage {
+  readonly isKey: boolean;
+  /** Counts from 1 in each connection. */
+  readonly sequence: number;
+  /** The game's frame; 0 is the start's screen. */
+  readonly frame: number;
+  /** The newest input that a frame of the game was executed with. */
+  readonly inputSequence: number;
+  /** Where the aliens stand on this screen. */
+  readonly formation: Formation;
+  /** Whether a missile has left the cannon since the screen before. */
+  readonly isShot: boolean;
+  readonly payload: Uint8Array;
+}
+
+/** Reads a FRAME message. */
+export function readFrame(message: ArrayBuffer): FrameMessage {
+  if (message.byteLength <= FRAME_HEADER_BYTES) {
+    throw new CodecError(`A frame of ${message.byteLength} bytes is too short.`);
+  }
+  const view = new DataView(message);
+  const type = view.getUint8(0);
+  if (type !== FRAME_TYPE) throw new CodecError(`Expected a frame, got message type ${type}.`);
+  const flags = view.getUint8(1);
+  return {
+    isKey: (flags & KEY_FRAME_FLAG) !== 0,
+    isShot: (flags & SHOT_FLAG) !== 0,
+    formation: { left: view.getUint8(2) - LEFT_BIAS, top: view.getUint8(3) },
+    sequence: view.getUint32(4, true),
+    frame: view.getUint32(8, true),
+    inputSequence: view.getUint32(12, true),
+    payload: new Uint8Array(message, FRAME_HEADER_BYTES),
+  };
+}
+
+/** Writes an INPUT message: the keys held now. */
+export function writeInput(keys: number, inputSequence: number): ArrayBuffer {
+  const message = new ArrayBuffer(8);
+  const view = new DataView(message);
+  view.setUint8(0, INPUT_TYPE);
+  view.setUint8(1, keys);
+  view.setUint32(4, inputSequence, true);
+  return message;
+}
+
+const LATENCY_UNITS_PER_MS = 10;
+const LONGEST_LATENCY = 0xffff;
+
+/**
+ * Writes an ACK message: this frame has been drawn.
+ *
+ * @param latencyMs Time since the key's event, if it is the first frame drawn with a key pressed.
+ */
+export function writeAck(sequence: number, latencyMs: number | null = null): ArrayBuffer {
+  const message = new ArrayBuffer(8);
+  const view = new DataView(message);
+  view.setUint8(0, ACK_TYPE);
+  if (latencyMs !== null) {
+    const units = Math.max(1, Math.round(latencyMs * LATENCY_UNITS_PER_MS));
+    view.setUint16(2, Math.min(units, LONGEST_LATENCY), true);
+  }
+  view.setUint32(4, sequence, true);
+  return message;
+}

@@ -1,0 +1,77 @@
+/** The text messages of the play protocol (docs/protocol.md). */
+import type { Palette } from "@/lib/game/screen";
+
+import type { AlienGeometry } from "./formation";
+
+export interface HitAt {
+  readonly row: number;
+  readonly column: number;
+  readonly frame: number;
+  readonly on_target: boolean | null;
+}
+
+interface Hello {
+  readonly type: "hello";
+  readonly palette: Palette;
+  readonly max_frames: number;
+  readonly frame: number;
+  readonly resumed: boolean;
+  readonly hits: readonly HitAt[];
+  readonly speed_percent: number;
+  readonly aliens: AlienGeometry;
+}
+
+interface Countdown {
+  readonly type: "countdown";
+  readonly seconds: number;
+}
+
+interface HitMessage extends HitAt {
+  readonly type: "hit";
+}
+
+interface Paused {
+  readonly type: "paused";
+  readonly why: string;
+}
+
+/** The game goes on from an earlier frame; `recording_id` is the game as it was before. */
+interface Rewound {
+  readonly type: "rewound";
+  readonly frame: number;
+  readonly hits: readonly HitAt[];
+  readonly recording_id: number;
+}
+
+export interface Ended {
+  readonly type: "ended";
+  readonly reason: string | null;
+  readonly frame: number;
+  readonly hits: readonly HitAt[];
+  readonly targets: number | null;
+  readonly strays: number | null;
+  readonly order_errors: number | null;
+  readonly recording_id: number;
+  readonly verification: "verified" | "failed";
+  readonly verification_note: string;
+}
+
+interface TakenOver {
+  readonly type: "taken_over";
+}
+
+export type ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver;
+export type Command = "ready" | "stop" | "pause" | "go_on" | "step" | "rewind" | "release";
+
+/** Percent of 60 frames a second, the fastest first. */
+export const SPEEDS = [100, 75, 50, 25] as const;
+
+/** Codes with which the server closes a stream. */
+export const CLOSE = {
+  tryAgainLater: 1013,
+  takenOver: 4001,
+  badMessage: 4400,
+  unauthorised: 4401,
+  noSuchGame: 4404,
+  gameOver: 4410,
+} as const;

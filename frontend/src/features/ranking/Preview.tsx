@@ -1,0 +1,46 @@
+import { useState } from "react";
+
+import type { Behaviour, Recording } from "@/api/types";
+import { RecordingScreen } from "@/components/recording/RecordingScreen";
+import { WatchDialog } from "@/components/recording/WatchDialog";
+import { recordingName, scoreInWords } from "@/lib/recordings";
+
+import styles from "./Preview.module.css";
+
+const PREVIEW = { width: 352, height: 210 } as const;
+
+/** A recording beside the board; it plays when it is pointed at. */
+export function Preview({
+  recording,
+  playing,
+  behaviour,
+}: {
+  recording: Recording | undefined;
+  playing: boolean;
+  behaviour: Behaviour;
+}) {
+  const [watching, setWatching] = useState(false);
+  const nTargets = behaviour.target?.length ?? null;
+  if (!recording) return null;
+  return (
+    <section className={styles.preview} aria-label="Preview">
+      <button
+        type="button"
+        className={styles.screen}
+        aria-label={`Watch ${recordingName(recording)}`}
+        onClick={() => setWatching(true)}
+      >
+        <RecordingScreen key={recording.id} recording={recording} playing={playing} {...PREVIEW} />
+      </button>
+      <p className={styles.caption}>
+        <strong>{recordingName(recording)}</strong>
+        <span>
+          {playing ? scoreInWords(recording, nTargets) : "Point at a recording and it plays here."}
+        </span>
+      </p>
+      {watching && (
+        <WatchDialog recording={recording} nTargets={nTargets} onClose={() => setWatching(false)} />
+      )}
+    </section>
+  );
+}

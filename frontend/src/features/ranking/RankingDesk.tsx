@@ -1,0 +1,133 @@
+import { useCallback, useMemo, useState } from "react";
+
+import type { Behaviour, Ranking, Recording } from "@/api/types";
+import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
+import { DragBoard } from "@/features/ranking/board/DragBoard";
+import { allPlaces, isGap, placeInWords, readPlace } from "@/features/ranking/board/places";
+import { CardBody, type Move } from "@/features/ranking/board/RankCard";
+import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
+import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
+import { place, tierOf, type Tiers } from "@/features/ranking/order/order";
+import type { SaverState } from "@/features/ranking/order/saver";
+import { useRankingSaver } from "@/features/ranking/order/use-ranking";
+import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
+import { recordingName } from "@/lib/recordings";
+
+import { ConflictDialog } from "./ConflictDialog";
+import { Hints } from "./Hints";
+import { Pairs } from "./Pairs";
+import { Preview } from "./Preview";
+import styles from "./RankingDesk.module.css";
+import { SaveBar } from "./SaveBar";
+import { useMedia } from "./use-media";
+
+interface RankingDeskProps {
+  behaviour: Behaviour;
+  ranking: Ranking;
+  recordings: readonly Recording[];
+}
+
+/** The board with the tray, the preview and the hints beside it. */
+export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps) {
+  const [state, saver] = useRankingSaver(ranking);
+  const [looked, setLooked] = useState<number | null>(null);
+  const [spoken, setSpoken] = useState("");
+  const actions = useRecordingActions(behaviour.id);
+  const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
+  const narrow = useMedia("(max-width: 66rem)");
+  const { tiers } = state;
+  const unranked = unrankedOf(state);
+  useUndoKeys(saver);
+  const keepFocus = useKeptFocus(tiers);
+
+  const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
+  const nameOfPlace = useCallback((to: string) => placeInWords(to, tiers), [tiers]);
+
+  function move(id: number, kind: Move) {
+    const next = applyMove(tiers, id, kind);
+    keepFocus(id, kind);
+    saver.change(next);
+    setSpoken(`${recordingName({ id })}: ${standingInWords(next, id)}.`);
+  }
+
+  const desk = {
+    tiers,
+    recordings: byId,
+    behaviour,
+    looked,
+    narrow,
+    onLook: setLooked,
+    onMove: move,
+    onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
+  };
+  return (
+    <DragBoard
+      places={allPlaces(tiers)}
+      isThin={isGap}
+      nameOfItem={nameOfItem}
+      nameOfPlace={nameOfPlace}
+      onDrop={(item, to) => saver.change(place(tiers, Number(item), readPlace(to)))}
+      renderDragged={(item) => {
+        const recording = byId.get(Number(item));
+        return recording && <CardBody recording={recording} behaviour={behaviour} />;
+      }}
+    >
+      <div className={styles.page}>
+        <section aria-label="Ranking">
+          <SaveBar state={state} saver={saver} />
+          <Pairs
+            pairs={openPairs(tiers, unranked, byId)}
+            behaviour={behaviour}
+            onLook={setLooked}
+            onJudge={(pair, verdict) => {
+              const next = judge(tiers, pair, verdict);
+              saver.change(next);
+              setSpoken(
+                [pair.after, pair.before]
+                  .map(({ id }) => `${recordingName({ id })}: ${standingInWords(next, id)}.`)
+                  .join(" "),
+              );
+            }}
+          />
+          <Board {...desk} />
+        </section>
+        <div className={styles.side}>
+          {!narrow && (
+            <Preview
+              recording={byId.get(looked ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
+              playing={looked !== null}
+              behaviour={behaviour}
+            />
+          )}
+          <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
+          <Tray {...desk} unranked={unranked} />
+        </div>
+      </div>
+      <p role="status" className="visually-hidden">
+        {spoken}
+      </p>
+      {state.conflict && (
+        <ConflictDialog
+          theirs={state.conflict.tiers}
+          mine={tiers}
+          onSettle={(whose) => saver.settle(whose)}
+        />
+      )}
+    </DragBoard>
+  );
+}
+
+/** All recordings of the saved ranking that are in none of the tiers shown. */
+function unrankedOf({ saved, tiers }: SaverState): readonly number[] {
+  const ranked = new Set(tiers.flat());
+  return [...saved.unranked, ...saved.tiers.flat()].filter((id) => !ranked.has(id));
+}
+
+function standingInWords(tiers: Tiers, id: number): string {
+  const at = tierOf(tiers, id);
+  if (at < 0) return "unranked";
+  const others = (tiers[at]?.length ?? 1) - 1;
+  const tie = others === 0 ? "alone" : `tied with ${others}`;
+  return `tier ${at + 1} of ${tiers.length}, ${tie}`;
+}

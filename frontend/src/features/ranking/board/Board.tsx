@@ -1,0 +1,161 @@
+import { type ReactNode } from "react";
+
+import type { Behaviour, Recording } from "@/api/types";
+import {
+  isTied,
+  joinAbove,
+  moveDown,
+  moveUp,
+  newTier,
+  place,
+  tierOf,
+  type Tiers,
+} from "@/features/ranking/order/order";
+import { classes } from "@/lib/classes";
+import { count } from "@/lib/format";
+
+import styles from "./Board.module.css";
+import { useDropPlace } from "./DragBoard";
+import { gapPlace, tierPlace, TRAY } from "./places";
+import { type Move, RankCard } from "./RankCard";
+
+export interface BoardProps {
+  tiers: Tiers;
+  recordings: ReadonlyMap<number, Recording>;
+  behaviour: Behaviour;
+  looked: number | null;
+  /** Whether there is no room for a preview beside the board. */
+  narrow: boolean;
+  onLook: (id: number) => void;
+  onMove: (id: number, move: Move) => void;
+  onPerfect: (recording: Recording) => void;
+}
+
+/** What a button on a card does to the order. */
+export function applyMove(tiers: Tiers, id: number, move: Move): Tiers {
+  switch (move) {
+    case "up":
+      return tierOf(tiers, id) < 0
+        ? place(tiers, id, { kind: "gap", before: 0 })
+        : moveUp(tiers, id);
+    case "down":
+      return moveDown(tiers, id);
+    case "join":
+      return joinAbove(tiers, id);
+    case "new":
+      return newTier(tiers, id);
+    case "tray":
+      return place(tiers, id, { kind: "tray" });
+  }
+}
+
+/** The moves that would change something for a recording. */
+function possibleMoves(tiers: Tiers, id: number): ReadonlySet<Move> {
+  const at = tierOf(tiers, id);
+  if (at < 0) return new Set<Move>(["up", "new"]);
+  const tied = isTied(tiers, id);
+  const moves: Move[] = ["tray"];
+  if (tied || at > 0) moves.push("up");
+  if (tied || at < tiers.length - 1) moves.push("down");
+  if (at > 0) moves.push("join");
+  if (tied) moves.push("new");
+  return new Set(moves);
+}
+
+/** The tiers from best to worst. */
+export function Board(props: BoardProps) {
+  const { tiers } = props;
+  if (tiers.length === 0) return <EmptyBoard />;
+  return (
+    <>
+      <ol className={styles.tiers} aria-label="Tiers, best first">
+        {tiers.map((tier, index) => (
+          <li
+            // A tier is known by what is in it, so that cards keep their focus when it moves.
+            key={`of-${Math.min(...tier)}`}
+            aria-label={`Tier ${index + 1} of ${tiers.length}, ${count(tier.length, "recording")}`}
+          >
+            <Gap before={index} />
+            <Tier {...props} tier={tier} index={index} />
+          </li>
+        ))}
+      </ol>
+      <Gap before={tiers.length} />
+    </>
+  );
+}
+
+function EmptyBoard() {
+  const { setPlace, isOver } = useDropPlace(gapPlace(0));
+  return (
+    <div ref={setPlace} className={classes(styles.empty, isOver && styles.over)}>
+      <p>
+        Drag recordings here, the best to the top. Drop one on another to call it a tie, between two
+        to put it between them.
+      </p>
+    </div>
+  );
+}
+
+function Gap({ before }: { before: number }) {
+  const { setPlace, isOver } = useDropPlace(gapPlace(before));
+  return <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />;
+}
+
+function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
+  const { tiers, tier, index } = props;
+  const name = tierPlace(index);
+  const { setPlace, isOver } = useDropPlace(name);
+  return (
+    <div ref={setPlace} className={classes(styles.tier, isOver && styles.over)}>
+      <span className={styles.number} aria-hidden="true">
+        {index + 1}
+        {index === 0 && <small>best</small>}
+        {index === tiers.length - 1 && index > 0 && <small>worst</small>}
+      </span>
+      <div className={styles.cards}>{tier.map((id) => cardOf(props, id, name))}</div>
+    </div>
+  );
+}
+
+/** The recordings in no tier. */
+export function Tray(props: BoardProps & { unranked: readonly number[] }) {
+  const { unranked } = props;
+  const { setPlace, isOver } = useDropPlace(TRAY);
+  return (
+    <section
+      ref={setPlace}
+      className={classes(styles.tray, isOver && styles.over)}
+      aria-label={`Unranked, ${count(unranked.length, "recording")}`}
+    >
+      <h3>Unranked ({unranked.length})</h3>
+      {unranked.length === 0 ? (
+        <p className={styles.trayEmpty}>All recordings are ranked.</p>
+      ) : (
+        unranked.map((id) => cardOf(props, id, TRAY))
+      )}
+    </section>
+  );
+}
+
+function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
+  const { tiers, recordings, behaviour, looked, narrow, onLook, onMove, onPerfect } = props;
+  const recording = recordings.get(id);
+  if (!recording) return null;
+  return (
+    <div key={id}>
+      <RankCard
+        recording={recording}
+        behaviour={behaviour}
+        place={placeName}
+        ranked={placeName !== TRAY}
+        looked={looked === id}
+        unfolded={looked === id && narrow}
+        possible={possibleMoves(tiers, id)}
+        onMove={(move) => onMove(id, move)}
+        onPerfect={() => onPerfect(recording)}
+        onLook={() => onLook(id)}
+      />
+    </div>
+  );
+}

@@ -1,0 +1,44 @@
+/** Names of the board's places, as dragging knows them. */
+import type { Place, Tiers } from "@/features/ranking/order/order";
+
+export const TRAY = "tray";
+
+export function tierPlace(tier: number): string {
+  return `tier-${tier}`;
+}
+
+export function gapPlace(before: number): string {
+  return `gap-${before}`;
+}
+
+/** All places, from best to worst and then the tray: the order of the arrow keys. */
+export function allPlaces(tiers: Tiers): readonly string[] {
+  const places = tiers.flatMap((_, tier) => [gapPlace(tier), tierPlace(tier)]);
+  return [...places, gapPlace(tiers.length), TRAY];
+}
+
+export function isGap(place: string): boolean {
+  return place.startsWith("gap-");
+}
+
+/** What a place's name means. */
+export function readPlace(place: string): Place {
+  if (place === TRAY) return { kind: "tray" };
+  const number = Number(place.slice(place.indexOf("-") + 1));
+  return isGap(place) ? { kind: "gap", before: number } : { kind: "tier", tier: number };
+}
+
+/** A place in words, for announcements. */
+export function placeInWords(place: string, tiers: Tiers): string {
+  const to = readPlace(place);
+  if (to.kind === "tray") return "unranked";
+  if (to.kind === "tier") {
+    const n = tiers[to.tier]?.length ?? 0;
+    const others = n === 1 ? "1 recording" : `${n} recordings`;
+    return `tier ${to.tier + 1} of ${tiers.length}, with ${others}`;
+  }
+  if (tiers.length === 0) return "the first tier";
+  if (to.before === 0) return "new tier, best of all";
+  if (to.before === tiers.length) return "new tier, worst of all";
+  return `new tier between tiers ${to.before} and ${to.before + 1}`;
+}

@@ -1,0 +1,47 @@
+/** Pairs of recordings of which one goes on from the other. Pure. */
+import type { Recording } from "@/api/types";
+
+import { place, tierOf, type Tiers } from "./order";
+
+/** Two ways to go on from the same moment of a game. */
+export interface BranchPair {
+  readonly before: Recording;
+  readonly after: Recording;
+  /** The frame up to which they are the same. */
+  readonly frame: number;
+}
+
+export type Verdict = "after" | "before" | "equal";
+
+/** The pairs that can be ranked and of which at least one isn't yet, the newest first. */
+export function openPairs(
+  tiers: Tiers,
+  unranked: readonly number[],
+  recordings: ReadonlyMap<number, Recording>,
+): readonly BranchPair[] {
+  const pairs: BranchPair[] = [];
+  const rankable = (id: number) => tierOf(tiers, id) >= 0 || unranked.includes(id);
+  for (const after of recordings.values()) {
+    const before = after.parent && recordings.get(after.parent.recording_id);
+    if (!before || !after.parent || !rankable(before.id) || !rankable(after.id)) continue;
+    if (tierOf(tiers, before.id) >= 0 && tierOf(tiers, after.id) >= 0) continue;
+    pairs.push({ before, after, frame: after.parent.frame });
+  }
+  return pairs.sort((a, b) => b.after.id - a.after.id);
+}
+
+/**
+ * Puts a pair in order. What is ranked already stays where it is, and the other one goes right
+ * beside it; if neither is, both go to the end.
+ */
+export function judge(tiers: Tiers, { before, after }: BranchPair, verdict: Verdict): Tiers {
+  const [better, worse] = verdict === "before" ? [before.id, after.id] : [after.id, before.id];
+  const withOne =
+    tierOf(tiers, better) < 0 && tierOf(tiers, worse) < 0
+      ? place(tiers, better, { kind: "gap", before: tiers.length })
+      : tiers;
+  const at = Math.max(tierOf(withOne, better), tierOf(withOne, worse));
+  const missing = tierOf(withOne, better) < 0 ? better : worse;
+  if (verdict === "equal") return place(withOne, missing, { kind: "tier", tier: at });
+  return place(withOne, missing, { kind: "gap", before: missing === better ? at : at + 1 });
+}

@@ -1,0 +1,72 @@
+import { queryOptions } from "@tanstack/react-query";
+
+import { api, ProblemError, unwrap } from "@/api/client";
+import type { Ranking } from "@/api/types";
+
+export type Tiers = readonly (readonly number[])[];
+
+function at(behaviourId: number) {
+  return { params: { path: { behaviour_id: behaviourId } } };
+}
+
+export function rankingQuery(behaviourId: number) {
+  return queryOptions({
+    queryKey: ["ranking", behaviourId],
+    queryFn: ({ signal }) =>
+      unwrap(api.GET("/api/behaviours/{behaviour_id}/ranking", { ...at(behaviourId), signal })),
+  });
+}
+
+/** Saves an order that was made from a revision; throws RankingConflictError if it is old. */
+export async function saveRanking(
+  behaviourId: number,
+  baseRevision: number,
+  tiers: Tiers,
+): Promise<Ranking> {
+  try {
+    return await unwrap(
+      api.PUT("/api/behaviours/{behaviour_id}/ranking", {
+        ...at(behaviourId),
+        body: { base_revision: baseRevision, tiers: tiers.map((tier) => [...tier]) },
+      }),
+    );
+  } catch (error) {
+    throw conflictOf(error) ?? error;
+  }
+}
+
+/** Takes the last change back, or makes it again. */
+export async function stepRanking(
+  behaviourId: number,
+  baseRevision: number,
+  step: "undo" | "redo",
+): Promise<Ranking> {
+  try {
+    return await unwrap(
+      api.POST(`/api/behaviours/{behaviour_id}/ranking/${step}`, {
+        ...at(behaviourId),
+        body: { base_revision: baseRevision },
+      }),
+    );
+  } catch (error) {
+    throw conflictOf(error) ?? error;
+  }
+}
+
+/** Somebody else saved first. */
+export class RankingConflictError extends Error {
+  override name = "RankingConflictError";
+  readonly current: Ranking;
+
+  constructor(message: string, current: Ranking) {
+    super(message);
+    this.current = current;
+  }
+}
+
+function conflictOf(error: unknown): RankingConflictError | null {
+  if (!(error instanceof ProblemError) || error.status !== 409) return null;
+  const body = error.body;
+  if (typeof body !== "object" || body === null || !("current" in body)) return null;
+  return new RankingConflictError(error.message, body.current as Ranking);
+}

@@ -1,0 +1,31 @@
+import { useQueryClient } from "@tanstack/react-query";
+import { useEffect, useState, useSyncExternalStore } from "react";
+
+import type { Ranking } from "@/api/types";
+
+import { RankingConflictError, rankingQuery, saveRanking, stepRanking } from "./rankings";
+import { RankingSaver, type SaverState } from "./saver";
+
+/** The ranking as it is shown, and what changes it. */
+export function useRankingSaver(ranking: Ranking): [SaverState, RankingSaver] {
+  const client = useQueryClient();
+  const behaviourId = ranking.behaviour_id;
+  const [saver] = useState(() => {
+    const { queryKey } = rankingQuery(behaviourId);
+    const noted = async (answer: Promise<Ranking>): Promise<Ranking> => {
+      // An answer that is still on its way could be older than this one.
+      await client.cancelQueries({ queryKey });
+      const saved = await answer;
+      client.setQueryData(queryKey, saved);
+      void client.invalidateQueries({ queryKey: ["behaviours"] });
+      return saved;
+    };
+    return new RankingSaver(ranking, {
+      save: (base, tiers) => noted(saveRanking(behaviourId, base, tiers)),
+      step: (base, step) => noted(stepRanking(behaviourId, base, step)),
+      conflictOf: (error) => (error instanceof RankingConflictError ? error.current : null),
+    });
+  });
+  useEffect(() => saver.receive(ranking), [saver, ranking]);
+  return [useSyncExternalStore(saver.subscribe, saver.snapshot), saver];
+}

@@ -1,0 +1,55 @@
+import type { Recording } from "@/api/types";
+import { Badge } from "@/components/feedback/Badge";
+import { count, fixed, percent } from "@/lib/format";
+
+/** Whether a replay reproduced the recording. */
+export function VerifiedBadge({ recording }: { recording: Recording }) {
+  if (recording.state === "unfinished") {
+    return (
+      <Badge tone="warn" icon="clock">
+        not played to its end
+      </Badge>
+    );
+  }
+  switch (recording.verification) {
+    case "verified":
+      return (
+        <Badge tone="good" icon="check" title="A replay reproduced the recording exactly.">
+          verified
+        </Badge>
+      );
+    case "failed":
+      return (
+        <Badge tone="bad" icon="alert">
+          not verified: {recording.verification_note}
+        </Badge>
+      );
+    case "pending":
+      return <Badge icon="clock">being verified</Badge>;
+  }
+}
+
+/** Marks a game that its player saw with noticeable delay. */
+export function LatencyBadge({ recording }: { recording: Recording }) {
+  const { latency, n_frames } = recording;
+  if (!latency?.is_bad) return null;
+  const { p50_ms, p95_ms, frames_dropped } = latency;
+  const parts = [`${percent(frames_dropped / Math.max(1, n_frames), 0)} of the frames not drawn`];
+  if (p50_ms !== null && p95_ms !== null) {
+    parts.unshift(`from key to screen ${fixed(p50_ms, 0)} ms, 95% within ${fixed(p95_ms, 0)} ms`);
+  }
+  return (
+    <Badge icon="clock" title={`Played with delay: ${parts.join("; ")}.`}>
+      played with delay
+    </Badge>
+  );
+}
+
+/** Marks a game that was played in slow motion or frame by frame. */
+export function PaceBadge({ recording }: { recording: Recording }) {
+  const { slowest_percent: slowest, single_steps: steps } = recording;
+  const parts = [];
+  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest} %`);
+  if (steps) parts.push(`${count(steps, "frame")} one by one`);
+  return parts.length === 0 ? null : <Badge>{parts.join("; ")}</Badge>;
+}

@@ -1,0 +1,64 @@
+import { memo, useSyncExternalStore } from "react";
+
+import type { Playback } from "@/lib/game/playback";
+
+import styles from "./ActionLanes.module.css";
+import { actionInWords, lanesOf } from "./actions";
+
+const LANE_HEIGHT = 8;
+const LANE_GAP = 3;
+
+/** Which keys were held along time, and the action that led to the present frame. */
+export function ActionLanes({
+  playback,
+  actions,
+}: {
+  playback: Playback;
+  actions: readonly number[];
+}) {
+  const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
+  const last = Math.max(actions.length, 1);
+  const height = 3 * (LANE_HEIGHT + LANE_GAP);
+  return (
+    <div className={styles.actions}>
+      <svg
+        className={styles.lanes}
+        viewBox={`0 0 ${last} ${height}`}
+        height={height}
+        preserveAspectRatio="none"
+        role="img"
+        aria-label="Keys held along time: left, right and fire from top to bottom"
+      >
+        <Lanes actions={actions} last={last} />
+        <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={height} />
+      </svg>
+      <p className={styles.legend}>
+        <span>Held: left, right, fire from top to bottom</span>
+        <span>
+          Action of frame {frame}: <strong>{actionInWords(actions, frame)}</strong>
+        </span>
+      </p>
+    </div>
+  );
+}
+
+const Lanes = memo(function Lanes({ actions, last }: { actions: readonly number[]; last: number }) {
+  return lanesOf(actions).map((lane, index) => {
+    const y = index * (LANE_HEIGHT + LANE_GAP);
+    return (
+      <g key={lane.name}>
+        <rect className={styles.lane} x={0} y={y} width={last} height={LANE_HEIGHT} />
+        {lane.spans.map(({ from, to }) => (
+          <rect
+            key={from}
+            className={styles.held}
+            x={from - 1}
+            y={y}
+            width={to - from + 1}
+            height={LANE_HEIGHT}
+          />
+        ))}
+      </g>
+    );
+  });
+});

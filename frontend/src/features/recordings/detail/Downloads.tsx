@@ -1,0 +1,66 @@
+import { useState } from "react";
+
+import { messageOf } from "@/api/client";
+import { type ClipKind, fetchClip, recordingExportUrl } from "@/api/recordings";
+import type { Recording } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import buttonStyles from "@/components/controls/Button.module.css";
+import { Icon } from "@/components/controls/Icon";
+import { Notice } from "@/components/feedback/States";
+
+import styles from "./Downloads.module.css";
+import { saveFile } from "./save-file";
+
+const CLIPS: readonly (readonly [kind: ClipKind, name: string, hint: string])[] = [
+  ["mp4", "MP4", "every frame, 60 a second"],
+  ["gif", "GIF", "20 pictures a second"],
+  ["webp", "WebP", "20 pictures a second, smaller"],
+];
+
+/** What a recording can be taken away as. */
+export function Downloads({ recording }: { recording: Recording }) {
+  const [making, setMaking] = useState<ClipKind | null>(null);
+  const [error, setError] = useState<unknown>(null);
+
+  async function download(kind: ClipKind) {
+    setMaking(kind);
+    setError(null);
+    try {
+      saveFile(await fetchClip(recording, kind), `recording-${recording.id}.${kind}`);
+    } catch (problem) {
+      setError(problem);
+    } finally {
+      setMaking(null);
+    }
+  }
+
+  return (
+    <>
+      <div className={styles.buttons}>
+        {CLIPS.map(([kind, name, hint]) => (
+          <Button
+            key={kind}
+            icon="download"
+            title={hint}
+            disabled={making !== null}
+            onClick={() => void download(kind)}
+          >
+            {making === kind ? `Making the ${name}…` : name}
+          </Button>
+        ))}
+        <a className={buttonStyles.button} href={recordingExportUrl(recording.id)} download>
+          <Icon name="download" />
+          Data (JSON)
+        </a>
+      </div>
+      <p className={styles.hint} role="status">
+        {making !== null && "The game is played again and encoded; this takes some seconds."}
+      </p>
+      {error !== null && (
+        <Notice tone="bad" live>
+          <p>{messageOf(error)}</p>
+        </Notice>
+      )}
+    </>
+  );
+}

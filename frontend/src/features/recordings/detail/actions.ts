@@ -1,0 +1,57 @@
+/** The actions of a recording's frames, in words and as spans of time. */
+
+/** As the exchange format counts them; a press of two keys is one action. */
+const ACTION_NAMES = [
+  "nothing",
+  "fire",
+  "right",
+  "left",
+  "right and fire",
+  "left and fire",
+] as const;
+
+const FIRING: ReadonlySet<number> = new Set([1, 4, 5]);
+const RIGHT: ReadonlySet<number> = new Set([2, 4]);
+const LEFT: ReadonlySet<number> = new Set([3, 5]);
+
+/** What was held, from which frame to which; both are executed with it. */
+export interface Span {
+  readonly from: number;
+  readonly to: number;
+}
+
+export interface Lane {
+  readonly name: string;
+  readonly spans: readonly Span[];
+}
+
+/**
+ * The action that led to a frame, in words.
+ *
+ * @param actions `actions[f]` was executed in frame f + 1.
+ */
+export function actionInWords(actions: readonly number[], frame: number): string {
+  if (frame <= 0) return "the start";
+  const action = actions[frame - 1];
+  return action === undefined ? "none" : (ACTION_NAMES[action] ?? `action ${action}`);
+}
+
+/** When each key was held. */
+export function lanesOf(actions: readonly number[]): readonly Lane[] {
+  return [
+    { name: "left", spans: spansOf(actions, LEFT) },
+    { name: "right", spans: spansOf(actions, RIGHT) },
+    { name: "fire", spans: spansOf(actions, FIRING) },
+  ];
+}
+
+function spansOf(actions: readonly number[], held: ReadonlySet<number>): Span[] {
+  const spans: Span[] = [];
+  for (let at = 0; at < actions.length; at += 1) {
+    if (!held.has(actions[at] ?? -1)) continue;
+    const from = at + 1;
+    while (held.has(actions[at + 1] ?? -1)) at += 1;
+    spans.push({ from, to: at + 1 });
+  }
+  return spans;
+}

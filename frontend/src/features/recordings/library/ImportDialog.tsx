@@ -1,0 +1,155 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { type DragEvent, useState } from "react";
+
+import { messageOf } from "@/api/client";
+import { importRecordings } from "@/api/recordings";
+import type { ImportResult } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { Checkbox } from "@/components/controls/Field";
+import { Notice } from "@/components/feedback/States";
+import { classes } from "@/lib/classes";
+import { bytes, count } from "@/lib/format";
+
+import styles from "./ImportDialog.module.css";
+
+/** Takes recordings from a file, replays each, and says which were refused and why. */
+export function ImportDialog({
+  behaviourId,
+  dropped,
+  onClose,
+}: {
+  behaviourId: number;
+  /** A file that was dropped on the page. */
+  dropped: File | null;
+  onClose: () => void;
+}) {
+  const client = useQueryClient();
+  const [file, setFile] = useState<File | null>(dropped);
+  const [rank, setRank] = useState(false);
+  const [perfect, setPerfect] = useState(false);
+  const [over, setOver] = useState(false);
+  const send = useMutation({
+    mutationFn: (chosen: File) => importRecordings(behaviourId, chosen, { rank, perfect }),
+    onSettled: () => {
+      void client.invalidateQueries({ queryKey: ["recordings", behaviourId] });
+      void client.invalidateQueries({ queryKey: ["ranking", behaviourId] });
+      void client.invalidateQueries({ queryKey: ["behaviours"] });
+    },
+  });
+
+  function drop(event: DragEvent) {
+    event.preventDefault();
+    setOver(false);
+    const [first] = event.dataTransfer.files;
+    if (first) choose(first);
+  }
+
+  function choose(chosen: File) {
+    setFile(chosen);
+    send.reset();
+  }
+
+  return (
+    <Dialog title="Import recordings" onClose={onClose}>
+      <form
+        className={styles.form}
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (file) send.mutate(file);
+        }}
+      >
+        {/* Dropping is beside the file input, which does the same by key. */}
+        {}
+        <div
+          className={classes(styles.drop, over && styles.over)}
+          onDragOver={(event) => {
+            event.preventDefault();
+            setOver(true);
+          }}
+          onDragLeave={() => setOver(false)}
+          onDrop={drop}
+        >
+          <span>
+            {file ? `${file.name}, ${bytes(file.size)}` : "Drop a file here, or choose one."}
+          </span>
+          <input
+            type="file"
+            aria-label="File of recordings"
+            accept=".json,.jsonl,.ndjson,application/json"
+            onChange={(event) => {
+              const chosen = event.currentTarget.files?.[0];
+              if (chosen) choose(chosen);
+            }}
+          />
+          <span>One JSON object, or one per line, as the export writes them.</span>
+        </div>
+        <Checkbox
+          label="The order is a ranking, best first"
+          hint="They are put on the board in this order, below what is already ranked."
+          checked={rank}
+          onChange={setRank}
+        />
+        <Checkbox
+          label="All of them are perfect"
+          hint="The clone is learned from perfect recordings."
+          checked={perfect}
+          onChange={setPerfect}
+        />
+        {send.error && (
+          <Notice tone="bad" live>
+            <p>{messageOf(send.error)}</p>
+          </Notice>
+        )}
+        {send.data && <Report result={send.data} />}
+        <div className={styles.actions}>
+          {send.data ? (
+            <Button kind="primary" onClick={onClose}>
+              Close
+            </Button>
+          ) : (
+            <Button kind="primary" type="submit" disabled={!file || send.isPending}>
+              {send.isPending ? "Replaying them…" : "Import"}
+            </Button>
+          )}
+        </div>
+      </form>
+    </Dialog>
+  );
+}
+
+function Report({ result }: { result: ImportResult }) {
+  const lines = [
+    ...result.refusals.map((one) => ({ ...one, refused: true })),
+    ...result.notices.map((one) => ({ ...one, refused: false })),
+  ].sort((a, b) => a.line - b.line);
+  return (
+    <div className={styles.report} role="status">
+      <p>
+        <strong>{count(result.imported.length, "recording")} imported</strong>
+        {result.refusals.length > 0 && <>, {result.refusals.length} refused</>}.
+      </p>
+      {lines.length > 0 && (
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">Line</th>
+              <th scope="col">What happened</th>
+            </tr>
+          </thead>
+          <tbody>
+            {lines.map((one, index) => (
+              <tr key={`${one.line}-${index}`}>
+                <td className={styles.line}>{one.line}</td>
+                <td>
+                  {one.refused ? "Refused: " : "Imported, but: "}
+                  {one.reason}
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </div>
+  );
+}

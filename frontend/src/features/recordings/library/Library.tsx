@@ -1,0 +1,126 @@
+import { useQuery } from "@tanstack/react-query";
+import { useCallback, useMemo, useState } from "react";
+import { useSearchParams } from "react-router";
+
+import { exportUrl, withDeletedQuery } from "@/api/recordings";
+import type { Behaviour, Recording } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import buttonStyles from "@/components/controls/Button.module.css";
+import { Icon } from "@/components/controls/Icon";
+import { Failed, Loading } from "@/components/feedback/States";
+import { count } from "@/lib/format";
+
+import { chosen, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
+import { FilterBar } from "./FilterBar";
+import styles from "./Library.module.css";
+import { RecordingCard } from "./RecordingCard";
+import { NOTHING, selectedOf, toggled } from "./selection";
+import { SelectionBar } from "./SelectionBar";
+
+interface LibraryProps {
+  /** Those that are not deleted. */
+  recordings: readonly Recording[];
+  behaviour: Behaviour;
+  onWatch: (recording: Recording) => void;
+  onImport: () => void;
+}
+
+/** The recordings as a grid: which are shown stands in the address, any may be selected. */
+export function Library({ recordings, behaviour, onWatch, onImport }: LibraryProps) {
+  const [search, setSearch] = useSearchParams();
+  const filter = useMemo(() => readFilter(search), [search]);
+  const setFilter = (next: Filter) => setSearch(writeFilter(next), { replace: true });
+  return (
+    <>
+      <div className={styles.bar}>
+        <h2>{count(recordings.length, "recording")}</h2>
+        <Button icon="upload" onClick={onImport}>
+          Import
+        </Button>
+        <a className={buttonStyles.button} href={exportUrl(behaviour.id)} download>
+          <Icon name="download" />
+          Export
+        </a>
+      </div>
+      <FilterBar
+        filter={filter}
+        recordings={recordings}
+        behaviour={behaviour}
+        onChange={setFilter}
+      />
+      {filter.show === "deleted" ? (
+        <Deleted behaviour={behaviour} filter={filter} onWatch={onWatch} onClear={setFilter} />
+      ) : (
+        <Grid
+          recordings={recordings}
+          behaviour={behaviour}
+          filter={filter}
+          onWatch={onWatch}
+          onClear={setFilter}
+        />
+      )}
+    </>
+  );
+}
+
+interface GridProps {
+  recordings: readonly Recording[];
+  behaviour: Behaviour;
+  filter: Filter;
+  onWatch: (recording: Recording) => void;
+  onClear: (filter: Filter) => void;
+}
+
+function Deleted(props: Omit<GridProps, "recordings">) {
+  const { data, error, refetch } = useQuery(withDeletedQuery(props.behaviour.id));
+  if (error && !data) {
+    return <Failed what="The recordings" error={error} onRetry={() => void refetch()} />;
+  }
+  if (!data) return <Loading what="the deleted recordings" rows={2} height="18rem" />;
+  return <Grid recordings={data} {...props} />;
+}
+
+function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
+  const [selection, setSelection] = useState(NOTHING);
+  const shown = useMemo(() => chosen(recordings, filter), [recordings, filter]);
+  const ids = useMemo(() => shown.map(({ id }) => id), [shown]);
+  const select = useCallback(
+    ({ id }: Recording, range: boolean) =>
+      setSelection((before) => toggled(before, ids, id, range)),
+    [ids],
+  );
+  const selected = new Set(selectedOf(selection, ids));
+  if (shown.length === 0) {
+    return (
+      <p className={styles.none}>
+        None of the recordings is like that.{" "}
+        {isNarrow(filter) && (
+          <Button onClick={() => onClear({ ...EVERYTHING, order: filter.order })}>Show all</Button>
+        )}
+      </p>
+    );
+  }
+  return (
+    <>
+      <SelectionBar
+        behaviour={behaviour}
+        shown={shown}
+        selected={shown.filter(({ id }) => selected.has(id))}
+        onSelect={(some) => setSelection({ ids: new Set(some.map(({ id }) => id)), anchor: null })}
+      />
+      <ul className={styles.cards}>
+        {shown.map((recording) => (
+          <li key={recording.id}>
+            <RecordingCard
+              recording={recording}
+              behaviour={behaviour}
+              onWatch={onWatch}
+              selected={selected.has(recording.id)}
+              onSelect={select}
+            />
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}

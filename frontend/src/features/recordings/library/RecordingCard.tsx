@@ -1,0 +1,129 @@
+import { memo, useState } from "react";
+import { Link } from "react-router";
+
+import type { Behaviour, Recording } from "@/api/types";
+import { IconButton } from "@/components/controls/Button";
+import { RecordingScreen, useLookedAt } from "@/components/recording/RecordingScreen";
+import { SourceBadge } from "@/components/recording/SourceBadge";
+import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { LatencyBadge, PaceBadge, VerifiedBadge } from "@/features/recordings/badges";
+import { ColumnBars } from "@/features/recordings/ColumnBars";
+import { NotesDialog } from "@/features/recordings/NotesDialog";
+import { classes } from "@/lib/classes";
+import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+
+import styles from "./RecordingCard.module.css";
+
+const SCREEN_WIDTH_PX = 320;
+const SCREEN_HEIGHT_PX = 210;
+
+interface RecordingCardProps {
+  recording: Recording;
+  behaviour: Behaviour;
+  onWatch: (recording: Recording) => void;
+  selected: boolean;
+  /** `range`: with all between it and the one pressed before. */
+  onSelect: (recording: Recording, range: boolean) => void;
+}
+
+/**
+ * One recording: its picture, how it went, and what can be done with it. Drawn anew only when it
+ * changes: a library may hold a thousand.
+ */
+export const RecordingCard = memo(function RecordingCard(props: RecordingCardProps) {
+  const { recording, behaviour, onWatch, selected, onSelect } = props;
+  const [looked, look] = useLookedAt();
+  const name = recordingName(recording);
+  return (
+    <article className={classes(styles.card, selected && styles.selected)} aria-label={name}>
+      <button
+        type="button"
+        className={styles.screen}
+        aria-label={`Watch ${name}`}
+        onClick={() => onWatch(recording)}
+        {...look}
+      >
+        <RecordingScreen
+          recording={recording}
+          playing={looked}
+          width={SCREEN_WIDTH_PX}
+          height={SCREEN_HEIGHT_PX}
+        />
+      </button>
+      <div className={styles.facts}>
+        <div className={styles.title}>
+          <input
+            type="checkbox"
+            className={styles.select}
+            aria-label={`Select ${name}`}
+            checked={selected}
+            onChange={(event) =>
+              onSelect(
+                recording,
+                event.nativeEvent instanceof MouseEvent && event.nativeEvent.shiftKey,
+              )
+            }
+          />
+          <h3>
+            <Link to={`/recordings/${recording.id}`}>{name}</Link>
+          </h3>
+          <Marks recording={recording} name={name} />
+        </div>
+        <div className={styles.row}>
+          <div className={styles.words}>
+            <strong>{scoreInWords(recording, behaviour.target?.length ?? null)}</strong>
+            <span>{courseInWords(recording)}</span>
+          </div>
+          <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
+        </div>
+        <div className={styles.badges}>
+          <SourceBadge recording={recording} />
+          <VerifiedBadge recording={recording} />
+          <PaceBadge recording={recording} />
+          <LatencyBadge recording={recording} />
+        </div>
+        {recording.notes && <p className={styles.note}>{recording.notes}</p>}
+      </div>
+    </article>
+  );
+});
+
+/** What can be done with one; a deleted one can only be restored. */
+function Marks({ recording, name }: { recording: Recording; name: string }) {
+  const [writing, setWriting] = useState(false);
+  const actions = useRecordingActions(recording.behaviour_id);
+  if (recording.deleted) {
+    return (
+      <IconButton
+        icon="undo"
+        label={`Restore ${name}`}
+        onClick={() => actions.restore(recording)}
+      />
+    );
+  }
+  return (
+    <>
+      <IconButton
+        icon="star"
+        label={recording.perfect ? "Perfect. Take the mark off" : "Mark as perfect"}
+        aria-pressed={recording.perfect}
+        filled={recording.perfect}
+        className={recording.perfect ? styles.starOn : undefined}
+        onClick={() => actions.setPerfect(recording, !recording.perfect)}
+      />
+      <IconButton
+        icon="note"
+        label={recording.notes ? "Change the note" : "Write a note"}
+        onClick={() => setWriting(true)}
+      />
+      <IconButton icon="trash" label={`Delete ${name}`} onClick={() => actions.remove(recording)} />
+      {writing && (
+        <NotesDialog
+          recording={recording}
+          onSave={(notes) => actions.setNotes(recording, notes)}
+          onClose={() => setWriting(false)}
+        />
+      )}
+    </>
+  );
+}

@@ -1,0 +1,88 @@
+import { exportUrl } from "@/api/recordings";
+import type { Behaviour, Recording } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import buttonStyles from "@/components/controls/Button.module.css";
+import { Icon } from "@/components/controls/Icon";
+import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { classes } from "@/lib/classes";
+import { count } from "@/lib/format";
+
+import styles from "./SelectionBar.module.css";
+
+/** Most that are changed or exported at once; the server takes no more. */
+const MOST = 500;
+
+/** What can be done with the selected recordings. */
+export function SelectionBar({
+  behaviour,
+  shown,
+  selected,
+  onSelect,
+}: {
+  behaviour: Behaviour;
+  shown: readonly Recording[];
+  selected: readonly Recording[];
+  onSelect: (recordings: readonly Recording[]) => void;
+}) {
+  const actions = useRecordingActions(behaviour.id);
+  const any = selected.length > 0;
+  const deleted = selected.some((one) => one.deleted);
+  const allPerfect = any && selected.every((one) => one.perfect);
+  function change(what: Parameters<typeof actions.changeAll>[1]) {
+    actions.changeAll(selected, what);
+    if (what === "delete" || what === "restore") onSelect([]);
+  }
+  return (
+    <div
+      className={classes(styles.selection, any && styles.some)}
+      role="group"
+      aria-label="Selected recordings"
+    >
+      <span role="status" className={styles.count}>
+        {any ? `${count(selected.length, "recording")} selected` : `${shown.length} shown`}
+      </span>
+      {selected.length < Math.min(shown.length, MOST) && (
+        <Button kind="quiet" onClick={() => onSelect(shown.slice(0, MOST))}>
+          {shown.length > MOST ? `Select the first ${MOST}` : "Select all shown"}
+        </Button>
+      )}
+      {any && (
+        <>
+          <Button kind="quiet" onClick={() => onSelect([])}>
+            Select none
+          </Button>
+          {selected.length > MOST ? (
+            <span className={styles.count}>At most {MOST} are changed at once.</span>
+          ) : deleted ? (
+            <Button icon="undo" onClick={() => change("restore")}>
+              Restore
+            </Button>
+          ) : (
+            <>
+              <Button
+                icon="star"
+                onClick={() => change(allPerfect ? "unmark_perfect" : "mark_perfect")}
+              >
+                {allPerfect ? "Take the perfect marks off" : "Mark as perfect"}
+              </Button>
+              <a
+                className={buttonStyles.button}
+                href={exportUrl(
+                  behaviour.id,
+                  selected.map(({ id }) => id),
+                )}
+                download
+              >
+                <Icon name="download" />
+                Export selected
+              </a>
+              <Button icon="trash" onClick={() => change("delete")}>
+                Delete
+              </Button>
+            </>
+          )}
+        </>
+      )}
+    </div>
+  );
+}

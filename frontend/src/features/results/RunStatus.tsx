@@ -1,0 +1,19 @@
+import type { Run } from "@/api/types";
+import { Badge } from "@/components/feedback/Badge";
+import { isActive, STATUS_NAMES } from "@/lib/runs";
+
+/** The state of a run. */
+export function RunStatus({ run }: { run: Pick<Run, "status"> }) {
+  const tone = isActive(run)
+    ? "accent"
+    : run.status === "done"
+      ? "good"
+      : run.status === "failed"
+        ? "bad"
+        : "warn";
+  return (
+    <Badge chip tone={tone}>
+      {STATUS_NAMES[run.status]}
+    </Badge>
+  );
+}

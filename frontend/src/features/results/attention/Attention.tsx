@@ -1,0 +1,120 @@
+import { useMemo, useState } from "react";
+
+import type { AttentionMap, Recording, RunResults } from "@/api/types";
+import type { Watched } from "@/features/results/watched";
+import { FRAMES_PER_STEP, measured } from "@/lib/format";
+import { recordingName } from "@/lib/recordings";
+
+import styles from "./Attention.module.css";
+import { ScreenImage, SquareImage } from "./PixelImage";
+
+type ColourMap = "perceptual" | "red-blue";
+
+const COLOUR_MAPS: readonly { readonly id: ColourMap; readonly name: string }[] = [
+  { id: "perceptual", name: "Perceptual" },
+  { id: "red-blue", name: "Red-blue" },
+];
+
+const MAP_PIXELS = 84;
+const MAP_SCALE = 3;
+
+interface AttentionProps {
+  results: RunResults;
+  onWatch: (watched: Watched) => void;
+}
+
+/** What the reward model looks at, from its lowest state to its highest. */
+export function Attention({ results, onWatch }: AttentionProps) {
+  const recordings = useMemo(
+    () => new Map(results.check?.returns.map(({ recording }) => [recording.id, recording])),
+    [results],
+  );
+  const [colours, setColours] = useState<ColourMap>("perceptual");
+  return (
+    <>
+      <p className={styles.note}>
+        One patch of the screen is occluded at a time; the more R changes, the brighter (or redder)
+        the patch. Shown for four states of the ranked recordings, from the lowest R to the highest.
+      </p>
+      <fieldset className={styles.bar}>
+        <legend className="visually-hidden">Colour map</legend>
+        <span aria-hidden="true">Colours</span>
+        <span className={styles.choice}>
+          {COLOUR_MAPS.map(({ id, name }) => (
+            <label key={id}>
+              <input
+                type="radio"
+                name="colour-map"
+                checked={colours === id}
+                onChange={() => setColours(id)}
+              />
+              {name}
+            </label>
+          ))}
+        </span>
+      </fieldset>
+      <div className={styles.maps}>
+        {results.attention.map((map) => (
+          <MapFigure
+            key={map.state}
+            map={map}
+            colours={colours}
+            recording={recordings.get(map.recording_id)}
+            onWatch={onWatch}
+          />
+        ))}
+      </div>
+    </>
+  );
+}
+
+function MapFigure({
+  map,
+  colours,
+  recording,
+  onWatch,
+}: {
+  map: AttentionMap;
+  colours: ColourMap;
+  recording: Recording | undefined;
+  onWatch: (watched: Watched) => void;
+}) {
+  const name = recordingName({ id: map.recording_id });
+  const frame = (
+    <ScreenImage
+      src={map.frame_url}
+      alt={`Screen at the ${map.state} of R`}
+      width={252}
+      height={210}
+    />
+  );
+  return (
+    <figure className={styles.map} aria-label={`Attention at the ${map.state} of R`}>
+      <SquareImage
+        src={colours === "perceptual" ? map.map_url : map.red_blue_url}
+        alt={`Attention map at the ${map.state} of R`}
+        pixels={MAP_PIXELS}
+        scale={MAP_SCALE}
+      />
+      {recording ? (
+        <button
+          type="button"
+          className={styles.frame}
+          aria-label={`Watch ${name} from step ${map.step}`}
+          onClick={() => onWatch({ recording, title: name, frame: map.step * FRAMES_PER_STEP })}
+        >
+          {frame}
+        </button>
+      ) : (
+        frame
+      )}
+      <figcaption>
+        <strong>{map.state}</strong>
+        <span>R {measured(map.reward)}</span>
+        <span>
+          {name}, step {map.step}
+        </span>
+      </figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,36 @@
+import styles from "@/components/game/GameCanvas.module.css";
+import { type ScreenSize, useScreenSize } from "@/lib/game/use-screen-size";
+
+/** A picture of the game's screen at whole multiples of its pixels, in a box of CSS pixels. */
+export function ScreenImage({
+  src,
+  alt,
+  width,
+  height,
+}: {
+  src: string;
+  alt: string;
+  width: number;
+  height: number;
+}) {
+  const size: ScreenSize = useScreenSize(width, height);
+  return <img className={styles.canvas} src={src} alt={alt} style={{ ...size }} loading="lazy" />;
+}
+
+/** A square picture of so many pixels a side, each drawn as `scale` by `scale`. */
+export function SquareImage({
+  src,
+  alt,
+  pixels,
+  scale,
+}: {
+  src: string;
+  alt: string;
+  pixels: number;
+  scale: number;
+}) {
+  const side = pixels * scale;
+  return (
+    <img className={styles.canvas} src={src} alt={alt} width={side} height={side} loading="lazy" />
+  );
+}

@@ -1,0 +1,40 @@
+import type { CSSProperties } from "react";
+
+import { classes } from "@/lib/classes";
+import type { Interval } from "@/lib/format";
+import { type Thing, thingColour } from "@/lib/things";
+
+import styles from "./IntervalPlot.module.css";
+
+interface IntervalPlotProps {
+  intervals: readonly { readonly thing: Thing; readonly interval: Interval }[];
+  low: number;
+  high: number;
+}
+
+/** Means with their intervals on one axis, one below the other. The numbers stand beside it. */
+export function IntervalPlot({ intervals, low, high }: IntervalPlotProps) {
+  const at = (value: number) =>
+    Math.min(Math.max(((value - low) / (high - low || 1)) * 100, 0), 100);
+  return (
+    <div className={styles.plot} aria-hidden="true">
+      {intervals.map(({ thing, interval }, index) => {
+        const top = `${((index + 1) / (intervals.length + 1)) * 100}%`;
+        const left = at(interval.low);
+        const colour = { "--thing": thingColour(thing) } as CSSProperties;
+        return (
+          <div key={thing} style={colour}>
+            <i
+              className={styles.range}
+              style={{ top, left: `${left}%`, width: `${at(interval.high) - left}%` }}
+            />
+            <i
+              className={classes(styles.mean, thing === "clone" && styles.clone)}
+              style={{ top, left: `${at(interval.mean)}%` }}
+            />
+          </div>
+        );
+      })}
+    </div>
+  );
+}

@@ -1,0 +1,72 @@
+import type { Behaviour, Interval, PolicySummary } from "@/api/types";
+import { ThingMark } from "@/components/game/ThingMark";
+import { NONE } from "@/lib/format";
+
+import { IntervalPlot } from "./IntervalPlot";
+import { summaryRows } from "./summary-rows";
+import styles from "./SummaryTable.module.css";
+
+interface SummaryTableProps {
+  imitator: PolicySummary | null;
+  clone: PolicySummary | null;
+  behaviour: Behaviour;
+  label: string;
+}
+
+/** Imitator beside clone: means, their 95% intervals, and both on one axis. */
+export function SummaryTable({ imitator, clone, behaviour, label }: SummaryTableProps) {
+  const rows = summaryRows(imitator, clone, behaviour.target?.length ?? null, behaviour.ordered);
+  return (
+    <table className={styles.table} aria-label={label}>
+      <thead>
+        <tr>
+          <td />
+          <th scope="col">
+            <ThingMark thing="imitator" />
+          </th>
+          <th scope="col">
+            <ThingMark thing="clone" />
+          </th>
+          <td className={styles.plot} />
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((row) => (
+          <tr key={row.name}>
+            <th scope="row">{row.name}</th>
+            <Value interval={row.imitator} write={row.write} />
+            <Value interval={row.clone} write={row.write} />
+            <td className={styles.plot}>
+              <IntervalPlot
+                low={row.low}
+                high={row.high}
+                intervals={[
+                  ...(row.imitator ? [{ thing: "imitator" as const, interval: row.imitator }] : []),
+                  ...(row.clone ? [{ thing: "clone" as const, interval: row.clone }] : []),
+                ]}
+              />
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Value({
+  interval,
+  write,
+}: {
+  interval: Interval | null;
+  write: (value: number) => string;
+}) {
+  if (!interval) return <td className={styles.value}>{NONE}</td>;
+  return (
+    <td className={styles.value}>
+      <span className={styles.mean}>{write(interval.mean)}</span>
+      <span className={styles.bounds}>
+        {write(interval.low)} to {write(interval.high)}
+      </span>
+    </td>
+  );
+}

@@ -1,0 +1,67 @@
+/** What is compared between imitator and clone, row by row. */
+import type { Interval, PolicySummary } from "@/api/types";
+import { fixed, measured, percent } from "@/lib/format";
+
+export interface SummaryRow {
+  readonly name: string;
+  readonly imitator: Interval | null;
+  readonly clone: Interval | null;
+  readonly write: (value: number) => string;
+  /** Ends of the axis. */
+  readonly low: number;
+  readonly high: number;
+}
+
+const MAX_STEPS = 300;
+const oneDigit = (value: number) => fixed(value, 1);
+const wholePercent = (value: number) => percent(value, 0);
+
+interface Plan {
+  readonly key: keyof PolicySummary;
+  readonly name: string;
+  readonly write: (value: number) => string;
+  readonly high?: number;
+}
+
+function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
+  const target: Plan[] =
+    nTargets === null
+      ? []
+      : [
+          { key: "targets", name: `Targets hit, of ${nTargets}`, write: oneDigit, high: nTargets },
+          { key: "strays", name: "Strays", write: oneDigit },
+          ...(ordered
+            ? [{ key: "order_errors" as const, name: "Hits out of order", write: oneDigit }]
+            : []),
+        ];
+  return [
+    ...target,
+    { key: "steps", name: "Game length, steps of 300", write: oneDigit, high: MAX_STEPS },
+    { key: "death_rate", name: "Games ended by a bomb", write: wholePercent, high: 1 },
+    { key: "predicted_return", name: "Predicted return", write: measured },
+  ];
+}
+
+/** The rows for which at least one of the two has a value. */
+export function summaryRows(
+  imitator: PolicySummary | null,
+  clone: PolicySummary | null,
+  nTargets: number | null,
+  ordered: boolean,
+): readonly SummaryRow[] {
+  return plans(nTargets, ordered)
+    .map(({ key, name, write, high }) => {
+      const both = { imitator: imitator?.[key] ?? null, clone: clone?.[key] ?? null };
+      return { name, write, ...both, ...axisOf([both.imitator, both.clone], high) };
+    })
+    .filter((row) => row.imitator !== null || row.clone !== null);
+}
+
+function axisOf(
+  intervals: readonly (Interval | null)[],
+  high: number | undefined,
+): { low: number; high: number } {
+  if (high !== undefined) return { low: 0, high };
+  const ends = intervals.flatMap((one) => (one ? [one.low, one.high] : []));
+  return { low: Math.min(0, ...ends), high: Math.max(0, ...ends) };
+}

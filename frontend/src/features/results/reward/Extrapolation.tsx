@@ -1,0 +1,88 @@
+import type { JudgedGames } from "@/api/types";
+import { ThingMark } from "@/components/game/ThingMark";
+import tables from "@/features/results/tables.module.css";
+import { fixed, measured, NONE, whole } from "@/lib/format";
+
+import { marksOf, returnOf, worthOf } from "./judged-games";
+import styles from "./reward.module.css";
+import { ScatterPlot } from "./ScatterPlot";
+import { wholeTicks } from "./ticks";
+
+/** Predicted returns against what games were worth: rising where the reward is right. */
+export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
+  const all = worthOf(judged);
+  const shown = worthOf(judged.filter((group) => group.demonstrated));
+  if (!all) return null;
+  const range = [all.low - 1, all.high + 1] as const;
+  return (
+    <>
+      <p className={styles.verdict}>
+        A game is worth its targets hit, less strays. Filled marks are the recordings that the
+        reward was learned from, hollow ones the games of imitator and clone, which it has never
+        seen. Where the reward is right, the marks rise from left to right.
+        {shown && " Beyond the shaded range of the recordings it can only extrapolate."}
+      </p>
+      <div className={styles.check}>
+        <Groups judged={judged} />
+        <figure className={styles.scatter}>
+          <figcaption>Predicted return by targets hit, less strays</figcaption>
+          <ScatterPlot
+            label="Predicted return by targets hit, less strays; the table says it in numbers"
+            range={range}
+            xTicks={wholeTicks(all.low, all.high, 12)}
+            band={shown ? [shown.low - 0.5, shown.high + 0.5] : undefined}
+            points={marksOf(judged)}
+          />
+        </figure>
+      </div>
+    </>
+  );
+}
+
+/** The same in numbers. */
+function Groups({ judged }: { judged: readonly JudgedGames[] }) {
+  return (
+    <table className={tables.table} aria-label="Predicted returns and worth of games">
+      <thead>
+        <tr>
+          <th scope="col">Games of</th>
+          <th scope="col" className={tables.number}>
+            Games
+          </th>
+          <th scope="col" className={tables.number}>
+            Worth
+          </th>
+          <th scope="col" className={tables.number}>
+            Predicted return
+          </th>
+          <th scope="col" className={tables.right}>
+            Kendall&rsquo;s tau
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {judged.map((group) => (
+          <tr key={`${group.player}-${String(group.demonstrated)}`}>
+            <th scope="row">
+              <ThingMark thing={group.player} hollow={!group.demonstrated} />
+              <small>{group.demonstrated ? "learned from" : "never seen"}</small>
+            </th>
+            <td className={tables.number}>{group.games.length}</td>
+            <td className={tables.number}>{between(worthOf([group]), whole)}</td>
+            <td className={tables.number}>{between(returnOf([group]), measured)}</td>
+            <td className={tables.right}>{group.tau === null ? NONE : fixed(group.tau, 2)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function between(
+  bounds: { low: number; high: number } | null,
+  write: (value: number) => string,
+): string {
+  if (!bounds) return NONE;
+  const { low, high } = bounds;
+  return low === high ? write(low) : `${write(low)} to ${write(high)}`;
+}

@@ -1,0 +1,29 @@
+import type { RankingCheck } from "@/api/types";
+import { measured } from "@/lib/format";
+import { recordingName } from "@/lib/recordings";
+import { playedBy } from "@/lib/things";
+
+import styles from "./reward.module.css";
+import { ScatterPlot } from "./ScatterPlot";
+
+/** Predicted returns against tiers: falling from left to right where the model agrees. */
+export function ReturnsByTier({ returns }: { returns: RankingCheck["returns"] }) {
+  const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
+  return (
+    <figure className={styles.scatter}>
+      <figcaption>Predicted return by tier, 1 is the best</figcaption>
+      <ScatterPlot
+        label="Predicted return by tier"
+        range={[0.5, tiers + 0.5]}
+        xTicks={Array.from({ length: tiers }, (_, index) => index + 1)}
+        points={returns.map(({ tier, recording, predicted_return: value }) => ({
+          key: recording.id,
+          x: tier,
+          y: value,
+          thing: playedBy(recording.source),
+          title: `${recordingName(recording)}, tier ${tier}: ${measured(value)}`,
+        }))}
+      />
+    </figure>
+  );
+}

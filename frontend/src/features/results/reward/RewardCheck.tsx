@@ -1,0 +1,151 @@
+import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
+import { SourceBadge } from "@/components/recording/SourceBadge";
+import tables from "@/features/results/tables.module.css";
+import type { Watched } from "@/features/results/watched";
+import { count, fixed, measured, percent } from "@/lib/format";
+import { recordingName, scoreInWords } from "@/lib/recordings";
+
+import { ReturnsByTier } from "./ReturnsByTier";
+import styles from "./reward.module.css";
+
+interface RewardCheckProps {
+  check: RankingCheck;
+  behaviour: Behaviour;
+  onWatch: (watched: Watched) => void;
+}
+
+/** Whether the learned reward agrees with the ranking, recording by recording. */
+export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
+  return (
+    <>
+      <Numbers check={check} />
+      <p className={styles.verdict}>{verdictOf(check)}</p>
+      {check.confused.length > 0 && <Confused confused={check.confused} />}
+      <div className={styles.check}>
+        <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
+        <ReturnsByTier returns={check.returns} />
+      </div>
+    </>
+  );
+}
+
+function verdictOf({ passed, advice, warning }: RankingCheck): string {
+  if (!passed) return advice;
+  const order = "The learned reward puts the recordings into the order that they were given";
+  return warning ? `${order}, but can’t tell some tiers apart.` : `${order}.`;
+}
+
+function Numbers({ check }: { check: RankingCheck }) {
+  return (
+    <dl className={styles.numbers}>
+      <div>
+        <dt>Kendall&rsquo;s tau</dt>
+        <dd>{fixed(check.tau, 2)}</dd>
+      </div>
+      <div>
+        <dt>Fragment pairs in order</dt>
+        <dd>{percent(check.pair_accuracy)}</dd>
+      </div>
+      {check.held_out_accuracy !== null && (
+        <div>
+          <dt>Held-out pairs in order</dt>
+          <dd>{percent(check.held_out_accuracy)}</dd>
+        </div>
+      )}
+    </dl>
+  );
+}
+
+/** More are folded away: a list of every pair of tiers helps nobody. */
+const SHOWN = 6;
+
+function Confused({ confused }: { confused: RankingCheck["confused"] }) {
+  const sorted = [...confused].sort((a, b) => Number(a.held_out) - Number(b.held_out));
+  const more = sorted.slice(SHOWN);
+  return (
+    <section aria-label="Confused tiers" className={styles.confused}>
+      <h3>Tiers that it mixes up</h3>
+      <ConfusedList confused={sorted.slice(0, SHOWN)} />
+      {more.length > 0 && (
+        <details>
+          <summary>{more.length} more</summary>
+          <ConfusedList confused={more} />
+        </details>
+      )}
+    </section>
+  );
+}
+
+function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
+  return (
+    <ul>
+      {confused.map((one) => (
+        <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
+          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t always put above the worse tier{" "}
+          {one.worse_tier} ({names(one.worse)})
+          {one.held_out ? " when a recording of them is left out of the learning" : ""}
+          {counted(one)}.
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Runs of earlier versions have not counted. */
+function counted({ n_right: right, n_compared: all }: ConfusedTiers): string {
+  return right === null || all === null ? "" : `: ${right} of ${count(all, "comparison")} in order`;
+}
+
+function names(ids: readonly number[]): string {
+  return ids.map((id) => recordingName({ id })).join(", ");
+}
+
+function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
+  const best = Math.max(...check.returns.map((one) => one.predicted_return));
+  return (
+    <table className={tables.table} aria-label="Predicted returns">
+      <thead>
+        <tr>
+          <th scope="col">Tier</th>
+          <th scope="col">Recording</th>
+          <th scope="col">Played by</th>
+          <th scope="col" className={tables.right}>
+            Predicted return
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {check.returns.map(({ tier, recording, predicted_return: value }, index) => (
+          <tr key={recording.id}>
+            <td>{tier}</td>
+            <td>
+              <button
+                type="button"
+                title={scoreInWords(recording, behaviour.target?.length ?? null)}
+                onClick={() => onWatch({ recording, title: recordingName(recording) })}
+              >
+                {recordingName(recording)}
+              </button>
+            </td>
+            <td>
+              <SourceBadge recording={recording} />
+            </td>
+            <td className={isOdd(check, index) ? `${tables.right} ${styles.odd}` : tables.right}>
+              {measured(value)}
+              {value === best && tier > 1 && <span className="visually-hidden"> (highest)</span>}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** Whether a return is above one of a better tier's. */
+function isOdd({ returns }: RankingCheck, index: number): boolean {
+  const one = returns[index];
+  if (!one) return false;
+  return returns.some(
+    (other) => other.tier < one.tier && other.predicted_return < one.predicted_return,
+  );
+}

@@ -1,0 +1,83 @@
+import type { CSSProperties } from "react";
+
+import { classes } from "@/lib/classes";
+import { measured } from "@/lib/format";
+import { type Thing, THING_SHAPES, thingColour } from "@/lib/things";
+
+import styles from "./ScatterPlot.module.css";
+import { endTicks } from "./ticks";
+
+export interface ScatterPoint {
+  readonly key: string | number;
+  readonly x: number;
+  readonly y: number;
+  readonly thing: Thing;
+  readonly hollow?: boolean;
+  /** Shown while the mouse rests on the mark. */
+  readonly title: string;
+}
+
+interface ScatterPlotProps {
+  /** What is seen, in one sentence. The numbers stand in a table beside the plot. */
+  label: string;
+  points: readonly ScatterPoint[];
+  /** Ends of the horizontal axis. */
+  range: readonly [number, number];
+  xTicks: readonly number[];
+  /** A part of the horizontal axis that is set apart. */
+  band?: readonly [number, number] | undefined;
+}
+
+const WIDTH = 420;
+const HEIGHT = 260;
+const LEFT = 48;
+const BOTTOM = 34;
+const TOP = 8;
+const MARK = 10;
+
+/** Marks over two axes, each in the colour and shape of who played. */
+export function ScatterPlot({ label, points, range, xTicks, band }: ScatterPlotProps) {
+  const values = points.map((point) => point.y);
+  const low = Math.min(...values);
+  const high = Math.max(...values);
+  const x = (value: number) => LEFT + ((value - range[0]) / (range[1] - range[0])) * (WIDTH - LEFT);
+  const y = (value: number) =>
+    TOP + (1 - (value - low) / (high - low || 1)) * (HEIGHT - TOP - BOTTOM);
+  return (
+    <svg className={styles.plot} viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={label}>
+      {band && (
+        <rect
+          className={styles.band}
+          x={x(band[0])}
+          y={0}
+          width={x(band[1]) - x(band[0])}
+          height={HEIGHT - BOTTOM + TOP}
+        />
+      )}
+      {endTicks(low, high).map((value) => (
+        <g key={value}>
+          <line className={styles.grid} x1={LEFT} x2={WIDTH} y1={y(value)} y2={y(value)} />
+          <text x={LEFT - 8} y={y(value) + 4} textAnchor="end">
+            {measured(value)}
+          </text>
+        </g>
+      ))}
+      {xTicks.map((value) => (
+        <text key={value} x={x(value)} y={HEIGHT - 10} textAnchor="middle">
+          {String(value).replace("-", "−")}
+        </text>
+      ))}
+      {points.map(({ key, x: across, y: up, thing, hollow = false, title }) => (
+        <path
+          key={key}
+          className={classes(styles.mark, hollow && styles.hollow)}
+          style={{ "--thing": thingColour(thing) } as CSSProperties}
+          d={THING_SHAPES[thing]}
+          transform={`translate(${x(across) - MARK / 2} ${y(up) - MARK / 2})`}
+        >
+          <title>{title}</title>
+        </path>
+      ))}
+    </svg>
+  );
+}

@@ -1,0 +1,36 @@
+import { useQuery } from "@tanstack/react-query";
+
+import { isAlive, systemQuery } from "@/api/system";
+import type { Run } from "@/api/types";
+import { Notice } from "@/components/feedback/States";
+import { isActive } from "@/lib/runs";
+
+/** What there is to say about a run besides its results. */
+export function RunNotices({ run }: { run: Run }) {
+  const { data: system } = useQuery(systemQuery);
+  const waiting = isActive(run) && !run.worker_alive && isAlive(system, "worker") === false;
+  return (
+    <>
+      {run.example && (
+        <Notice tone="calm" icon="eye">
+          <p>
+            This is an example: its demonstrations were made by a scripted player, not by a person.
+          </p>
+        </Notice>
+      )}
+      {waiting && (
+        <Notice live>
+          <p>
+            The worker isn&rsquo;t running, so nothing happens to this run. Start it with{" "}
+            <code>tril up</code>; the run then goes on where it was.
+          </p>
+        </Notice>
+      )}
+      {run.message && (
+        <Notice tone={run.status === "failed" ? "bad" : "warn"} live>
+          <p>{run.message}</p>
+        </Notice>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,65 @@
+import type { Recipe } from "@/api/types";
+import { Checkbox, Field } from "@/components/controls/Field";
+import { ValueTable } from "@/components/ValueTable";
+import { valueRows } from "@/lib/recipe-values";
+
+import type { FormErrors, FormValues } from "./form";
+import styles from "./MoreSettings.module.css";
+
+interface MoreSettingsProps {
+  values: FormValues;
+  errors: FormErrors;
+  recipe: Recipe;
+  onChange: (part: Partial<FormValues>) => void;
+}
+
+/** Learning rate, training seed and whether to ignore the check. */
+export function MoreSettings({ values, errors, recipe, onChange }: MoreSettingsProps) {
+  return (
+    <details className={styles.more}>
+      <summary>More settings</summary>
+      <div>
+        <div className={styles.pair}>
+          <Field label="Learning rate" error={errors.learningRate} hint="Of the imitator.">
+            {(control) => (
+              <input
+                {...control}
+                inputMode="decimal"
+                autoComplete="off"
+                value={values.learningRate}
+                onChange={(event) => onChange({ learningRate: event.currentTarget.value })}
+              />
+            )}
+          </Field>
+          <Field
+            label="Training seed"
+            error={errors.trainingSeed}
+            hint="Feeds every random choice of learning."
+          >
+            {(control) => (
+              <input
+                {...control}
+                inputMode="numeric"
+                autoComplete="off"
+                value={values.trainingSeed}
+                onChange={(event) => onChange({ trainingSeed: event.currentTarget.value })}
+              />
+            )}
+          </Field>
+        </div>
+        <Checkbox
+          label="Go on anyway"
+          hint="A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same."
+          checked={values.goOnAnyway}
+          onChange={(goOnAnyway) => onChange({ goOnAnyway })}
+        />
+        <details className={styles.more}>
+          <summary>All values of the recipe</summary>
+          <div className={styles.values}>
+            <ValueTable rows={valueRows(recipe.values)} label={`Values of ${recipe.name}`} />
+          </div>
+        </details>
+      </div>
+    </details>
+  );
+}

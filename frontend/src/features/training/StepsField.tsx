@@ -1,0 +1,52 @@
+import type { Recipe } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Field } from "@/components/controls/Field";
+import { shortCount, whole } from "@/lib/format";
+import { estimateInWords } from "@/lib/runs";
+
+import { readWhole } from "./form";
+import styles from "./StepsField.module.css";
+
+const PRESETS = [20_000, 200_000, 500_000, 1_000_000, 10_000_000] as const;
+
+interface StepsFieldProps {
+  value: string;
+  error: string | undefined;
+  recipe: Recipe;
+  onChange: (text: string) => void;
+}
+
+/** The number of environment steps, typed or chosen from presets. */
+export function StepsField({ value, error, recipe, onChange }: StepsFieldProps) {
+  return (
+    <div>
+      <Field
+        label="Steps"
+        error={error}
+        hint="How many steps the imitator plays while it learns. More is slower and better."
+      >
+        {(control) => (
+          <input
+            {...control}
+            inputMode="numeric"
+            autoComplete="off"
+            value={value}
+            onChange={(event) => onChange(event.currentTarget.value)}
+          />
+        )}
+      </Field>
+      <div className={styles.presets} role="group" aria-label="Preset numbers of steps">
+        {PRESETS.map((steps) => (
+          <Button
+            key={steps}
+            aria-pressed={readWhole(value) === steps}
+            title={estimateInWords(recipe, steps)}
+            onClick={() => onChange(whole(steps))}
+          >
+            {shortCount(steps)}
+          </Button>
+        ))}
+      </div>
+    </div>
+  );
+}

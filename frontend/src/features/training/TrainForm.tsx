@@ -1,0 +1,127 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { type SubmitEvent, useState } from "react";
+import { useNavigate } from "react-router";
+
+import { messageOf } from "@/api/client";
+import { createRun } from "@/api/runs";
+import { isAlive, systemQuery } from "@/api/system";
+import type { Behaviour, Recipe } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Notice } from "@/components/feedback/States";
+import { whole } from "@/lib/format";
+import { estimateInWords } from "@/lib/runs";
+
+import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
+import { MoreSettings } from "./MoreSettings";
+import { missingFor, Readiness } from "./Readiness";
+import { StepsField } from "./StepsField";
+import styles from "./TrainForm.module.css";
+
+interface TrainFormProps {
+  behaviour: Behaviour;
+  recipes: readonly Recipe[];
+  first: Recipe;
+}
+
+/** The recipe and settings of a run. */
+export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
+  const client = useQueryClient();
+  const navigate = useNavigate();
+  const [chosen, setChosen] = useState(first.name);
+  /** What the person has set; it outlives a change of the recipe. */
+  const [edits, setEdits] = useState<Partial<FormValues>>({});
+  const [tried, setTried] = useState(false);
+  const recipe = recipes.find(({ name }) => name === chosen) ?? first;
+  const values = { ...defaultsOf(recipe), ...edits };
+  const missing = missingFor(behaviour);
+  const example = missing !== null && behaviour.built_in && behaviour.n_recordings === 0;
+  const errors = tried ? errorsIn(values) : {};
+
+  const start = useMutation({
+    mutationFn: createRun,
+    onSuccess: async (run) => {
+      await client.invalidateQueries({ queryKey: ["runs"] });
+      await navigate(`/runs/${run.id}`);
+    },
+  });
+
+  function change(part: Partial<FormValues>) {
+    setEdits((before) => ({ ...before, ...part }));
+  }
+
+  function submit(event: SubmitEvent) {
+    event.preventDefault();
+    setTried(true);
+    const run = runOf(values, behaviour.id, example);
+    if (run) start.mutate(run);
+  }
+
+  const steps = readWhole(values.steps);
+  return (
+    <form className={styles.form} onSubmit={submit} noValidate>
+      <Readiness behaviour={behaviour} missing={missing} example={example} />
+      <fieldset>
+        <legend className={styles.legend}>Recipe</legend>
+        <div className={styles.recipes}>
+          {recipes.map(({ name, summary }) => (
+            <label key={name} className={styles.recipe}>
+              <input
+                type="radio"
+                name="recipe"
+                value={name}
+                checked={name === recipe.name}
+                onChange={() => setChosen(name)}
+              />
+              <strong>{name}</strong>
+              <span>{summary}</span>
+            </label>
+          ))}
+        </div>
+      </fieldset>
+      <StepsField
+        value={values.steps}
+        error={errors.steps}
+        recipe={recipe}
+        onChange={(text) => change({ steps: text })}
+      />
+      <MoreSettings values={values} errors={errors} recipe={recipe} onChange={change} />
+      {start.error && (
+        <Notice tone="bad" live>
+          <p>{messageOf(start.error)}</p>
+        </Notice>
+      )}
+      <WorkerNotice />
+      <div className={styles.start}>
+        <Button
+          kind="primary"
+          large
+          type="submit"
+          disabled={start.isPending || (missing !== null && !example)}
+        >
+          {start.isPending ? "Starting…" : example ? "Train on the example" : "Train"}
+        </Button>
+        {steps > 0 && (
+          <p className={styles.estimate}>
+            <strong>{estimateInWords(recipe, steps)}</strong> on this machine
+            <br />
+            {whole(Math.round(recipe.steps_per_s))} steps/s,{" "}
+            {recipe.steps_per_s_measured ? "as measured in earlier runs" : "a first guess"}
+          </p>
+        )}
+      </div>
+    </form>
+  );
+}
+
+function WorkerNotice() {
+  const { data: system } = useQuery(systemQuery);
+  if (isAlive(system, "worker") !== false) return null;
+  return (
+    <Notice live>
+      <p>
+        The worker isn&rsquo;t running, so the run will wait in the queue. <code>tril up</code>{" "}
+        starts it together with the server.
+      </p>
+    </Notice>
+  );
+}

@@ -1,0 +1,104 @@
+/** Decodes screens: palette values, each screen XORed with the one before it, zlib packed. */
+import { unzlibSync } from "fflate";
+
+export const SCREEN_WIDTH = 160;
+export const SCREEN_HEIGHT = 210;
+export const SCREEN_BYTES = SCREEN_WIDTH * SCREEN_HEIGHT;
+
+/** The bytes do not follow the protocol; the rest of the connection or file is unreadable. */
+export class CodecError extends Error {
+  override name = "CodecError";
+}
+
+/** Holds the current screen and applies the differences that arrive. */
+export class ScreenDecoder {
+  private readonly words = new Uint32Array(SCREEN_BYTES / 4);
+  private readonly packed = new Uint32Array(SCREEN_BYTES / 4);
+  /** Palette values, row by row from the top; changed in place by `apply`. */
+  readonly pixels = new Uint8Array(this.words.buffer);
+
+  /** Unpacks one screen; a key frame stands on its own. */
+  apply(payload: Uint8Array, isKey: boolean): void {
+    const out = new Uint8Array(this.packed.buffer);
+    let unpacked: Uint8Array;
+    try {
+      unpacked = unzlibSync(payload, { out });
+    } catch (error) {
+      throw new CodecError("A frame could not be unpacked.", { cause: error });
+    }
+    if (unpacked.length !== SCREEN_BYTES) {
+      throw new CodecError(`Expected ${SCREEN_BYTES} pixels in a frame, got ${unpacked.length}.`);
+    }
+    if (unpacked.buffer !== out.buffer) out.set(unpacked);
+    if (isKey) {
+      this.words.set(this.packed);
+      return;
+    }
+    const { words, packed } = this;
+    for (let i = 0; i < words.length; i += 1) words[i] = (words[i] ?? 0) ^ (packed[i] ?? 0);
+  }
+}
+
+const FILE_MAGIC = "TRILFRM1";
+const FILE_FRAME_HEADER_BYTES = 5;
+const KEY_FRAME_FLAG = 1;
+
+interface FramesHeader {
+  readonly width: number;
+  readonly height: number;
+  readonly palette: readonly (readonly [number, number, number])[];
+  readonly frame_rate_hz: number;
+  readonly n_frames: number;
+  readonly key_every: number;
+}
+
+/** All screens of a recording; `show` unpacks any of them. */
+export class RecordedFrames {
+  readonly header: FramesHeader;
+  private readonly frames: { readonly payload: Uint8Array; readonly isKey: boolean }[] = [];
+  private readonly decoder = new ScreenDecoder();
+  private at = -1;
+
+  constructor(body: ArrayBuffer) {
+    const magic = new TextDecoder().decode(body.slice(0, FILE_MAGIC.length));
+    if (magic !== FILE_MAGIC) throw new CodecError("This is not a file of frames.");
+    const view = new DataView(body);
+    const headerLength = view.getUint32(FILE_MAGIC.length, true);
+    let offset = FILE_MAGIC.length + 4;
+    const json = new TextDecoder().decode(new Uint8Array(body, offset, headerLength));
+    this.header = JSON.parse(json) as FramesHeader;
+    offset += headerLength;
+    while (offset < body.byteLength) {
+      const length = view.getUint32(offset, true);
+      const flags = view.getUint8(offset + 4);
+      offset += FILE_FRAME_HEADER_BYTES;
+      this.frames.push({
+        payload: new Uint8Array(body, offset, length),
+        isKey: (flags & KEY_FRAME_FLAG) !== 0,
+      });
+      offset += length;
+    }
+    if (this.frames.length !== this.header.n_frames + 1 || !this.frames[0]?.isKey) {
+      throw new CodecError("The file of frames is incomplete.");
+    }
+  }
+
+  /** The last frame's number; frame 0 is the start's screen. */
+  get last(): number {
+    return this.frames.length - 1;
+  }
+
+  /** Unpacks a frame (clamped to those there are) and returns its palette values. */
+  show(frame: number): Uint8Array {
+    const wanted = Math.min(Math.max(Math.trunc(frame), 0), this.last);
+    let from = wanted;
+    while (from > 0 && !this.frames[from]?.isKey) from -= 1;
+    const next = this.at <= wanted && this.at >= from ? this.at + 1 : from;
+    for (let i = next; i <= wanted; i += 1) {
+      const one = this.frames[i];
+      if (one) this.decoder.apply(one.payload, one.isKey);
+    }
+    this.at = wanted;
+    return this.decoder.pixels;
+  }
+}

@@ -1,0 +1,172 @@
+import { QueryClientProvider } from "@tanstack/react-query";
+import { render, screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { createMemoryRouter, RouterProvider } from "react-router";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+
+import { connection } from "@/api/connection";
+import { createQueryClient } from "@/app/query-client";
+import { routes } from "@/app/router";
+import { ToastProvider } from "@/components/feedback/Toasts";
+
+import { behaviour, recipe, results, run, system } from "../../support/data";
+import { Refusal, serve } from "../../support/server";
+
+class SilentEventSource extends EventTarget {
+  close(): void {
+    /* nothing was open */
+  }
+}
+
+function open(path: string) {
+  const client = createQueryClient();
+  client.setDefaultOptions({ queries: { retry: false } });
+  const router = createMemoryRouter(routes, { initialEntries: [path] });
+  render(
+    <QueryClientProvider client={client}>
+      <ToastProvider>
+        <RouterProvider router={router} />
+      </ToastProvider>
+    </QueryClientProvider>,
+  );
+  return router;
+}
+
+const CALM = {
+  "GET /api/behaviours": () => [behaviour({ n_recordings: 1 })],
+  "GET /api/behaviours/1": () => behaviour({ n_recordings: 3 }),
+  "GET /api/runs": () => [],
+  "GET /api/recipes": () => [recipe()],
+  "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }),
+  "GET /api/system": () => system(true),
+};
+
+beforeEach(() => {
+  connection.update({ reachable: true, authorised: true });
+  vi.stubGlobal("EventSource", SilentEventSource);
+  vi.stubGlobal("scrollTo", () => undefined);
+});
+
+describe("every page", () => {
+  it("shows who plays and whether the worker runs", async () => {
+    serve(CALM);
+    open("/");
+    expect(await screen.findByRole("button", { name: /Player: Ada/ })).toBeVisible();
+    expect(screen.getByText("Worker ready")).toBeVisible();
+  });
+
+  it("tells which processes run and what the disk holds", async () => {
+    serve(CALM);
+    open("/");
+    await userEvent.click(
+      await screen.findByRole("button", { name: "Worker ready. Processes and disk" }),
+    );
+    const dialog = within(screen.getByRole("dialog", { name: "Processes and disk" }));
+    const rows = dialog.getAllByRole("row").map((row) => row.textContent);
+    expect(rows).toEqual([
+      "Workerruns",
+      "Recordings, rankings and curves200 kB",
+      "Files of trainings500 kB",
+      "Cache of frames and clips300 kB, at most 500 MB",
+      "Everything else0 B",
+      "Together1.0 MB",
+      "Free on the disk1.0 GB",
+    ]);
+  });
+
+  it("lets the player change the name", async () => {
+    const asked = serve({
+      ...CALM,
+      "PATCH /api/player": () => ({ id: 1, name: "Grace", role: "owner" }),
+    });
+    open("/");
+    await userEvent.click(await screen.findByRole("button", { name: /Player: Ada/ }));
+    await userEvent.clear(screen.getByLabelText("Name"));
+    await userEvent.type(screen.getByLabelText("Name"), "Grace");
+    await userEvent.click(screen.getByRole("button", { name: "Save" }));
+    expect(await screen.findByRole("button", { name: /Player: Grace/ })).toBeVisible();
+    expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ name: "Grace" });
+  });
+
+  it("goes round the themes and remembers", async () => {
+    serve(CALM);
+    open("/");
+    const button = await screen.findByRole("button", { name: /^Theme/ });
+    await userEvent.click(button);
+    expect(document.documentElement.dataset.theme).toBe("light");
+    await userEvent.click(button);
+    expect(localStorage.getItem("tril.theme")).toBe("dark");
+    await userEvent.click(button);
+    expect(document.documentElement.dataset.theme).toBeUndefined();
+  });
+
+  it("says what to open when the browser isn't let in", async () => {
+    const refusal = () => new Refusal(401, { detail: "No cookie." });
+    serve({ ...CALM, "GET /api/behaviours": refusal });
+    open("/");
+    expect(
+      await screen.findByRole("heading", { name: "This browser isn’t let in yet" }),
+    ).toBeVisible();
+    expect(screen.getByText(/Open that address once in this browser/)).toBeVisible();
+  });
+
+  it("says that the server is gone, and goes on when it is back", async () => {
+    vi.stubGlobal("fetch", () => Promise.reject(new TypeError("Failed to fetch")));
+    open("/");
+    expect(await screen.findByText("Tril’s server doesn’t answer.")).toBeVisible();
+    serve(CALM);
+    const banner = within(screen.getByRole("banner"));
+    await userEvent.click(banner.getByRole("button", { name: "Try again" }));
+    expect(await screen.findByRole("heading", { name: "Column 1" })).toBeVisible();
+    await waitFor(() => expect(screen.queryByText("Tril’s server doesn’t answer.")).toBeNull());
+  });
+
+  it("says so when there is nothing at an address", async () => {
+    serve(CALM);
+    open("/nowhere");
+    expect(await screen.findByRole("heading", { name: "There is no such page" })).toBeVisible();
+  });
+});
+
+describe("a behaviour's pages", () => {
+  it("show the path, what is done and what is next", async () => {
+    serve(CALM);
+    open("/behaviours/1/train");
+    const path = await screen.findByRole("navigation", { name: "Path" });
+    const links = [...path.querySelectorAll("a")].map((link) => link.getAttribute("href"));
+    expect(links).toEqual([
+      "/behaviours/1/play",
+      "/behaviours/1/recordings",
+      "/behaviours/1/rank",
+      "/behaviours/1/train",
+      "/behaviours/1/runs",
+    ]);
+    expect(screen.getByRole("link", { name: /Play \(done\)/ })).toBeVisible();
+    expect(screen.getByRole("link", { name: /Rank \(next\)/ })).toBeVisible();
+    expect(screen.getByRole("link", { name: /Train/, current: "page" })).toBeVisible();
+  });
+
+  it("say so when there is no such behaviour", async () => {
+    serve({ ...CALM, "GET /api/behaviours/7": () => new Refusal(404, { detail: "Gone." }) });
+    open("/behaviours/7/play");
+    expect(
+      await screen.findByRole("heading", { name: "There is no such behaviour" }),
+    ).toBeVisible();
+  });
+
+  it("include those of its runs", async () => {
+    const one = run({ id: "r1", status: "queued", worker_alive: false });
+    serve({
+      ...CALM,
+      "GET /api/system": () => system(false),
+      "GET /api/runs/r1": () => one,
+      "GET /api/runs/r1/metrics": () => ({ last: 0, series: {} }),
+      "GET /api/runs/r1/results": () => results(one),
+    });
+    open("/runs/r1");
+    expect(await screen.findByRole("link", { name: /Look/, current: "page" })).toBeVisible();
+    expect(await screen.findByText(/The worker isn’t running, so nothing happens/)).toBeVisible();
+    expect(screen.getByRole("button", { name: "Cancel run" })).toBeEnabled();
+    expect(await screen.findByText(/Curves appear as soon as learning begins/)).toBeVisible();
+  });
+});

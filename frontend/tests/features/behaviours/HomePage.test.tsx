@@ -1,0 +1,177 @@
+import { screen, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it } from "vitest";
+
+import { HomePage } from "@/features/behaviours/HomePage";
+
+import { behaviour, recipe, run } from "../../support/data";
+import { show } from "../../support/page";
+import { Refusal, serve } from "../../support/server";
+
+const INTERVAL = { mean: 1.74, low: 1.3, high: 2, n: 23 };
+const SUMMARY = {
+  targets: INTERVAL,
+  strays: INTERVAL,
+  order_errors: null,
+  steps: INTERVAL,
+  death_rate: INTERVAL,
+  predicted_return: null,
+};
+const HEADLINE = {
+  imitator: SUMMARY,
+  clone: SUMMARY,
+  tau: 1,
+  pair_accuracy: 1,
+  held_out_accuracy: null,
+};
+
+describe("the first page", () => {
+  it("says what Tril is and where to begin, before anything was played", async () => {
+    const asked = serve({
+      "GET /api/behaviours": () => [behaviour()],
+      "GET /api/runs": () => [],
+      "GET /api/recipes": () => [recipe()],
+      "POST /api/runs": () => run({ id: "r1", example: true }),
+    });
+    const { router } = show(<HomePage />);
+    const play = await screen.findByRole("link", { name: "Play your first game" });
+    expect(play).toHaveAttribute("href", "/behaviours/1/play");
+    const example = await screen.findByRole("button", {
+      name: /See a full example \(about 12 min\)/,
+    });
+    await userEvent.click(example);
+    await screen.findByText("Another page");
+    expect(router.state.location.pathname).toBe("/runs/r1");
+    expect(asked.find(({ method }) => method === "POST")?.body).toMatchObject({
+      behaviour_id: 1,
+      example: true,
+      go_on_anyway: true,
+      steps: 300_000,
+    });
+  });
+
+  it("shows the latest run's headline with its interval afterwards", async () => {
+    serve({
+      "GET /api/behaviours": () => [
+        behaviour({ n_recordings: 12, n_ranked: 12, n_perfect: 3, n_runs: 1 }),
+      ],
+      "GET /api/runs": () => [
+        run({
+          status: "done",
+          headline: HEADLINE,
+        }),
+      ],
+    });
+    show(<HomePage />);
+    const card = await screen.findByRole("article");
+    expect(within(card).getByText("12 recordings, 12 ranked, 3 perfect, 1 run")).toBeVisible();
+    expect(await within(card).findByText("Imitator hits 1.7 of 2 (1.3 to 2.0)")).toBeVisible();
+    expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
+  });
+
+  it("shows the last result where the latest run was cancelled", async () => {
+    serve({
+      "GET /api/behaviours": () => [behaviour({ n_recordings: 12, n_runs: 2 })],
+      "GET /api/recipes": () => [recipe()],
+      "GET /api/runs": () => [
+        run({ id: "r2", status: "cancelled", headline: null }),
+        run({ id: "r1", status: "done", headline: HEADLINE }),
+      ],
+    });
+    show(<HomePage />);
+    const card = await screen.findByRole("article");
+    expect(await within(card).findByText(/^Imitator hits 1\.7 of 2/)).toBeVisible();
+  });
+
+  it("says why it can't show anything, and tries again", async () => {
+    let broken = true;
+    serve({
+      "GET /api/behaviours": () =>
+        broken ? new Refusal(503, { detail: "The database is busy." }) : [behaviour()],
+      "GET /api/runs": () => [],
+      "GET /api/recipes": () => [recipe()],
+    });
+    show(<HomePage />);
+    expect(await screen.findByRole("alert")).toHaveTextContent("The database is busy.");
+    broken = false;
+    await userEvent.click(screen.getByRole("button", { name: "Try again" }));
+    expect(await screen.findByRole("heading", { name: "Column 1" })).toBeVisible();
+  });
+});
+
+describe("a new behaviour", () => {
+  async function open(answer: () => unknown) {
+    const asked = serve({
+      "GET /api/behaviours": () => [behaviour({ n_recordings: 1 })],
+      "GET /api/runs": () => [],
+      "POST /api/behaviours": answer,
+    });
+    const { router } = show(<HomePage />);
+    await userEvent.click(await screen.findByRole("button", { name: "New behaviour" }));
+    const dialog = within(screen.getByRole("dialog", { name: "New behaviour" }));
+    const sent = () => asked.find(({ method }) => method === "POST")?.body;
+    return { dialog, router, sent };
+  }
+
+  it("needs a name", async () => {
+    const { dialog, sent } = await open(() => behaviour());
+    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    expect(dialog.getByLabelText("Name")).toBeInvalid();
+    expect(dialog.getByLabelText("Name")).toHaveAccessibleDescription("Give the behaviour a name.");
+    expect(sent()).toBeUndefined();
+  });
+
+  it("is made of a name and a description alone", async () => {
+    const { dialog, router, sent } = await open(() => behaviour({ id: 9 }));
+    await userEvent.type(dialog.getByLabelText("Name"), "Stay on the left");
+    await userEvent.type(dialog.getByLabelText("Description"), "Never cross the middle.");
+    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    await screen.findByText("Another page");
+    expect(router.state.location.pathname).toBe("/behaviours/9/play");
+    expect(sent()).toEqual({
+      name: "Stay on the left",
+      description: "Never cross the middle.",
+      target: null,
+      ordered: false,
+    });
+  });
+
+  it("takes its target and order from the keyboard as from the mouse", async () => {
+    const { dialog, sent } = await open(() => behaviour());
+    await userEvent.type(dialog.getByLabelText("Name"), "Three");
+    await userEvent.click(dialog.getByLabelText("Certain aliens are to be hit"));
+    await userEvent.click(dialog.getByLabelText("The order matters"));
+    await userEvent.click(dialog.getByRole("button", { name: "Alien in row 2, column 1" }));
+    await userEvent.keyboard("{ArrowRight} {ArrowDown}{Enter}");
+    expect(
+      dialog.getByRole("button", { pressed: true, name: /row 1, column 2, 3rd/ }),
+    ).toHaveFocus();
+    expect(dialog.getByText("3 aliens chosen")).toBeVisible();
+    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    expect(sent()).toMatchObject({
+      target: [
+        [1, 0],
+        [1, 1],
+        [0, 1],
+      ],
+      ordered: true,
+    });
+  });
+
+  it("picks whole lines", async () => {
+    const { dialog } = await open(() => behaviour());
+    await userEvent.click(dialog.getByLabelText("Certain aliens are to be hit"));
+    await userEvent.click(dialog.getByRole("button", { name: "All of column 5" }));
+    expect(dialog.getByText("6 aliens chosen")).toBeVisible();
+    await userEvent.click(dialog.getByRole("button", { name: "Clear" }));
+    expect(dialog.getByText("0 aliens chosen")).toBeVisible();
+  });
+
+  it("says why the server refuses it", async () => {
+    const refusal = new Refusal(409, { detail: "There is a behaviour of this name already." });
+    const { dialog } = await open(() => refusal);
+    await userEvent.type(dialog.getByLabelText("Name"), "Column 1");
+    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    expect(await dialog.findByRole("alert")).toHaveTextContent("of this name already");
+  });
+});

@@ -1,0 +1,24 @@
+import { describe, expect, it } from "vitest";
+
+import { pathOf } from "@/features/behaviours/path";
+
+describe("the path", () => {
+  const none = { n_recordings: 0, n_ranked: 0, n_perfect: 0, target: null };
+  const nextOf = (...args: Parameters<typeof pathOf>) =>
+    pathOf(...args)
+      .filter((step) => step.next)
+      .map((step) => step.id);
+
+  it("leads from playing to looking, one step at a time", () => {
+    const played = { ...none, n_recordings: 3 };
+    const ranked = { ...played, n_ranked: 3, n_perfect: 1 };
+    const running = { status: "running" as const, progress: 0.426, headline: null };
+    expect(nextOf(none, [])).toEqual(["play"]);
+    expect(nextOf(played, [])).toEqual(["rank"]);
+    expect(nextOf({ ...played, n_ranked: 3 }, [])).toEqual(["rank"]);
+    expect(nextOf(ranked, [])).toEqual(["train"]);
+    expect(nextOf(ranked, [running])).toEqual(["look"]);
+    expect(nextOf(ranked, [{ ...running, status: "done" }])).toEqual([]);
+    expect(pathOf(ranked, [running])[2]?.caption).toBe("42 % done");
+  });
+});

@@ -1,0 +1,117 @@
+import fc from "fast-check";
+import { describe, expect, it } from "vitest";
+
+import {
+  addKey,
+  bitOf,
+  controlOf,
+  CONTROLS,
+  DEFAULT_KEYS,
+  FIRE,
+  HeldKeys,
+  isGameKey,
+  keyName,
+  LEFT,
+  readKeyMap,
+  RIGHT,
+  withoutKey,
+} from "@/features/play/input/keys";
+
+const CODES = ["ArrowLeft", "ArrowRight", "ArrowUp", "KeyA", "KeyD", "KeyW", "Space", "KeyJ"];
+
+describe("held keys", () => {
+  it("add up", () => {
+    const held = new HeldKeys();
+    expect(held.hold("ArrowLeft", LEFT)).toBe(true);
+    expect(held.hold("Space", FIRE)).toBe(true);
+    expect(held.bits).toBe(LEFT | FIRE);
+    expect(held.release("ArrowLeft")).toBe(true);
+    expect(held.bits).toBe(FIRE);
+  });
+
+  it("stay held while another key for the same is", () => {
+    const held = new HeldKeys();
+    held.hold("ArrowRight", RIGHT);
+    expect(held.hold("KeyD", RIGHT)).toBe(false);
+    expect(held.release("ArrowRight")).toBe(false);
+    expect(held.bits).toBe(RIGHT);
+  });
+
+  it("take no notice of other keys, nor of a key's repetition", () => {
+    const held = new HeldKeys();
+    expect(held.hold("KeyQ", 0)).toBe(false);
+    held.hold("Space", FIRE);
+    expect(held.hold("Space", FIRE)).toBe(false);
+  });
+
+  it("are all let go at once", () => {
+    const held = new HeldKeys();
+    expect(held.releaseAll()).toBe(false);
+    held.hold("Space", FIRE);
+    held.hold("finger-1", LEFT);
+    expect(held.releaseAll()).toBe(true);
+    expect(held.bits).toBe(0);
+  });
+
+  it("are none once each pressed key is released, in any order", () => {
+    fc.assert(
+      fc.property(fc.array(fc.constantFrom(...CODES)), (pressed) => {
+        const held = new HeldKeys();
+        pressed.forEach((code) => held.hold(code, bitOf(DEFAULT_KEYS, code)));
+        [...new Set(pressed)].reverse().forEach((code) => held.release(code));
+        expect(held.bits).toBe(0);
+      }),
+    );
+  });
+});
+
+describe("the choice of keys", () => {
+  it("lets either hand play alone", () => {
+    const bits = (codes: string[]) => codes.map((code) => bitOf(DEFAULT_KEYS, code));
+    expect(bits(["ArrowLeft", "ArrowRight", "ArrowUp"])).toEqual([LEFT, RIGHT, FIRE]);
+    expect(bits(["KeyA", "KeyD", "KeyW"])).toEqual([LEFT, RIGHT, FIRE]);
+  });
+
+  it("includes the key that would scroll", () => {
+    expect(isGameKey(DEFAULT_KEYS, "ArrowDown")).toBe(true);
+    expect(isGameKey(DEFAULT_KEYS, "Space")).toBe(true);
+    expect(isGameKey(DEFAULT_KEYS, "Backspace")).toBe(false);
+  });
+
+  it("gives each key to one control only, and survives being stored", () => {
+    const change = fc.tuple(fc.constantFrom(...CONTROLS), fc.constantFrom(...CODES), fc.boolean());
+    fc.assert(
+      fc.property(fc.array(change), (changes) => {
+        let keys = DEFAULT_KEYS;
+        for (const [control, code, add] of changes) {
+          keys = add ? addKey(keys, control, code) : withoutKey(keys, code);
+          expect(controlOf(keys, code)).toBe(add ? control : null);
+        }
+        expect(readKeyMap(JSON.parse(JSON.stringify(keys)))).toEqual(keys);
+      }),
+    );
+  });
+
+  it.each([
+    null,
+    3,
+    [],
+    { ...DEFAULT_KEYS, left: "KeyA" },
+    { ...DEFAULT_KEYS, left: [3] },
+    { ...DEFAULT_KEYS, left: ["Space"] },
+    { left: [] },
+  ])("is not read from %j", (stored) => {
+    expect(readKeyMap(stored)).toBeNull();
+  });
+
+  it("names keys as they are written", () => {
+    expect(["ArrowLeft", "KeyA", "Digit7", "Space", "Numpad4", "Escape"].map(keyName)).toEqual([
+      "←",
+      "A",
+      "7",
+      "Space",
+      "Num 4",
+      "Esc",
+    ]);
+  });
+});

@@ -1,0 +1,46 @@
+import { render, screen } from "@testing-library/react";
+import { describe, expect, it, vi } from "vitest";
+
+import { StageOverlay } from "@/features/play/stage/StageOverlay";
+import type { GameState, Phase } from "@/features/play/stream/game-stream";
+
+function state(phase: Phase): GameState {
+  return { phase, seconds: 0, hits: [], why: "", ended: null, endedAt: 0, speed: 100 };
+}
+
+function lay(game: GameState | null, error: string | null = null) {
+  const nothing = vi.fn();
+  render(
+    <StageOverlay
+      state={game}
+      target={null}
+      starting={false}
+      error={error}
+      onStart={nothing}
+      onGoOn={nothing}
+      onStep={nothing}
+      onTakeBack={nothing}
+    />,
+  );
+}
+
+describe("what lies over the game's screen", () => {
+  it("says that all places are taken and that the game goes on by itself", () => {
+    lay(state("full"));
+    expect(screen.getByRole("status")).toHaveTextContent("All places are taken");
+    expect(screen.getByText(/yours goes on as soon as one of them ends/)).toBeVisible();
+    expect(screen.queryByRole("button")).toBeNull();
+  });
+
+  it("says what the server says when no game can be begun, and offers another try", () => {
+    lay(null, "All 32 places are taken at the moment. Games are short: try again in a minute.");
+    expect(screen.getByText(/try again in a minute/)).toBeVisible();
+    expect(screen.getByRole("button", { name: "Try again" })).toBeEnabled();
+  });
+
+  it("says of a game that stood still for long that it ended and is kept", () => {
+    lay(state("gone"));
+    expect(screen.getByText(/Nobody played on for a while/)).toHaveTextContent("is kept");
+    expect(screen.getByRole("button", { name: "Start game" })).toBeEnabled();
+  });
+});

@@ -1,0 +1,38 @@
+import { describe, expect, it } from "vitest";
+
+import { alienBox, cellsLeft, hitsUntil } from "@/features/play/stream/formation";
+
+const ALIENS = { width: 8, height: 10, column_px: 16, row_px: 18 };
+const HITS = [
+  { row: 0, column: 1, frame: 40 },
+  { row: 1, column: 1, frame: 90 },
+];
+
+describe("the formation", () => {
+  it("has the bottom row lowest and the first column at its left", () => {
+    const at = { left: 23, top: 31 };
+    expect(alienBox([5, 0], at, ALIENS)).toEqual({ left: 23, top: 31, width: 8, height: 10 });
+    expect(alienBox([0, 5], at, ALIENS)).toEqual({ left: 103, top: 121, width: 8, height: 10 });
+  });
+
+  it("is moved on with its first columns gone", () => {
+    expect(alienBox([0, 5], { left: -60, top: 61 }, ALIENS)).toMatchObject({ left: 20, top: 151 });
+  });
+
+  it("loses an alien in the frame of its hit, and has it back when the game is run back", () => {
+    expect([0, 39, 40, 89, 90, 500].map((frame) => hitsUntil(HITS, frame))).toEqual([
+      0, 0, 1, 1, 2, 2,
+    ]);
+    const cells = [
+      [0, 1],
+      [1, 1],
+      [2, 1],
+    ] as const;
+    expect(cellsLeft(cells, HITS, 0)).toEqual(cells);
+    expect(cellsLeft(cells, HITS, 1)).toEqual([
+      [1, 1],
+      [2, 1],
+    ]);
+    expect(cellsLeft(cells, HITS, 2)).toEqual([[2, 1]]);
+  });
+});

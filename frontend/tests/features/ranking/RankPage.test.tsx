@@ -1,0 +1,206 @@
+import { screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it } from "vitest";
+
+import type { Ranking } from "@/api/types";
+import { RankPage } from "@/features/ranking/RankPage";
+
+import { behaviour, ranking, recording } from "../../support/data";
+import { show } from "../../support/page";
+import { type Asked, Refusal, serve } from "../../support/server";
+
+/** A server that keeps one ranking as the real one does. */
+function rankingServer(begin: Partial<Ranking>) {
+  const all = [1, 2, 3, 4].map((id) =>
+    recording({
+      id,
+      perfect: id === 1,
+      parent: id === 4 ? { recording_id: 3, frame: 300 } : null,
+    }),
+  );
+  let standing = ranking(begin);
+  const history = [standing];
+  const put = (tiers: number[][], more: Partial<Ranking> = {}) => {
+    const ranked = tiers.flat();
+    standing = ranking({
+      ...more,
+      revision: standing.revision + 1,
+      tiers,
+      unranked: all.map(({ id }) => id).filter((id) => !ranked.includes(id)),
+      can_undo: true,
+    });
+    history.push(standing);
+    return standing;
+  };
+  const asked = serve({
+    "GET /api/behaviours/1/ranking": () => standing,
+    "GET /api/behaviours/1/recordings": () => all,
+    "PUT /api/behaviours/1/ranking": ({ body }: Asked) => {
+      const { base_revision: base, tiers } = body as { base_revision: number; tiers: number[][] };
+      if (base === standing.revision) return put(tiers);
+      return new Refusal(409, { detail: "Saved elsewhere.", current: standing, yours: tiers });
+    },
+    "POST /api/behaviours/1/ranking/undo": () =>
+      put(history.at(-2)?.tiers ?? [], { can_redo: true }),
+    "POST /api/behaviours/1/ranking/redo": () => put([[2], [1]]),
+  });
+  return { asked, elsewhere: put, now: () => standing };
+}
+
+async function open(begin: Partial<Ranking>) {
+  const server = rankingServer(begin);
+  show(<RankPage behaviour={behaviour({ n_recordings: 4 })} />);
+  await screen.findByRole("heading", { name: "Best to worst" });
+  return server;
+}
+
+/** The board as a list of tiers of recording numbers. */
+function board(): string[][] {
+  const tiers = screen
+    .queryAllByRole("listitem")
+    .filter((item) => item.getAttribute("aria-label")?.startsWith("Tier"));
+  return tiers.map((tier) =>
+    within(tier)
+      .getAllByRole("heading")
+      .map((heading) => heading.textContent.replace("Recording ", "")),
+  );
+}
+
+const press = (name: string) => userEvent.click(screen.getByRole("button", { name }));
+
+describe("a game that was run back", () => {
+  it("is offered with its other way as a pair, and ranked beside it", async () => {
+    const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });
+    const pair = within(screen.getByRole("region", { name: "Pairs to compare" }));
+    expect(pair.getByText("Recording 4 goes on from Recording 3 at 5.0 s.")).toBeVisible();
+    await userEvent.click(pair.getByRole("button", { name: "4 is better" }));
+    expect(board()).toEqual([["1"], ["4"], ["3"], ["2"]]);
+    expect(screen.queryByRole("region", { name: "Pairs to compare" })).toBeNull();
+    await waitFor(() => expect(server.now().tiers).toEqual([[1], [4], [3], [2]]));
+  });
+});
+
+describe("ranking by buttons", () => {
+  it("takes recordings from the tray, moves, ties and unties them, and saves each change", async () => {
+    const server = await open({ unranked: [1, 2, 3, 4] });
+    expect(board()).toEqual([]);
+    await press("Rank as worst: Recording 1");
+    await press("Rank as worst: Recording 2");
+    await press("Rank as best: Recording 3");
+    expect(board()).toEqual([["3"], ["1"], ["2"]]);
+    await press("Down: Recording 3");
+    expect(board()).toEqual([["1"], ["3"], ["2"]]);
+    await press("Tie with the tier above: Recording 2");
+    expect(board()).toEqual([["1"], ["3", "2"]]);
+    await press("Own tier: Recording 3");
+    expect(board()).toEqual([["1"], ["2"], ["3"]]);
+    await press("Back to unranked: Recording 2");
+    expect(board()).toEqual([["1"], ["3"]]);
+    await waitFor(() => expect(server.now().tiers).toEqual([[1], [3]]));
+    expect(screen.getByText("Saved")).toBeVisible();
+  });
+
+  it("says where a recording went", async () => {
+    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await press("Up: Recording 3");
+    expect(screen.getByText("Recording 3: tier 2 of 3, alone.")).toBeInTheDocument();
+    await press("Tie with the tier above: Recording 3");
+    expect(screen.getByText("Recording 3: tier 1 of 2, tied with 1.")).toBeInTheDocument();
+  });
+
+  it("keeps the focus on the button that was pressed", async () => {
+    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await press("Tie with the tier above: Recording 3");
+    expect(
+      screen.getByRole("button", { name: "Tie with the tier above: Recording 3" }),
+    ).toHaveFocus();
+  });
+
+  it("does nothing where there is nothing to do", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const up = screen.getByRole("button", { name: "Up: Recording 1" });
+    expect(up).toHaveAttribute("aria-disabled", "true");
+    await userEvent.click(up);
+    expect(server.asked.filter(({ method }) => method === "PUT")).toEqual([]);
+  });
+});
+
+describe("ranking by keyboard", () => {
+  it("picks up, announces and drops at the place that the arrows lead to", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    screen.getByRole("button", { name: "Move Recording 3" }).focus();
+    await userEvent.keyboard(" ");
+    await screen.findByText("Picked up Recording 3.");
+    await userEvent.keyboard("{ArrowUp}{ArrowUp}");
+    await screen.findByText("Over tier 2 of 3, with 1 recording.");
+    await userEvent.keyboard(" ");
+    await waitFor(() => expect(server.now().tiers).toEqual([[1], [2, 3]]));
+  });
+
+  it("leaves it where it was on Escape", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    screen.getByRole("button", { name: "Move Recording 2" }).focus();
+    await userEvent.keyboard(" ");
+    await screen.findByText("Picked up Recording 2.");
+    await userEvent.keyboard("{ArrowUp}{Escape}");
+    await screen.findByText("Recording 2 stays where it was.");
+    expect(server.now().revision).toBe(1);
+  });
+
+  it("undoes and makes again", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4], can_undo: true });
+    await press("Up: Recording 2");
+    await waitFor(() => expect(server.now().tiers).toEqual([[2], [1]]));
+    await userEvent.keyboard("{Control>}z{/Control}");
+    await waitFor(() => expect(board()).toEqual([["1"], ["2"]]));
+    await userEvent.keyboard("{Control>}{Shift>}z{/Shift}{/Control}");
+    await waitFor(() => expect(board()).toEqual([["2"], ["1"]]));
+  });
+});
+
+describe("two tabs", () => {
+  it("see both orders and choose one", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    server.elsewhere([[1], [2], [3]]);
+    await press("Up: Recording 2");
+    const dialog = within(await screen.findByRole("dialog", { name: /changed elsewhere/ }));
+    const theirs = within(dialog.getByRole("region", { name: "Saved elsewhere" }));
+    expect(theirs.getAllByRole("listitem")).toHaveLength(3);
+    await userEvent.click(dialog.getByRole("button", { name: "Use mine" }));
+    await waitFor(() => expect(server.now()).toMatchObject({ revision: 3, tiers: [[2], [1]] }));
+    expect(screen.queryByRole("dialog")).toBeNull();
+  });
+
+  it("can take the other one", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    server.elsewhere([[1, 2, 3]]);
+    await press("Up: Recording 2");
+    await userEvent.click(await screen.findByRole("button", { name: "Keep theirs" }));
+    expect(board()).toEqual([["1", "2", "3"]]);
+    expect(server.now().revision).toBe(2);
+  });
+});
+
+describe("what training needs", () => {
+  it("is named as long as it is missing", async () => {
+    await open({ tiers: [[1, 2]], unranked: [3, 4] });
+    const hints = within(screen.getByRole("region", { name: "What training needs" }));
+    expect(hints.getByText(/At least two tiers are needed/)).toBeVisible();
+    expect(hints.queryByRole("link", { name: "Go on to Train" })).toBeNull();
+    await press("Own tier: Recording 2");
+    expect(hints.getByText("1 preference pair to learn from")).toBeVisible();
+    expect(hints.getByRole("link", { name: "Go on to Train" })).toBeVisible();
+  });
+
+  it("begins with a game", async () => {
+    serve({
+      "GET /api/behaviours/1/ranking": () => ranking(),
+      "GET /api/behaviours/1/recordings": () => [],
+    });
+    show(<RankPage behaviour={behaviour()} />);
+    expect(await screen.findByRole("link", { name: "Play a game" })).toHaveAttribute(
+      "href",
+      "/behaviours/1/play",
+    );
+  });
+});

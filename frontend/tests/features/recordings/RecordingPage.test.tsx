@@ -1,0 +1,180 @@
+import { screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it, vi } from "vitest";
+
+import type { Recording, RecordingCourse } from "@/api/types";
+import { RecordingPage } from "@/features/recordings/RecordingPage";
+
+import { behaviour, recording } from "../../support/data";
+import { framesFile } from "../../support/frames";
+import { show } from "../../support/page";
+import { Refusal, serve } from "../../support/server";
+
+const N_FRAMES = 24;
+
+function course(change: Partial<RecordingCourse> = {}): RecordingCourse {
+  return {
+    actions: Array.from({ length: N_FRAMES }, (_, index) => (index < 8 ? 2 : 1)),
+    parent: null,
+    branches: [],
+    conditions: {},
+    memory_url: "/api/recordings/1/memory?v=1",
+    memory_names: [{ address: 28, name: "cannon, x" }],
+    ...change,
+  };
+}
+
+/** RAM in which the cannon's place is the frame's number. */
+function memory(): ArrayBuffer {
+  const bytes = new Uint8Array((N_FRAMES + 1) * 128);
+  for (let frame = 0; frame <= N_FRAMES; frame += 1) bytes[frame * 128 + 28] = frame;
+  return bytes.buffer;
+}
+
+function page(change: Partial<Recording> = {}, of: Partial<RecordingCourse> = {}, path = "/") {
+  const shown = recording({
+    n_frames: N_FRAMES,
+    n_steps: 6,
+    hits: [
+      { row: 0, column: 0, frame: 9, on_target: true },
+      { row: 2, column: 3, frame: 17, on_target: false },
+    ],
+    ...change,
+  });
+  const asked = serve({
+    "GET /api/recordings/1/frames": () => framesFile(N_FRAMES),
+    "GET /api/recordings/1/course": () => course(of),
+    "GET /api/recordings/1/memory": memory,
+    "GET /api/recordings/1/clip.gif": () => new ArrayBuffer(8),
+    "GET /api/recordings/1/clip.mp4": () =>
+      new Refusal(503, { detail: "Several clips are being made already." }),
+    "PATCH /api/recordings/1": () => shown,
+    "DELETE /api/recordings/1": () => undefined,
+  });
+  show(<RecordingPage recording={shown} behaviour={behaviour()} />, path);
+  return asked;
+}
+
+async function position(): Promise<HTMLInputElement> {
+  return screen.findByRole<HTMLInputElement>("slider", { name: "Position in the recording" });
+}
+
+describe("the page of a recording", () => {
+  it("goes to any frame by keys", async () => {
+    page();
+    const slider = await position();
+    expect(slider.valueAsNumber).toBe(0);
+    const keys: [string, number][] = [
+      ["{ArrowRight}", 1],
+      ["{Shift>}{ArrowRight}{/Shift}", 5],
+      ["{ArrowLeft}", 4],
+      ["{End}", N_FRAMES],
+      ["{ArrowRight}", N_FRAMES],
+      ["{Shift>}{ArrowLeft}{/Shift}", N_FRAMES - 4],
+      ["{Home}", 0],
+    ];
+    for (const [key, frame] of keys) {
+      await userEvent.keyboard(key);
+      expect(slider.valueAsNumber, key).toBe(frame);
+    }
+  });
+
+  it("begins at the frame that its address names, standing still", async () => {
+    page({}, {}, "/?frame=12");
+    expect((await position()).valueAsNumber).toBe(12);
+    expect(screen.getByRole("button", { name: "Play" })).toBeVisible();
+  });
+
+  it("says which action led to each frame", async () => {
+    page();
+    await position();
+    expect(await screen.findByText("the start")).toBeVisible();
+    await userEvent.keyboard("{ArrowRight}");
+    expect(screen.getByText("right")).toBeVisible();
+    await userEvent.keyboard("{End}");
+    expect(screen.getByText("fire")).toBeVisible();
+  });
+
+  it("tells strays from hits in words, and goes to a hit when it is pressed", async () => {
+    page();
+    const slider = await position();
+    const hits = within(screen.getByRole("list", { name: "Hits" }));
+    const [first, stray] = hits.getAllByRole("button");
+    expect(first).not.toHaveTextContent("stray");
+    expect(stray).toHaveTextContent("0.28 s row 3, column 4 × stray");
+    if (stray) await userEvent.click(stray);
+    expect(slider.valueAsNumber).toBe(17);
+    expect(
+      screen.getByRole("img", {
+        name: "Hits: row 1, column 1 at 0.1 s; stray, row 3, column 4 at 0.3 s",
+      }),
+    ).toBeInTheDocument();
+  });
+
+  it("shows the memory only when asked for, and that of the present frame", async () => {
+    const asked = page();
+    await position();
+    expect(asked.some(({ path }) => path.endsWith("/memory"))).toBe(false);
+    await userEvent.click(await screen.findByText("Memory of the console"));
+    await screen.findByRole("table", { name: "Memory at frame 0" });
+    await userEvent.click(screen.getByRole("button", { name: "One frame on" }));
+    const bytes = within(screen.getByRole("table", { name: "Memory at frame 1" }));
+    expect(bytes.getByTitle("28: cannon, x, 1")).toHaveTextContent("01");
+    const names = within(screen.getByRole("table", { name: "Known places in the memory" }));
+    expect(names.getByRole("row", { name: "28 cannon, x 1" })).toBeVisible();
+  });
+
+  it("leads to what it goes on from and to what goes on from it", async () => {
+    page({}, { parent: { recording_id: 7, frame: 90 }, branches: [{ recording_id: 9, frame: 3 }] });
+    expect(await screen.findByRole("link", { name: "recording 7, frame 90" })).toHaveAttribute(
+      "href",
+      "/recordings/7?frame=90",
+    );
+    expect(screen.getByRole("link", { name: "Recording 9" })).toHaveAttribute(
+      "href",
+      "/recordings/9?frame=3",
+    );
+  });
+
+  it("keeps notes and marks", async () => {
+    const asked = page();
+    await userEvent.click(await screen.findByRole("button", { name: "Write a note" }));
+    await userEvent.type(screen.getByLabelText("Note"), "Home run");
+    await userEvent.click(screen.getByRole("button", { name: "Save note" }));
+    await userEvent.click(screen.getByRole("button", { name: "Mark as perfect" }));
+    await waitFor(() =>
+      expect(asked.filter(({ method }) => method === "PATCH").map(({ body }) => body)).toEqual([
+        { notes: "Home run" },
+        { perfect: true },
+      ]),
+    );
+  });
+
+  it("downloads a clip under its name, and says why it could not be made", async () => {
+    const saved: string[] = [];
+    vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function click(
+      this: HTMLAnchorElement,
+    ) {
+      saved.push(`${this.download} ${this.href}`);
+    });
+    URL.createObjectURL = () => "blob:clip";
+    const asked = page();
+    await userEvent.click(await screen.findByRole("button", { name: "GIF" }));
+    await waitFor(() => expect(saved).toEqual(["recording-1.gif blob:clip"]));
+    expect(asked.find(({ path }) => path.endsWith("clip.gif"))?.query.get("v")).toBe("1");
+    await userEvent.click(await screen.findByRole("button", { name: "MP4" }));
+    expect(await screen.findByText("Several clips are being made already.")).toBeVisible();
+    expect(saved).toHaveLength(1);
+    expect(screen.getByRole("link", { name: "Data (JSON)" })).toHaveAttribute(
+      "href",
+      "/api/recordings/1/export",
+    );
+  });
+
+  it("offers no deletion of what belongs to a training", async () => {
+    page({ run_id: "3f2a9c00-0000-4000-8000-000000000000", source: "policy" });
+    await position();
+    expect(screen.queryByRole("button", { name: "Delete" })).toBeNull();
+    expect(screen.getByRole("link", { name: /The run whose policy played it/ })).toBeVisible();
+  });
+});

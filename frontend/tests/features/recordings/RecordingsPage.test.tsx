@@ -1,0 +1,281 @@
+import { fireEvent, screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it } from "vitest";
+
+import type { Recording } from "@/api/types";
+import { SelectionBar } from "@/features/recordings/library/SelectionBar";
+import { RecordingsPage } from "@/features/recordings/RecordingsPage";
+
+import { behaviour, recording } from "../../support/data";
+import { show } from "../../support/page";
+import { Refusal, serve } from "../../support/server";
+
+const LIST = "GET /api/behaviours/1/recordings";
+
+function library(list: Recording[], more: Parameters<typeof serve>[0] = {}, path = "/") {
+  const asked = serve({ [LIST]: () => [...list], ...more });
+  const page = <RecordingsPage behaviour={behaviour({ n_recordings: list.length })} />;
+  return { asked, ...show(page, path) };
+}
+
+describe("the library", () => {
+  it("says how each game went, who played it and whether it is verified", async () => {
+    library([
+      recording({ id: 5, targets: 2, strays: 1, end: "hit", n_steps: 139 }),
+      recording({ id: 4, source: "scripted", player: null }),
+      recording({ id: 3, verification: "failed", verification_note: "Frame 60 differs." }),
+    ]);
+    const first = within(await screen.findByRole("article", { name: "Recording 5" }));
+    expect(first.getByText("2 of 2 targets, 1 stray")).toBeVisible();
+    expect(first.getByText("139 steps, 9.3 s, hit by a bomb")).toBeVisible();
+    expect(first.getByText("Ada")).toBeVisible();
+    expect(first.getByText("verified")).toBeVisible();
+    expect(first.getByRole("img", { name: /Hits per column, from the left: 1, 0/ })).toBeVisible();
+    const second = within(screen.getByRole("article", { name: "Recording 4" }));
+    expect(second.getByText("scripted")).toBeVisible();
+    const third = within(screen.getByRole("article", { name: "Recording 3" }));
+    expect(third.getByText("not verified: Frame 60 differs.")).toBeVisible();
+  });
+
+  it("says quietly which games were played with delay", async () => {
+    const late = { presses: 40, p50_ms: 80, p95_ms: 180, frames_dropped: 120, is_bad: true };
+    library([
+      recording({ id: 5, latency: late }),
+      recording({ id: 4, latency: { ...late, p95_ms: 48, frames_dropped: 0, is_bad: false } }),
+      recording({ id: 3, latency: { ...late, p50_ms: null, p95_ms: null } }),
+    ]);
+    const notice = "played with delay";
+    const first = within(await screen.findByRole("article", { name: "Recording 5" }));
+    expect(first.getByText(notice)).toHaveAttribute(
+      "title",
+      "Played with delay: from key to screen 80 ms, 95% within 180 ms; 10 % of the frames not drawn.",
+    );
+    const second = within(screen.getByRole("article", { name: "Recording 4" }));
+    expect(second.queryByText(notice)).toBeNull();
+    const third = within(screen.getByRole("article", { name: "Recording 3" }));
+    expect(third.getByText(notice)).toHaveAttribute(
+      "title",
+      "Played with delay: 10 % of the frames not drawn.",
+    );
+  });
+
+  it("says which games were played in slow motion or frame by frame", async () => {
+    library([
+      recording({ id: 5, slowest_percent: 25, single_steps: 12 }),
+      recording({ id: 4, slowest_percent: 100, single_steps: 0 }),
+    ]);
+    const first = within(await screen.findByRole("article", { name: "Recording 5" }));
+    expect(first.getByText("slow motion, 25 %; 12 frames one by one")).toBeVisible();
+    const second = within(screen.getByRole("article", { name: "Recording 4" }));
+    expect(second.queryByText(/slow motion|one by one/)).toBeNull();
+  });
+
+  it("works without a target", async () => {
+    serve({ [LIST]: () => [recording({ targets: null, strays: null })] });
+    show(<RecordingsPage behaviour={behaviour({ target: null })} />);
+    expect(await screen.findByText("1 alien hit")).toBeVisible();
+  });
+
+  it("marks as perfect at once, and takes it back if that is refused", async () => {
+    library([recording()], {
+      "PATCH /api/recordings/1": () => new Refusal(503, { detail: "The disk is full." }),
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Mark as perfect" }));
+    expect(await screen.findByText("The disk is full.")).toBeVisible();
+    expect(screen.getByRole("button", { name: "Mark as perfect" })).toHaveAttribute(
+      "aria-pressed",
+      "false",
+    );
+  });
+
+  it("deletes, with a way back", async () => {
+    const list = [recording({ id: 2 }), recording({ id: 1 })];
+    const { asked } = library(list, {
+      "DELETE /api/recordings/2": () => {
+        list.shift();
+        return undefined;
+      },
+      "POST /api/recordings/2/restore": () => {
+        list.unshift(recording({ id: 2 }));
+        return list[0];
+      },
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Delete Recording 2" }));
+    await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 2" })).toBeNull());
+    await userEvent.click(await screen.findByRole("button", { name: "Undo" }));
+    expect(await screen.findByRole("article", { name: "Recording 2" })).toBeVisible();
+    expect(asked.map(({ method }) => method)).toContain("DELETE");
+  });
+
+  it("keeps notes", async () => {
+    const { asked } = library([recording()], {
+      "PATCH /api/recordings/1": () => recording({ notes: "Too hasty." }),
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Write a note" }));
+    await userEvent.type(screen.getByLabelText("Note"), "Too hasty.");
+    await userEvent.click(screen.getByRole("button", { name: "Save note" }));
+    await waitFor(() =>
+      expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ notes: "Too hasty." }),
+    );
+  });
+
+  it("shows some of them only, and says so in the address", async () => {
+    const { router } = library([
+      recording({ id: 3, perfect: true, targets: 2 }),
+      recording({ id: 2, targets: 2, strays: 2 }),
+      recording({ id: 1 }),
+    ]);
+    await userEvent.selectOptions(await screen.findByLabelText("Show"), "Perfect ones");
+    expect(names()).toEqual(["Recording 3"]);
+    await userEvent.selectOptions(screen.getByLabelText("Show"), "All");
+    await userEvent.selectOptions(screen.getByLabelText("Targets"), "2 or more");
+    expect(names()).toEqual(["Recording 3", "Recording 2"]);
+    await userEvent.selectOptions(screen.getByLabelText("Order"), "Oldest first");
+    expect(names()).toEqual(["Recording 2", "Recording 3"]);
+    await userEvent.selectOptions(screen.getByLabelText("Strays"), "None");
+    expect(names()).toEqual(["Recording 3"]);
+    expect(router.state.location.search).toBe("?hits=2&strays=0&order=oldest");
+    await userEvent.click(screen.getByRole("button", { name: "Clear the filters" }));
+    expect(names()).toHaveLength(3);
+  });
+
+  it("shows what an address asks for", async () => {
+    library([recording({ id: 2, player: "Bo" }), recording({ id: 1 })], {}, "/?player=Bo");
+    await screen.findByRole("article", { name: "Recording 2" });
+    expect(names()).toEqual(["Recording 2"]);
+    expect(screen.getByLabelText("Player")).toHaveDisplayValue("Bo");
+  });
+
+  it("does the same to all that are selected, and takes a deletion back", async () => {
+    const list = [4, 3, 2, 1].map((id) => recording({ id }));
+    const gone: Recording[] = [];
+    const { asked } = library(list, {
+      "POST /api/behaviours/1/recordings/change": ({ body }) => {
+        const { change, recording_ids: ids } = body as {
+          change: string;
+          recording_ids: number[];
+        };
+        if (change === "delete") {
+          gone.push(...list.splice(0, ids.length));
+        } else {
+          list.unshift(...gone.splice(0));
+        }
+        return list;
+      },
+    });
+    await userEvent.click(await screen.findByLabelText("Select Recording 4"));
+    const user = userEvent.setup();
+    await user.keyboard("{Shift>}");
+    await user.click(screen.getByLabelText("Select Recording 2"));
+    await user.keyboard("{/Shift}");
+    const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
+    expect(bar.getByText("3 recordings selected")).toBeVisible();
+    expect(bar.getByRole("link", { name: "Export selected" })).toHaveAttribute(
+      "href",
+      "/api/behaviours/1/recordings/export?recording=4&recording=3&recording=2",
+    );
+    await userEvent.click(bar.getByRole("button", { name: "Delete" }));
+    await waitFor(() => expect(names()).toEqual(["Recording 1"]));
+    await userEvent.click(await screen.findByRole("button", { name: "Undo" }));
+    await waitFor(() => expect(names()).toHaveLength(4));
+    expect(asked.filter(({ method }) => method === "POST").map(({ body }) => body)).toEqual([
+      { recording_ids: [4, 3, 2], change: "delete" },
+      { recording_ids: [4, 3, 2], change: "restore" },
+    ]);
+  });
+
+  it("marks all shown ones, and takes the marks off when all have one", async () => {
+    const list = [2, 1].map((id) => recording({ id }));
+    const { asked } = library(list, {
+      "POST /api/behaviours/1/recordings/change": () => {
+        list.forEach((one, index) => (list[index] = { ...one, perfect: true }));
+        return list;
+      },
+    });
+    await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
+    const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
+    await userEvent.click(bar.getByRole("button", { name: "Mark as perfect" }));
+    await userEvent.click(await bar.findByRole("button", { name: "Take the perfect marks off" }));
+    await waitFor(() =>
+      expect(
+        asked
+          .filter(({ method }) => method === "POST")
+          .map(({ body }) => (body as { change: string }).change),
+      ).toEqual(["mark_perfect", "unmark_perfect"]),
+    );
+  });
+
+  it("never asks for more at once than the server takes", () => {
+    const many = Array.from({ length: 501 }, (_, index) => recording({ id: 501 - index }));
+    const some: number[] = [];
+    const bar = (selected: Recording[]) => (
+      <SelectionBar
+        behaviour={behaviour()}
+        shown={many}
+        selected={selected}
+        onSelect={(chosen) => some.push(chosen.length)}
+      />
+    );
+    show(bar([]));
+    fireEvent.click(screen.getByText("Select the first 500"));
+    expect(some).toEqual([500]);
+    show(bar(many));
+    expect(screen.getByText("At most 500 are changed at once.")).toBeVisible();
+    expect(screen.queryByText("Delete")).toBeNull();
+  });
+
+  it("lists the deleted ones to restore them, also when nothing else is left", async () => {
+    const deleted = recording({ id: 4, deleted: true });
+    const asked = serve({
+      [LIST]: ({ query }) => (query.get("include") === "deleted" ? [deleted] : []),
+      "POST /api/recordings/4/restore": () => deleted,
+    });
+    show(<RecordingsPage behaviour={behaviour()} />);
+    await userEvent.click(await screen.findByRole("link", { name: "Deleted recordings" }));
+    await userEvent.click(await screen.findByRole("button", { name: "Restore Recording 4" }));
+    await waitFor(() => expect(asked.map(({ method }) => method)).toContain("POST"));
+    expect(screen.queryByRole("button", { name: "Delete Recording 4" })).toBeNull();
+  });
+});
+
+function names(): (string | null)[] {
+  return screen.queryAllByRole("article").map((one) => one.getAttribute("aria-label"));
+}
+
+describe("importing", () => {
+  const IMPORT = "POST /api/behaviours/1/recordings/import";
+
+  async function send(answer: () => unknown) {
+    const { asked } = library([], { [IMPORT]: answer });
+    await userEvent.click(await screen.findByRole("button", { name: "Import recordings" }));
+    const dialog = within(screen.getByRole("dialog", { name: "Import recordings" }));
+    const file = new File(['{"format":"tril-recording"}\n'], "games.jsonl");
+    await userEvent.upload(dialog.getByLabelText("File of recordings"), file);
+    await userEvent.click(dialog.getByLabelText("The order is a ranking, best first"));
+    await userEvent.click(dialog.getByRole("button", { name: "Import" }));
+    return { dialog, asked };
+  }
+
+  it("lists each refusal with its line and reason", async () => {
+    const { dialog, asked } = await send(() => ({
+      imported: [7],
+      notices: [{ line: 1, reason: "Cut after the hit." }],
+      refusals: [{ line: 3, reason: "Another ROM." }],
+    }));
+    expect(await dialog.findByText("1 recording imported")).toBeVisible();
+    const rows = dialog.getAllByRole("row").map((row) => row.textContent);
+    expect(rows).toEqual([
+      "LineWhat happened",
+      "1Imported, but: Cut after the hit.",
+      "3Refused: Another ROM.",
+    ]);
+    const query = asked.find(({ method }) => method === "POST")?.query;
+    expect(query?.get("rank")).toBe("true");
+    expect(query?.get("perfect")).toBe("false");
+  });
+
+  it("says why a whole file is refused", async () => {
+    const { dialog } = await send(() => new Refusal(413, null));
+    expect(await dialog.findByRole("alert")).toHaveTextContent("The file is too large.");
+  });
+});

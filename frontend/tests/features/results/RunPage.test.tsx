@@ -1,0 +1,338 @@
+import { screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it, vi } from "vitest";
+
+import type { PolicySummary, Run, RunResults } from "@/api/types";
+import { RunPage } from "@/features/results/RunPage";
+import { RunsPage } from "@/features/results/RunsPage";
+
+import { behaviour, game, recording, results, run, system } from "../../support/data";
+import { show } from "../../support/page";
+import { Refusal, serve } from "../../support/server";
+
+// Curves are drawn on a canvas, which jsdom has none of; the browser test sees them.
+vi.mock("@/features/results/curves/Chart", () => ({
+  Chart: ({ title }: { title: string }) => <figure aria-label={title} />,
+}));
+
+const INTERVAL = { mean: 4.7, low: 3.9, high: 5.4, n: 23 };
+const SUMMARY: PolicySummary = {
+  targets: INTERVAL,
+  strays: { mean: 0.2, low: 0, high: 0.5, n: 23 },
+  order_errors: null,
+  steps: { mean: 288, low: 270, high: 300, n: 23 },
+  death_rate: { mean: 0.13, low: 0, high: 0.3, n: 23 },
+  predicted_return: null,
+};
+
+function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeof serve>[0] = {}) {
+  const asked = serve({
+    [`GET /api/runs/${one.id}/results`]: () => results(one, change),
+    [`GET /api/runs/${one.id}/metrics`]: () => ({
+      last: 3,
+      series: { imitator: { hits: [[1, 1]], strays: [[1, 0]] } },
+    }),
+    "GET /api/system": () => system(true),
+    ...more,
+  });
+  show(<RunPage run={one} behaviour={behaviour()} />);
+  return asked;
+}
+
+describe("a run that goes", () => {
+  it("says how far it is, stage by stage", async () => {
+    open(run());
+    expect(screen.getByText("60 %")).toBeVisible();
+    expect(screen.getByText("about 2 min left")).toBeVisible();
+    const stages = screen
+      .getAllByRole("progressbar")
+      .map((bar) => bar.getAttribute("aria-valuenow"));
+    expect(stages).toEqual(["100", "100", "100", "100", "50", "0", "0"]);
+    expect(await screen.findByRole("figure", { name: "Aliens hit per game" })).toBeVisible();
+  });
+
+  it("can be cancelled", async () => {
+    const one = run();
+    const asked = open(
+      one,
+      {},
+      {
+        [`POST /api/runs/${one.id}/cancel`]: () => run({ status: "cancelling" }),
+      },
+    );
+    await userEvent.click(screen.getByRole("button", { name: "Cancel run" }));
+    await waitFor(() => expect(asked.some(({ path }) => path.endsWith("/cancel"))).toBe(true));
+  });
+});
+
+describe("a run whose return rises alone", () => {
+  const alarm = { from_step: 1000, to_step: 9000, message: "It rose, but hits did not." };
+
+  it("is alarmed while it goes, with where to look", async () => {
+    open(run(), { alarm });
+    const said = await screen.findByRole("alert");
+    expect(said).toHaveTextContent("The reward may be hacked. It rose, but hits did not.");
+    expect(within(said).getByRole("link", { name: "See the curves" })).toHaveAttribute(
+      "href",
+      "#curves",
+    );
+    expect(within(said).queryByRole("link", { name: /watch/ })).not.toBeInTheDocument();
+  });
+
+  it("leads to its games once there are some", async () => {
+    const row = { start_number: 0, held_out: true, imitator: null, clone: null, winner: null };
+    open(run({ status: "done" }), { alarm, comparison: [row] });
+    const said = await screen.findByRole("alert");
+    expect(within(said).getByRole("link", { name: "watch the games" })).toHaveAttribute(
+      "href",
+      "#games",
+    );
+  });
+});
+
+describe("a run that ended early", () => {
+  it("says why, and can go on", async () => {
+    const one = run({ status: "stopped", message: "It confuses tiers 1 and 3." });
+    const asked = open(
+      one,
+      {},
+      {
+        [`POST /api/runs/${one.id}/resume`]: () => new Refusal(409, { detail: "It is queued." }),
+      },
+    );
+    expect(screen.getByText("It confuses tiers 1 and 3.")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Go on anyway" }));
+    expect(await screen.findByText("It is queued.")).toBeVisible();
+    expect(asked.some(({ path }) => path.endsWith("/resume"))).toBe(true);
+  });
+
+  it("is deleted only when asked twice", async () => {
+    const one = run({ status: "failed", message: "The disk was full." });
+    const asked = open(one, {}, { [`DELETE /api/runs/${one.id}`]: () => undefined });
+    await userEvent.click(screen.getByRole("button", { name: "Delete run" }));
+    expect(asked.some(({ method }) => method === "DELETE")).toBe(false);
+    await userEvent.click(screen.getByRole("button", { name: "Delete" }));
+    expect(await screen.findByText("Another page")).toBeVisible();
+  });
+});
+
+describe("the results", () => {
+  const one = run({ status: "done" });
+  const best = recording({ id: 12, source: "scripted", player: null });
+  const imitator = game({ recording: recording({ id: 20, source: "policy", targets: 2 }) });
+  const clone = game({
+    policy: "clone",
+    recording: recording({ id: 21, source: "policy", targets: 1, strays: 3, end: "hit" }),
+  });
+  const results: Partial<RunResults> = {
+    summaries: [
+      { policy: "imitator", action_selection: "greedy", summary: SUMMARY },
+      { policy: "clone", action_selection: "greedy", summary: { ...SUMMARY, targets: null } },
+    ],
+    comparison: [{ start_number: 0, held_out: false, imitator, clone, winner: "imitator" }],
+    games: [imitator, game({ start_number: 3 }), game({ start_number: 3, policy: "clone" })],
+    best_demonstration: best,
+    check: {
+      tau: 0.92,
+      pair_accuracy: 0.984,
+      held_out_accuracy: 0.91,
+      passed: true,
+      advice: "",
+      warning: "",
+      confused: [
+        {
+          better_tier: 1,
+          worse_tier: 2,
+          held_out: false,
+          better: [12],
+          worse: [11],
+          n_right: 0,
+          n_compared: 1,
+        },
+      ],
+      returns: [
+        { tier: 1, recording: best, predicted_return: 5 },
+        { tier: 2, recording: recording({ id: 11 }), predicted_return: 7 },
+      ],
+    },
+    attention: [
+      {
+        state: "maximum",
+        reward: 3.65,
+        recording_id: 12,
+        step: 248,
+        frame_url: "/f.png",
+        map_url: "/m.png",
+        red_blue_url: "/rb.png",
+      },
+    ],
+    artifacts: [
+      {
+        id: 1,
+        kind: "imitator",
+        name: "imitator.zip",
+        media_type: "application/zip",
+        size_bytes: 3_700_000,
+        url: "/api/artifacts/1",
+      },
+    ],
+  };
+
+  it("carry their intervals", async () => {
+    open(one, results);
+    const table = within(await screen.findByRole("table", { name: "Imitator and clone" }));
+    const row = table.getByRole("row", { name: /Targets hit, of 2/ });
+    expect(row).toHaveTextContent("4.73.9 to 5.4–");
+    expect(table.getByRole("row", { name: /ended by a bomb/ })).toHaveTextContent(
+      "13 %0 % to 30 %",
+    );
+    expect(screen.getByText(/Means of 23 games/)).toBeVisible();
+  });
+
+  it("are shown for every way of playing that was played", async () => {
+    const sticky = { ...SUMMARY, targets: { mean: 3.1, low: 2.5, high: 3.7, n: 23 } };
+    open(one, {
+      ...results,
+      summaries: [
+        ...(results.summaries ?? []),
+        { policy: "imitator", action_selection: "sticky", summary: sticky },
+      ],
+    });
+    await userEvent.click(await screen.findByText("With sticky actions"));
+    expect(screen.getByText(/a chance of 25 % that the last frame’s action/)).toBeVisible();
+    const table = within(
+      screen.getByRole("table", { name: "Imitator and clone, with sticky actions" }),
+    );
+    expect(table.getByRole("row", { name: /Targets hit, of 2/ })).toHaveTextContent(
+      "3.12.5 to 3.7",
+    );
+    // An earlier version's run may lack some.
+    expect(screen.queryByText("With actions drawn by chance instead")).not.toBeInTheDocument();
+  });
+
+  it("set the games of a start side by side, with the winner", async () => {
+    open(one, results);
+    const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
+    expect(table.getByRole("button", { name: "Watch imitator from start 0" })).toBeVisible();
+    expect(table.getByRole("button", { name: "Watch clone from start 0" })).toHaveTextContent(
+      "1 target, 3 strayshit by a bomb",
+    );
+    expect(table.getByRole("button", { name: "Watch best demonstration" })).toBeVisible();
+    expect(table.getByText("seen in training")).toBeVisible();
+    expect(screen.getByText("1 further start")).toBeVisible();
+  });
+
+  it("set predicted returns against tiers and mark what is out of order", async () => {
+    open(one, results);
+    const table = within(await screen.findByRole("table", { name: "Predicted returns" }));
+    const rows = table
+      .getAllByRole("row")
+      .slice(1)
+      .map((row) => row.textContent);
+    expect(rows).toEqual(["1Recording 12scripted5.00", "2Recording 11Ada7.00 (highest)"]);
+    expect(screen.getByText("0.92")).toBeVisible();
+    expect(screen.getByText("98.4 %")).toBeVisible();
+    expect(
+      screen.getByText(/isn’t always put above the worse tier 2 .*: 0 of 1 comparison in order/),
+    ).toBeVisible();
+  });
+
+  it("warn of tiers that can't be told apart though the check passed", async () => {
+    const check = results.check && { ...results.check, warning: "It can’t tell 1 and 2 apart." };
+    open(one, { ...results, check: check ?? null });
+    const warning = await screen.findByText(/It can’t tell 1 and 2 apart/);
+    expect(within(warning).getByRole("link", { name: "See which recordings" })).toHaveAttribute(
+      "href",
+      "#check",
+    );
+    expect(screen.getByText(/but can’t tell some tiers apart/)).toBeVisible();
+  });
+
+  it("set predicted returns against what games were worth", async () => {
+    const played = [
+      { true_quantity: 6, predicted_return: 900, recording_id: 20 },
+      { true_quantity: 5, predicted_return: 300, recording_id: 22 },
+    ];
+    open(one, {
+      ...results,
+      judged: [
+        {
+          player: "demonstrator",
+          demonstrated: true,
+          tau: 0.97,
+          games: [
+            { true_quantity: -13, predicted_return: -2, recording_id: 11 },
+            { true_quantity: 6, predicted_return: 860, recording_id: 12 },
+          ],
+        },
+        { player: "imitator", demonstrated: false, tau: null, games: played },
+      ],
+    });
+    const plot = await screen.findByRole("img", { name: /Predicted return by targets hit/ });
+    expect(plot).toHaveTextContent("Recording 22, worth 5: 300");
+    const table = screen.getByRole("table", { name: "Predicted returns and worth of games" });
+    const rows = within(table)
+      .getAllByRole("row")
+      .slice(1)
+      .map((row) => row.textContent);
+    expect(rows).toEqual([
+      "Demonstratorlearned from2−13 to 6−2.00 to 8600.97",
+      "Imitatornever seen25 to 6300 to 900–",
+    ]);
+    expect(screen.getByText(/Beyond the shaded range/)).toBeVisible();
+  });
+
+  it("show attention in either colour map", async () => {
+    open(one, results);
+    const map = await screen.findByRole("img", { name: "Attention map at the maximum of R" });
+    expect(map).toHaveAttribute("src", "/m.png");
+    await userEvent.click(screen.getByRole("radio", { name: "Red-blue" }));
+    expect(map).toHaveAttribute("src", "/rb.png");
+    expect(screen.getByRole("button", { name: "Watch Recording 12 from step 248" })).toBeVisible();
+  });
+
+  it("can be taken away", async () => {
+    open(one, results);
+    const file = await screen.findByRole("link", { name: "imitator.zip" });
+    expect(file).toHaveAttribute("href", "/api/artifacts/1");
+    expect(screen.getByText("3.7 MB")).toBeVisible();
+  });
+});
+
+describe("the list of runs", () => {
+  it("sets parameters and results side by side", async () => {
+    const headline = {
+      imitator: SUMMARY,
+      clone: null,
+      tau: 0.98,
+      pair_accuracy: 1,
+      held_out_accuracy: null,
+    };
+    serve({
+      "GET /api/runs": () => [
+        run({
+          status: "done",
+          headline,
+          finished_at: "2026-01-01T12:17:01Z",
+        }),
+        run({ id: "ffff0000-0000-4000-8000-000000000000", example: true }),
+      ],
+    });
+    show(<RunsPage behaviour={behaviour()} />);
+    const done = await screen.findByRole("row", { name: /Run 3f2a9c/ });
+    expect(done).toHaveTextContent("4.73.9 to 5.4");
+    expect(done).toHaveTextContent("17 min");
+    const going = screen.getByRole("row", { name: /Run ffff00/ });
+    expect(going).toHaveTextContent("Imitator, 60 %, about 2 min left");
+    expect(going).toHaveTextContent("scripted example");
+  });
+
+  it("leads to training where there is none", async () => {
+    serve({ "GET /api/runs": () => [] });
+    show(<RunsPage behaviour={behaviour()} />);
+    expect(await screen.findByRole("link", { name: "Go to Train" })).toHaveAttribute(
+      "href",
+      "/behaviours/1/train",
+    );
+  });
+});

@@ -1,0 +1,92 @@
+import { screen, waitFor } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it } from "vitest";
+
+import type { Behaviour } from "@/api/types";
+import { TrainPage } from "@/features/training/TrainPage";
+
+import { behaviour, recipe, run, system } from "../../support/data";
+import { show } from "../../support/page";
+import { Refusal, serve } from "../../support/server";
+
+const RANKED = behaviour({ n_recordings: 3, n_ranked: 3, n_perfect: 1 });
+
+function open(one: Behaviour, answers: Parameters<typeof serve>[0] = {}) {
+  const asked = serve({
+    "GET /api/recipes": () => [recipe(), recipe({ name: "paper", default_steps: 10_000_000 })],
+    "GET /api/system": () => system(true),
+    ...answers,
+  });
+  return { asked, ...show(<TrainPage behaviour={one} />) };
+}
+
+describe("training", () => {
+  it("says what is missing and can't be started", async () => {
+    open(behaviour({ n_recordings: 3 }));
+    expect(await screen.findByText(/Rank at least two recordings/)).toBeVisible();
+    expect(screen.getByRole("button", { name: "Train" })).toBeDisabled();
+  });
+
+  it("works on the scripted example where nothing was played", async () => {
+    const { asked, router } = open(behaviour(), {
+      "POST /api/runs": () => run({ id: "r3", status: "queued", example: true }),
+    });
+    expect(await screen.findByText(/a scripted player, not a person/)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Train on the example" }));
+    await waitFor(() => expect(router.state.location.pathname).toBe("/runs/r3"));
+    expect(asked.find(({ method }) => method === "POST")?.body).toMatchObject({ example: true });
+  });
+
+  it("starts with what was chosen, and says why it is refused", async () => {
+    let refused = true;
+    const { asked, router } = open(RANKED, {
+      "POST /api/runs": () =>
+        refused
+          ? new Refusal(422, { detail: "Recording 4 isn't verified." })
+          : run({ id: "r2", status: "queued" }),
+    });
+    await userEvent.click(await screen.findByRole("radio", { name: /paper/ }));
+    expect(screen.getByLabelText("Steps")).toHaveValue("10,000,000");
+    await userEvent.click(screen.getByRole("button", { name: "20 k" }));
+    await userEvent.click(screen.getByText("More settings"));
+    await userEvent.clear(screen.getByLabelText("Training seed"));
+    await userEvent.type(screen.getByLabelText("Training seed"), "7");
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    expect(await screen.findByRole("alert")).toHaveTextContent("Recording 4 isn't verified.");
+    refused = false;
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    await waitFor(() => expect(router.state.location.pathname).toBe("/runs/r2"));
+    expect(asked.filter(({ method }) => method === "POST").at(-1)?.body).toMatchObject({
+      recipe: "paper",
+      steps: 20_000,
+      training_seed: 7,
+      go_on_anyway: false,
+      example: false,
+    });
+  });
+
+  it("keeps what was typed when another recipe is chosen; the rest follows the recipe", async () => {
+    open(RANKED);
+    await userEvent.click(await screen.findByText("More settings"));
+    const seed = screen.getByLabelText("Training seed");
+    await userEvent.clear(seed);
+    await userEvent.type(seed, "7");
+    await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
+    expect(seed).toHaveValue("7");
+    expect(screen.getByLabelText("Steps")).toHaveValue("10,000,000");
+    await userEvent.click(screen.getByRole("button", { name: "20 k" }));
+    await userEvent.click(screen.getByRole("radio", { name: /fast/ }));
+    expect(screen.getByLabelText("Steps")).toHaveValue("20,000");
+    expect(seed).toHaveValue("7");
+  });
+
+  it("names a number that won't do", async () => {
+    open(RANKED);
+    const steps = await screen.findByLabelText("Steps");
+    await userEvent.clear(steps);
+    await userEvent.type(steps, "lots");
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    expect(steps).toBeInvalid();
+    expect(steps).toHaveAccessibleDescription(/whole number of steps/);
+  });
+});

@@ -1,0 +1,58 @@
+import { describe, expect, it } from "vitest";
+
+import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "@/features/training/form";
+
+const RECIPE = {
+  name: "fast",
+  summary: "Fast.",
+  default_steps: 300_000,
+  learning_rate: 0.0003,
+  values: {},
+  steps_per_s: 500,
+  steps_per_s_measured: true,
+  overhead_s: 120,
+};
+
+function values(change: Partial<FormValues> = {}): FormValues {
+  return { ...defaultsOf(RECIPE), ...change };
+}
+
+describe("the training form", () => {
+  it("begins with a recipe that can be sent as it is", () => {
+    expect(errorsIn(values())).toEqual({});
+    expect(runOf(values(), 3, false)).toEqual({
+      behaviour_id: 3,
+      recipe: "fast",
+      steps: 300_000,
+      learning_rate: 0.0003,
+      training_seed: 0,
+      go_on_anyway: false,
+      example: false,
+    });
+  });
+
+  it.each([
+    ["300,000", 300_000],
+    ["300 000", 300_000],
+    ["1_000", 1000],
+    ["", NaN],
+    ["1e5", NaN],
+    ["-5", NaN],
+    ["12.5", NaN],
+  ])("reads %j as %d", (text, number) => expect(readWhole(text)).toBe(number));
+
+  it.each([
+    [{ steps: "0" }, "steps"],
+    [{ steps: "many" }, "steps"],
+    [{ steps: "100000001" }, "steps"],
+    [{ learningRate: "0" }, "learningRate"],
+    [{ learningRate: "2" }, "learningRate"],
+    [{ learningRate: " " }, "learningRate"],
+    [{ trainingSeed: "-1" }, "trainingSeed"],
+    [{ trainingSeed: "2147483648" }, "trainingSeed"],
+  ])("refuses %o and says what would do", (change, field) => {
+    const errors = errorsIn(values(change));
+    expect(Object.keys(errors)).toEqual([field]);
+    expect(runOf(values(change), 1, false)).toBeNull();
+  });
+});

@@ -1,0 +1,272 @@
+"""What of trainings and their results goes over HTTP. The frontend's types come from these."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import Field, StrictBool
+
+from server.api.schemas.base import Id, Schema
+from server.api.schemas.recordings import Recording
+from tril.analysis.extrapolation import Player
+from tril.store.training.evaluations import ActionSelection
+
+
+class Recipe(Schema):
+    """A way of learning; ``values`` is all of it.
+
+    ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+    """
+
+    name: str
+    summary: str
+    default_steps: int
+    learning_rate: float
+    values: dict[str, Any]
+    steps_per_s: float
+    steps_per_s_measured: bool
+    overhead_s: float
+
+
+class RunNew(Schema):
+    """``example`` makes and ranks the scripted demonstrations first where they are missing.
+
+    Without ``steps`` it has as many as the recipe proposes.
+    """
+
+    behaviour_id: Id
+    recipe: str = "fast"
+    steps: int | None = Field(default=None, strict=True, ge=1, le=100_000_000)
+    learning_rate: float | None = Field(default=None, strict=True, gt=0, le=1)
+    training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
+    go_on_anyway: StrictBool = False
+    example: StrictBool = False
+
+
+RunStatus = Literal["queued", "running", "cancelling", "cancelled", "stopped", "failed", "done"]
+
+
+class Run(Schema):
+    """One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order."""
+
+    id: str
+    behaviour_id: int
+    behaviour_name: str
+    example: bool
+    recipe: str
+    recipe_values: dict[str, Any]
+    steps: int
+    training_seed: int
+    learning_rate: float
+    go_on_anyway: bool
+    ranking_revision: int | None
+    n_ranked: int | None
+    n_perfect: int | None
+    status: RunStatus
+    stages: list[str]
+    stage: str
+    stage_progress: float
+    progress: float
+    remaining_s: float | None
+    message: str
+    worker_alive: bool
+    versions: dict[str, str]
+    headline: Headline | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+class Headline(Schema):
+    """Greedy games from held-out evaluation starts: means with 95% bootstrap intervals."""
+
+    imitator: PolicySummary | None
+    clone: PolicySummary | None
+    tau: float | None
+    pair_accuracy: float | None
+    held_out_accuracy: float | None
+
+
+class Interval(Schema):
+    """A mean over n games with its 95% interval."""
+
+    mean: float
+    low: float
+    high: float
+    n: int
+
+
+class PolicySummary(Schema):
+    """None where the behaviour has no target."""
+
+    targets: Interval | None
+    strays: Interval | None
+    order_errors: Interval | None
+    steps: Interval
+    death_rate: Interval
+    predicted_return: Interval | None
+
+
+class Metrics(Schema):
+    """Points after ``after``; each series is [[step, value], ...]. Pass ``last`` as next after."""
+
+    last: int
+    series: dict[str, dict[str, list[tuple[int, float]]]]
+
+
+class ConfusedTiers(Schema):
+    """Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+
+    ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
+    learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
+    comparisons ``n_right`` were in order; None in runs of earlier versions.
+    """
+
+    better_tier: int
+    worse_tier: int
+    held_out: bool
+    better: list[int]
+    worse: list[int]
+    n_right: int | None
+    n_compared: int | None
+
+
+class RankedReturn(Schema):
+    """A demonstration's predicted return (sum of R over its observations) by its tier, from 1."""
+
+    tier: int
+    recording: Recording
+    predicted_return: float
+
+
+class RankingCheck(Schema):
+    """How well the reward model agrees with the ranking.
+
+    ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
+    """
+
+    tau: float
+    pair_accuracy: float
+    held_out_accuracy: float | None
+    passed: bool
+    advice: str
+    warning: str
+    confused: list[ConfusedTiers]
+    returns: list[RankedReturn]
+
+
+class AttentionMap(Schema):
+    """Attention of the reward model at one state; pictures are PNG artifacts."""
+
+    state: Literal["minimum", "90th percentile", "95th percentile", "maximum"]
+    reward: float
+    recording_id: int
+    step: int
+    frame_url: str
+    map_url: str
+    red_blue_url: str
+
+
+class EvaluationGame(Schema):
+    """One game that a trained policy played.
+
+    ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
+    "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
+    """
+
+    policy: Literal["imitator", "clone"]
+    action_selection: ActionSelection
+    start_number: int
+    held_out: bool
+    predicted_return: float | None
+    recording: Recording
+
+
+class ComparisonRow(Schema):
+    """One start of the thesis' table: who hit what, and who won."""
+
+    start_number: int
+    held_out: bool
+    imitator: EvaluationGame | None
+    clone: EvaluationGame | None
+    winner: Literal["imitator", "clone", "tie"] | None
+
+
+class PolicyGamesSummary(Schema):
+    """Means over a policy's games from held-out starts."""
+
+    policy: Literal["imitator", "clone"]
+    action_selection: ActionSelection
+    summary: PolicySummary
+
+
+class JudgedGame(Schema):
+    """A game's true quantity (targets hit, less strays) and its predicted return."""
+
+    true_quantity: int
+    predicted_return: float
+    recording_id: int
+
+
+class JudgedGames(Schema):
+    """The games of one who played: demonstrations, or games that the reward has not seen.
+
+    ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
+    worth the same.
+    """
+
+    player: Player
+    demonstrated: bool
+    games: list[JudgedGame]
+    tau: float | None
+
+
+class RewardAlarm(Schema):
+    """The predicted return of the training games rose and they became no better.
+
+    ``message`` says what it means and what to do.
+    """
+
+    from_step: int
+    to_step: int
+    message: str
+
+
+class RunResults(Schema):
+    """Everything the results page shows; parts that are not there yet are None or empty."""
+
+    run: Run
+    check: RankingCheck | None
+    comparison: list[ComparisonRow]
+    games: list[EvaluationGame]
+    summaries: list[PolicyGamesSummary]
+    best_demonstration: Recording | None
+    alarm: RewardAlarm | None
+    judged: list[JudgedGames]
+    attention: list[AttentionMap]
+    artifacts: list[Artifact]
+
+
+class Artifact(Schema):
+    """A file of a training."""
+
+    id: int
+    kind: str
+    name: str
+    media_type: str
+    size_bytes: int
+    url: str
+
+
+class RewardTrace(Schema):
+    """R (raw output) of every observation of a recording, by step, from the start's."""
+
+    run_id: str
+    recording_id: int
+    rewards: list[float]
+
+
+Run.model_rebuild()
+Headline.model_rebuild()
+RunResults.model_rebuild()

@@ -1,0 +1,180 @@
+"""What a training has found."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from server.api.schemas.recordings import Recording
+from server.api.schemas.runs import (
+    Artifact,
+    AttentionMap,
+    ComparisonRow,
+    ConfusedTiers,
+    EvaluationGame,
+    JudgedGames,
+    PolicyGamesSummary,
+    PolicySummary,
+    RankedReturn,
+    RankingCheck,
+    RewardAlarm,
+    RunResults,
+)
+from server.api.views.recordings import RecordingViews
+from server.api.views.runs import run_view
+from tril.analysis.summary import winner
+from tril.recipes import recipe_from_dict
+from tril.store import recordings
+from tril.store.models import ArtifactRow, EvaluationRow, RunRow
+from tril.store.training import artifacts, evaluations
+from tril.store.training.alarms import alarm_of
+from tril.store.training.returns import judged_games
+
+_STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
+
+
+def artifact_view(row: ArtifactRow) -> Artifact:
+    """Show a file of a training."""
+    return Artifact(
+        id=row.id,
+        kind=row.kind,
+        name=row.name,
+        media_type=row.media_type,
+        size_bytes=row.size_bytes,
+        url=f"/api/artifacts/{row.id}",
+    )
+
+
+def run_results(session: Session, run: RunRow) -> RunResults:
+    """Show everything that a training has found so far."""
+    views = RecordingViews(session)
+    games = evaluations.listing(session, run.id)
+    files = artifacts.listing(session, run.id)
+    tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
+    alarm = alarm_of(session, run)
+    demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
+    shown = {key: views.one(row) for key, row in demonstrations.items()}
+    return RunResults(
+        run=run_view(session, run),
+        check=_check(run.outcome.get("check"), tiers, shown),
+        comparison=_comparison(run, games, views),
+        games=[_game(row, views) for row in games],
+        summaries=_summaries(games),
+        best_demonstration=shown.get(tiers[0][0]) if tiers else None,
+        alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
+        judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
+        attention=_attention(files),
+        artifacts=[artifact_view(row) for row in files],
+    )
+
+
+def _check(
+    check: dict[str, Any] | None, tiers: list[list[int]], shown: dict[int, Recording]
+) -> RankingCheck | None:
+    if check is None:
+        return None
+    returns = {int(key): value for key, value in check["predicted_returns"].items()}
+    return RankingCheck(
+        tau=check["tau"],
+        pair_accuracy=check["pair_accuracy"],
+        held_out_accuracy=check["held_out_accuracy"],
+        passed=check["passed"],
+        advice=check["advice"],
+        warning=check.get("warning", ""),
+        confused=[
+            ConfusedTiers(
+                better_tier=pair["better"],
+                worse_tier=pair["worse"],
+                held_out=pair["held_out"],
+                better=tiers[pair["better"] - 1],
+                worse=tiers[pair["worse"] - 1],
+                n_right=pair.get("n_right"),
+                n_compared=pair.get("n_compared"),
+            )
+            for pair in check["confused"]
+        ],
+        returns=[
+            RankedReturn(tier=place, recording=shown[key], predicted_return=returns[key])
+            for place, tier in enumerate(tiers, start=1)
+            for key in tier
+            if key in shown and key in returns
+        ],
+    )
+
+
+def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:
+    return EvaluationGame(
+        policy=row.policy,
+        action_selection=row.action_selection,
+        start_number=row.start_number,
+        held_out=row.held_out,
+        predicted_return=row.predicted_return,
+        recording=views.one(row.recording),
+    )
+
+
+def _comparison(
+    run: RunRow, games: list[EvaluationRow], views: RecordingViews
+) -> list[ComparisonRow]:
+    """The thesis' table: greedy games from the headline starts, side by side."""
+    starts = recipe_from_dict(run.recipe).evaluation.start_numbers
+    greedy = {
+        (row.start_number, row.policy): row for row in games if row.action_selection == "greedy"
+    }
+    table = []
+    for number in starts:
+        ours, theirs = (greedy.get((number, policy)) for policy in evaluations.POLICIES)
+        if ours is None and theirs is None:
+            continue
+        table.append(
+            ComparisonRow(
+                start_number=number,
+                held_out=all(row.held_out for row in (ours, theirs) if row is not None),
+                imitator=None if ours is None else _game(ours, views),
+                clone=None if theirs is None else _game(theirs, views),
+                winner=None
+                if ours is None or theirs is None
+                else winner(evaluations.figures_of(ours), evaluations.figures_of(theirs)),
+            )
+        )
+    return table
+
+
+def _summaries(games: list[EvaluationRow]) -> list[PolicyGamesSummary]:
+    """Means over the games from starts that no demonstration began from."""
+    return [
+        PolicyGamesSummary(
+            policy=policy,
+            action_selection=how,
+            summary=PolicySummary.model_validate(summary),
+        )
+        for (policy, how), summary in evaluations.summaries(games).items()
+    ]
+
+
+def _attention(files: list[ArtifactRow]) -> list[AttentionMap]:
+    """The states whose three pictures are all there, from the lowest R to the highest."""
+    pictures: dict[str, dict[str, ArtifactRow]] = defaultdict(dict)
+    for row in files:
+        if row.kind.startswith("attention_"):
+            pictures[row.details["state"]][row.kind] = row
+    shown = []
+    for state in _STATES:
+        found = pictures.get(state, {})
+        if not {"attention_frame", "attention_map", "attention_red_blue"} <= found.keys():
+            continue
+        details = found["attention_map"].details
+        shown.append(
+            AttentionMap(
+                state=state,
+                reward=details["reward"],
+                recording_id=details["recording_id"],
+                step=details["step"],
+                frame_url=artifact_view(found["attention_frame"]).url,
+                map_url=artifact_view(found["attention_map"]).url,
+                red_blue_url=artifact_view(found["attention_red_blue"]).url,
+            )
+        )
+    return shown

@@ -1,0 +1,77 @@
+"""What keeps ``tril up`` from starting is said in one sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from cli.main import app
+from cli.supervision.lock import lock_data_folder
+from cli.workspace import migrate_databases
+from tril.errors import Unavailable
+from tril.settings import Settings
+
+
+def _refusal(*arguments: str) -> str:
+    done = CliRunner().invoke(app, list(arguments))
+    assert done.exit_code == 1, done.output
+    assert "Traceback" not in done.output
+    return " ".join(done.output.split())
+
+
+def test_a_data_folder_is_used_by_one_supervisor_at_a_time(tmp_path: Path) -> None:
+    with (
+        lock_data_folder(tmp_path, "http://127.0.0.1:8000"),
+        pytest.raises(Unavailable, match=r"already runs.*127.0.0.1:8000.*TRIL_DATA"),
+        lock_data_folder(tmp_path, "http://127.0.0.1:8001"),
+    ):
+        pass
+    with lock_data_folder(tmp_path, "http://127.0.0.1:8001"):
+        pass
+
+
+def test_a_second_start_on_the_same_folder_is_refused(data_folder: Path) -> None:
+    data_folder.mkdir(exist_ok=True)
+    with lock_data_folder(data_folder, "http://127.0.0.1:8000"):
+        assert "Tril already runs on" in _refusal("up", "--port", "0", "--no-browser")
+
+
+@pytest.mark.parametrize("command", ["up", "serve", "worker", "migrate"])
+def test_a_data_path_that_is_a_file_is_refused(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    monkeypatch.setenv("TRIL_DATA", str(file))
+    assert "which is not a folder" in _refusal(command)
+    monkeypatch.setenv("TRIL_DATA", str(file / "below"))
+    if command in {"up", "migrate"}:
+        assert "can't be created" in _refusal(command)
+
+
+@pytest.mark.parametrize("command", ["up", "migrate"])
+@pytest.mark.parametrize("name", ["tril.sqlite", "jobs.sqlite"])
+def test_a_damaged_database_is_named_with_a_way_out(
+    command: str, name: str, data_folder: Path
+) -> None:
+    data_folder.mkdir(exist_ok=True)
+    (data_folder / name).write_bytes(b"no database" * 1000)
+    arguments = ["--port", "0", "--no-browser"] if command == "up" else []
+    refusal = _refusal(command, *arguments)
+    assert "file is not a database" in refusal
+    assert "backup" in refusal
+
+
+def test_damaged_secrets_are_refused_before_anything_starts(data_folder: Path) -> None:
+    settings = Settings()
+    migrate_databases(settings)
+    settings.token_file.write_text("{")
+    assert f"{settings.token_file} can't be read" in _refusal("up", "--port", "0", "--no-browser")
+    assert data_folder.exists()
+
+
+def test_a_setting_that_makes_no_sense_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TRIL_PORT", "eighty")
+    assert "TRIL_PORT=eighty" in _refusal("health", "server")
