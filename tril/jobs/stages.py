@@ -57,7 +57,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[str, float]:
         "demonstrations": DEMONSTRATIONS_S,
         "trajectories": TRAJECTORIES_S,
         "reward": 1.0 + reward.ensemble * _learning_seconds(reward),
-        "check": CHECK_S + reward.folds * _learning_seconds(reward.of_a_fold),
+        "check": CHECK_S + reward.folds * _learning_seconds(reward.of_fold),
         "clone": 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
         "imitator": 2.0 + _imitator_seconds(recipe, steps),
         "evaluation": 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,

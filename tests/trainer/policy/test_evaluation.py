@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, PlayedGame, play
+from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, EvaluatedGame, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
 from tril.game.space_invaders import Action
 from tril.game.starts import evaluation_start
@@ -46,7 +46,7 @@ def test_greedy_games_are_recordings_that_verify_with_the_return_of_their_trajec
         np.testing.assert_allclose(game.predicted_return, expected, rtol=1e-4, atol=1e-3)
 
 
-def _actions(games: list[PlayedGame]) -> list[bytes]:
+def _actions(games: list[EvaluatedGame]) -> list[bytes]:
     return [game.recording.actions for game in games]
 
 

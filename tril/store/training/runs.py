@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
-from tril.recipes import MOST_DAGGER_STEPS, Recipe
+from tril.recipes import MAX_DAGGER_STEPS, Recipe
 from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.models import RecordingState, RunRow, RunStatus, Verification, now
@@ -57,10 +57,10 @@ def create(
         raise Invalid(f"Expected at least one step, got {steps}.")
     if recipe.method == "dagger":
         example_plans(behaviours.as_behaviour(behaviour))
-        if steps > MOST_DAGGER_STEPS:
+        if steps > MAX_DAGGER_STEPS:
             raise Invalid(
                 f"DAgger keeps every state that it has seen: train it for at most"
-                f" {MOST_DAGGER_STEPS:,} steps, not {steps:,}."
+                f" {MAX_DAGGER_STEPS:,} steps, not {steps:,}."
             )
     row = RunRow(
         id=str(uuid.uuid4()),
