@@ -99,7 +99,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
     replays = ReplayProcess()
-    limits = GameLimits.of(settings, rules.max_games)
+    limits = GameLimits.from_settings(settings, rules.max_games)
     jobs = Jobs(database, settings)
     services = Services(
         settings=settings,

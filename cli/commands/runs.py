@@ -66,12 +66,11 @@ def start_run(
 
 def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
     """Return a recipe with values such as ``policy.learning_rate=0.001`` replaced."""
-    changes: dict[str, Any] = {}
+    changes: dict[str, str] = {}
     for entry in values or []:
-        path, equals, text = entry.partition("=")
+        path, equals, changes[path] = entry.partition("=")
         if not equals:
             raise Invalid(f"Expected NAME=VALUE such as policy.n_epochs=4, got {entry!r}.")
-        changes[path] = _value(text)
     return with_values(recipe_named(name), changes)
 
 
@@ -140,7 +139,13 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
         with workspace.database.reading() as session:
             row = runs.get(session, run_id)
         if as_json:
-            print_json(run_entry(row) | {"outcome": row.outcome, "recipe_values": row.recipe})
+            print_json(
+                run_entry(row)
+                | {
+                    "outcome": row.outcome.model_dump(mode="json", exclude_unset=True),
+                    "recipe_values": row.recipe,
+                }
+            )
             return
         console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
         print_results(workspace, row)
@@ -215,17 +220,3 @@ def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
         )
         table.add_row(policy, action_selection, str(one.steps.n), *cells)
     console.print(table)
-
-
-def _value(text: str) -> Any:
-    """Parse a boolean, a number, a comma-separated tuple of these, or a string."""
-    if "," in text:
-        return tuple(_value(part) for part in text.split(",") if part)
-    if text in {"true", "false"}:
-        return text == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text

@@ -20,14 +20,18 @@ from tril.store.database import Database
 
 T = TypeVar("T")
 
+ONE_GAME = PlayRules(max_games=1)
+
 
 @contextmanager
-def signed_in(workplace: Workplace, frontend: Path) -> Iterator[TestClient]:
+def signed_in(
+    workplace: Workplace, frontend: Path, rules: PlayRules = ONE_GAME
+) -> Iterator[TestClient]:
     """Run the application and give a client that is signed in."""
     settings = workplace.settings.model_copy(
         update={"max_games": 1000, "max_games_per_player": 1000}
     )
-    app = create_app(settings, frontend, PlayRules(max_games=1))
+    app = create_app(settings, frontend, rules)
     with TestClient(app, base_url=f"http://127.0.0.1:{workplace.settings.port}") as client:
         access = Access(workplace.settings)
         client.cookies.set(access.cookie_name, access.new_cookie())
