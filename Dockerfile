@@ -10,8 +10,9 @@ ARG PIP_EXTRA_INDEX_URL=""
 ENV PIP_NO_CACHE_DIR=1
 WORKDIR /data
 WORKDIR /opt/tril
-COPY Makefile pyproject.toml constraints.txt LICENSE ./
+COPY Makefile pyproject.toml constraints.txt README.md LICENSE ./
 COPY scripts scripts
+COPY tril/__init__.py tril/
 RUN make environment
 
 FROM python:3.11-bookworm AS page

@@ -5,11 +5,12 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 PIP := $(PY) -m pip --disable-pip-version-check
-NPM := $(abspath $(PY)) $(abspath scripts/node.py) npm
+NPM := $(abspath scripts/with_node.sh) npm
 
 # A stamp is as new as the last install that went well.
 RUN_STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
+DOCS_STAMP := $(VENV)/.installed-docs
 NPM_STAMP := frontend/node_modules/.installed
 PAGE := server/web/static/index.html
 
@@ -22,14 +23,25 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run environment frontend test test-unit test-e2e test-frontend check lint \
-	format types imports migrations-check api api-check wheel bench clean
+.PHONY: help run dev dev-server dev-page environment frontend test test-unit test-e2e test-frontend check lint \
+	format types imports migrations-check api api-check wheel docs constraints bench clean
 
 help: ## say what there is to make
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 run: environment frontend ## build what changed, then start server, worker and inference
 	@exec $(VENV)/bin/tril up $(ARGS)
+
+dev: ## the same, started again when Python files change, and the page with hot reloading
+	@echo "For the page with hot reloading, open the address below with port 5173 in place of 8000."
+	@$(MAKE) --no-print-directory --jobs 2 dev-server dev-page
+
+dev-server: $(DEV_STAMP) frontend
+	@exec $(VENV)/bin/watchfiles --filter python --sigint-timeout 20 \
+		"$(VENV)/bin/tril up --no-browser $(ARGS)" cli migrations server trainer tril
+
+dev-page: $(NPM_STAMP)
+	@cd frontend && exec $(NPM) run dev
 
 environment: $(RUN_STAMP) ## the virtual environment with what running needs
 
@@ -54,10 +66,12 @@ lint: $(DEV_STAMP) $(NPM_STAMP) ## rules and formatting, Python and TypeScript
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
 	cd frontend && $(NPM) run lint
+	cd frontend && $(NPM) run format:check
 
-format: $(DEV_STAMP) ## bring Python files into shape
+format: $(DEV_STAMP) $(NPM_STAMP) ## bring Python and TypeScript files into shape
 	$(VENV)/bin/ruff check --fix-only
 	$(VENV)/bin/ruff format
+	cd frontend && $(NPM) run format
 
 types: $(DEV_STAMP) $(NPM_STAMP) ## strict types, Python and TypeScript
 	$(VENV)/bin/mypy
@@ -82,6 +96,15 @@ wheel: $(DEV_STAMP) frontend ## the distribution to install elsewhere, with the 
 	rm -rf $(DIST)
 	$(PY) -m build --no-isolation --outdir $(DIST)
 
+docs: $(DOCS_STAMP) ## the documentation as a site, in ./site; broken links are errors
+	$(VENV)/bin/sphinx-build --fail-on-warning --keep-going --jobs auto --quiet docs site
+
+constraints: $(DOCS_STAMP) ## pin what is installed in constraints.txt
+	@$(INSTALL) '.[dev,docs,node,postgres]'
+	@{ grep '^#' constraints.txt; $(PIP) freeze --all --exclude pip --exclude-editable | tr A-Z_ a-z- | \
+		sed 's/+.*//; /^\(nvidia\|cuda\|triton\)/d' | LC_ALL=C sort -t = -k 1,1; } > $(VENV)/constraints.txt
+	@mv $(VENV)/constraints.txt constraints.txt
+
 bench: $(DEV_STAMP) ## every benchmark, one after the other
 	@for file in benchmarks/*/[a-z]*.py; do \
 		name=$$(echo $${file%.py} | tr / .); \
@@ -90,7 +113,7 @@ bench: $(DEV_STAMP) ## every benchmark, one after the other
 	done
 
 clean: ## remove what make built; the data folder stays
-	rm -rf $(VENV) frontend/node_modules server/web/static $(DIST)
+	rm -rf $(VENV) frontend/node_modules server/web/static $(DIST) site docs/api
 	rm -rf .import_linter_cache .hypothesis .mypy_cache .pytest_cache .ruff_cache test-results
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -110,6 +133,10 @@ $(RUN_STAMP): pyproject.toml constraints.txt | $(PY)
 $(DEV_STAMP): $(RUN_STAMP)
 	@echo "Installing the Python packages for tests and checks"
 	@$(INSTALL) '.[dev]'
+	@touch $@
+
+$(DOCS_STAMP): $(DEV_STAMP)
+	@$(INSTALL) '.[docs]'
 	@touch $@
 
 $(NPM_STAMP): frontend/package-lock.json frontend/package.json | $(PY)

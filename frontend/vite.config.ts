@@ -3,10 +3,10 @@ import { fileURLToPath } from "node:url";
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
 
-// `npm run dev` serves the pages and passes /api on to a running `tril up`. The token exchange
-// (/?token=…) must be done on the server's own address first; the cookie then holds for both
-// ports, since cookies know no ports.
+// `npm run dev` serves the pages and passes /api and the token exchange (/?token=…) on to a running
+// `tril up`.
 const server = process.env.TRIL_SERVER ?? "http://127.0.0.1:8000";
+const passedOn = { target: server, ws: true, changeOrigin: true, headers: { origin: server } };
 
 export default defineConfig({
   plugins: [react()],
@@ -21,9 +21,7 @@ export default defineConfig({
   },
   server: {
     host: "127.0.0.1",
-    proxy: {
-      "/api": { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
-    },
+    proxy: { "/api": passedOn, "^/\\?token=": passedOn },
   },
   test: {
     restoreMocks: true,

@@ -6,7 +6,7 @@ import hashlib
 import threading
 
 from server.clips import ClipKind, ClipMaker
-from server.play.replays import ReplayProcess, Wanted
+from server.play.replays import ReplayProcess, ReplayTask
 from tril.files.cache import Cache
 from tril.game.episode import Ending
 from tril.recording import Recording
@@ -43,14 +43,14 @@ class ReplayCache:
         # One at a time, so that the check of a game that ends waits for one at most.
         self._lock = threading.Lock()
 
-    def get(self, recording: Recording, wanted: Wanted) -> bytes:
+    def get(self, recording: Recording, task: ReplayTask) -> bytes:
         """Return what a replay yields, replaying the recording unless the file is cached."""
 
         def replay() -> bytes:
             with self._lock:
-                return self._replays.submit(wanted, recording).result()
+                return self._replays.submit(task, recording).result()
 
-        return self._cache.get(f"{version_of(recording)}.{wanted}", replay)
+        return self._cache.get(f"{version_of(recording)}.{task}", replay)
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""

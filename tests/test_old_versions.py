@@ -11,12 +11,14 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
+from server.play.rules import PlayRules
 from server.web.security import Access
 from tests.server.clients import build_frontend, signed_in
 from testsupport.workplace import Workplace
@@ -28,7 +30,7 @@ from trainer.reporting.results_page import write_page
 from trainer.reporting.run_entry import read_entry
 from trainer.reward.model import RewardModel, predicted_return
 from tril.exchange.backup import check_backup, make_backup
-from tril.exchange.behaviour_transfer import import_whole
+from tril.exchange.behaviour_transfer import import_behaviour
 from tril.exchange.recording_transfer import import_recordings
 from tril.game.console import Console
 from tril.jobs import Jobs, prepare_queue
@@ -52,6 +54,9 @@ GAIL = ("gail", "Column 1", 2, 256)
 SIX = ("fast", "Row 1", 0, 256)
 DONE = (DEMO, ALARMED, GAIL, SIX)
 """Recipe, behaviour, training seed and steps of the finished runs."""
+
+UNDECIDED_STAY = PlayRules(max_games=1, decided_after=timedelta(days=100_000))
+"""Else the undecided game is kept while the tests look at it."""
 
 Json = dict[str, Any]
 
@@ -118,7 +123,7 @@ def old(folders: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Old
         before.row_factory = sqlite3.Row
         stored = {row["id"]: dict(row) for row in before.execute("SELECT * FROM runs")}
     workplace = start_on(folder / "data")
-    with signed_in(workplace, build_frontend(folder)) as client:
+    with signed_in(workplace, build_frontend(folder), UNDECIDED_STAY) as client:
         yield OldFolder(workplace, client, stored)
     workplace.database.close()
 
@@ -128,7 +133,7 @@ def changed(folders: Path, tmp_path: Path) -> Iterator[tuple[Workplace, TestClie
     """A server on an upgraded data folder that a test may change."""
     shutil.copytree(folders / "data", tmp_path / "data")
     workplace = start_on(tmp_path / "data")
-    with signed_in(workplace, build_frontend(tmp_path)) as client:
+    with signed_in(workplace, build_frontend(tmp_path), UNDECIDED_STAY) as client:
         yield workplace, client
     workplace.database.close()
 
@@ -418,7 +423,7 @@ def test_a_backup_is_whole_and_can_be_worked_on(folders: Path, tmp_path: Path) -
     assert (found.n_files, found.n_recordings, found.n_runs) == (101, 131, 12)
     shutil.copytree(folders / "backup", tmp_path / "data")
     workplace = start_on(tmp_path / "data")
-    with signed_in(workplace, build_frontend(tmp_path)) as client:
+    with signed_in(workplace, build_frontend(tmp_path), UNDECIDED_STAY) as client:
         assert len(client.get("/api/runs").json()) == 11
         assert client.get(f"/api/behaviours/{OWN}/ranking").json()["n_pairs"] == 119
     workplace.database.close()
@@ -428,7 +433,7 @@ def test_a_backup_is_whole_and_can_be_worked_on(folders: Path, tmp_path: Path) -
 
 def test_a_behaviours_file_is_imported_with_its_history(workplace: Workplace) -> None:
     content = (FILES / f"{EXPORTED}.tril.json").read_bytes()
-    outcome = import_whole(workplace.database, content)
+    outcome = import_behaviour(workplace.database, content)
     assert (outcome.slug, outcome.was_there) == (EXPORTED, False)
     assert (outcome.n_recordings, outcome.n_revisions, outcome.notices) == (19, 8, [])
     with workplace.database.writing() as session:

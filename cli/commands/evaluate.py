@@ -1,4 +1,4 @@
-"""``tril evaluate``: let a trained policy play again, from any evaluation starts."""
+"""``tril evaluate``: evaluate a trained policy from chosen evaluation starts."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from tril.store.training import artifacts, runs
 
 
 class Policy(StrEnum):
-    """Which of a run's policies plays."""
+    """A policy of a run."""
 
     IMITATOR = "imitator"
     CLONE = "clone"
 
 
 class ActionSelection(StrEnum):
-    """How it chooses actions."""
+    """How a policy selects actions."""
 
     GREEDY = "greedy"
     SAMPLED = "sampled"
@@ -38,10 +38,10 @@ class ActionSelection(StrEnum):
 
 
 def evaluate(
-    run_id: Annotated[str, typer.Argument(help="A run whose policies are trained.")],
-    policy: Annotated[Policy, typer.Option(help="Which policy plays.")] = Policy.IMITATOR,
+    run_id: Annotated[str, typer.Argument(help="A run with trained policies.")],
+    policy: Annotated[Policy, typer.Option(help="The policy to evaluate.")] = Policy.IMITATOR,
     action_selection: Annotated[
-        ActionSelection, typer.Option(help="How it chooses actions.")
+        ActionSelection, typer.Option(help="How the policy selects actions.")
     ] = ActionSelection.GREEDY,
     starts: Annotated[str, typer.Option(help="Evaluation starts, e.g. 0,1,2 or 0-31.")] = "0-22",
     sticky: Annotated[
@@ -49,14 +49,14 @@ def evaluate(
         typer.Option(
             min=0,
             max=1,
-            help="Chance of repeating the last frame's action; else 0.25 where the selection is"
-            " sticky.",
+            help="Probability of repeating the previous frame's action. Default: 0.25 if the"
+            " selection is sticky.",
         ),
     ] = None,
-    sampling_seed: Annotated[int, typer.Option(min=0, help="Of all draws.")] = 0,
+    sampling_seed: Annotated[int, typer.Option(min=0, help="Seed of all random draws.")] = 0,
     as_json: JsonOption = False,
 ) -> None:
-    """Let a trained policy play one game from each evaluation start; nothing is stored."""
+    """Play one game from each evaluation start with a trained policy; store nothing."""
     with open_workspace() as workspace:
         numbers = _numbers(starts)
         behaviour, games = _play(
@@ -75,7 +75,7 @@ def evaluate(
             cells = ("" if value is None else str(value) for value in counts)
             table.add_row(str(number), game.end, *cells, f"{one.predicted_return:.1f}")
         console.print(table)
-        _say_means(figures)
+        _print_means(figures)
 
 
 def _play(
@@ -127,12 +127,12 @@ def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
     )
 
 
-def _say_means(figures: list[GameFigures]) -> None:
+def _print_means(figures: list[GameFigures]) -> None:
     summary = summarise(figures)
     for name, value in (
         ("targets", summary.targets),
         ("strays", summary.strays),
-        ("share lost to a bomb", summary.death_rate),
+        ("death rate", summary.death_rate),
     ):
         if value is not None:
             console.print(
@@ -141,7 +141,7 @@ def _say_means(figures: list[GameFigures]) -> None:
 
 
 def _numbers(text: str) -> list[int]:
-    """Read "0,1,2" or "0-31" or a mixture."""
+    """Parse "0,1,2", "0-31" or a mixture."""
     numbers: list[int] = []
     try:
         for part in text.split(","):

@@ -18,7 +18,7 @@ from server.api.schemas.behaviours import (
 )
 from server.dependencies import BehaviourId, ReadSession, WriteSession
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.demonstrator import PlayedGame, example_plans, tick
+from tril.demonstrator import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
 from tril.game.episode import EndReason
 from tril.store import behaviours, recordings
@@ -58,7 +58,7 @@ def get_checklist(session: ReadSession, behaviour_id: BehaviourId) -> Checklist:
         for row in recordings.listing(session, behaviour_id)
         if row.verification == Verification.VERIFIED
     }
-    ticks = tick(plans, games)
+    ticks = match_plans(plans, games)
     return Checklist(
         planned=[PlannedDemonstration.of(plan, recording_id=ticks[plan.number]) for plan in plans],
         note="",
@@ -96,8 +96,8 @@ def delete_behaviour(session: WriteSession, behaviour_id: BehaviourId) -> None:
     behaviours.delete(session, behaviours.get(session, behaviour_id))
 
 
-def _played(row: RecordingRow) -> PlayedGame:
-    return PlayedGame(
+def _played(row: RecordingRow) -> GameOutcome:
+    return GameOutcome(
         hits=tuple((hit.row, hit.column) for hit in recordings.hits_of(row)),
         end=None if row.end is None else EndReason(row.end),
         n_frames=row.n_frames,

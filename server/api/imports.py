@@ -11,7 +11,7 @@ from starlette.concurrency import run_in_threadpool
 from server.api.schemas.recordings import ImportResult
 from server.dependencies import BehaviourId, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.exchange.recording_transfer import Imported, import_recordings
+from tril.exchange.recording_transfer import RecordingImportResult, import_recordings
 from tril.store import behaviours, players
 
 router = APIRouter(tags=["recordings"])
@@ -49,7 +49,7 @@ async def import_recordings_file(
         raise HTTPException(408, "The upload took too long. Try again.") from None
     database = services_of(request).database
 
-    def add() -> Imported:
+    def add() -> RecordingImportResult:
         with database.reading() as session:
             behaviours.get(session, behaviour_id)
             player_id = players.owner(session).id

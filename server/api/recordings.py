@@ -83,7 +83,7 @@ def export_recordings(
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
     row = behaviours.get(session, behaviour_id)
     only = None if recording is None else _of_behaviour(session, behaviour_id, recording)
-    objects = recording_transfer.export_behaviour(session, behaviour_id, only)
+    objects = recording_transfer.export_recordings(session, behaviour_id, only)
     return Response(
         "".join(f"{json.dumps(item)}\n" for item in objects),
         media_type=JSON_LINES,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from enum import StrEnum
 
-from tril.exchange.formats import from_exchange, to_exchange
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.recording import Recording
 
 
@@ -26,7 +26,7 @@ MEDIA_TYPES = {
 
 def write_request(recording: Recording, kind: ClipKind) -> bytes:
     """Encode a request: the recording in the exchange format, and the kind."""
-    return json.dumps({"kind": kind, "recording": to_exchange(recording)}).encode()
+    return json.dumps({"kind": kind, "recording": dump_recording(recording)}).encode()
 
 
 def read_request(content: bytes) -> tuple[Recording, ClipKind]:
@@ -36,4 +36,4 @@ def read_request(content: bytes) -> tuple[Recording, ClipKind]:
         RecordingRefused: The replay differs from what was recorded.
     """
     given = json.loads(content)
-    return from_exchange(given["recording"]).recording, ClipKind(given["kind"])
+    return load_recording(given["recording"]).recording, ClipKind(given["kind"])

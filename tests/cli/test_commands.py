@@ -46,7 +46,7 @@ def test_recordings_are_imported_in_order_and_exported_again(three: Path, tmp_pa
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_what_is_missing_for_a_training_is_said() -> None:
+def test_a_training_without_a_ranking_is_refused() -> None:
     output = _run("train", "column-3", status=1)
     assert "at least two tiers" in output
 
@@ -70,9 +70,7 @@ def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_a_behaviour_goes_into_a_file_and_comes_back_as_another(
-    three: Path, tmp_path: Path
-) -> None:
+def test_an_exported_behaviour_is_imported_as_a_new_one(three: Path, tmp_path: Path) -> None:
     _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
     file = tmp_path / "column-1.tril.json"
     output = _run("behaviours", "export", "column-1", "-o", str(file))
@@ -108,7 +106,7 @@ def test_a_backup_is_made_checked_and_worked_on(
     assert (found["n_recordings"], found["n_runs"]) == (3, 0)
     assert "not empty" in _run("backup", str(tmp_path / "backup"), status=1)
     assert "Name the folder" in _run("backup", "--check", status=1)
-    assert "no backup" in _run("backup", str(tmp_path), "--check", status=1)
+    assert "not a Tril backup" in _run("backup", str(tmp_path), "--check", status=1)
     monkeypatch.setenv("TRIL_DATA", str(tmp_path / "backup"))
     assert "3 of 3 recordings verify" in _run("recordings", "verify", "-b", "column-1")
 
@@ -122,4 +120,4 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 @pytest.mark.usefixtures("data_folder")
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
-    assert "there are scripted, human, six, twenty-four, no-wrong, no-gradual" in output
+    assert "choose one of scripted, human, six, twenty-four, no-wrong, no-gradual" in output

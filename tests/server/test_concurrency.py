@@ -1,4 +1,4 @@
-"""How many requests work at the same time, and what happens to the others."""
+"""The bound on requests at work, and the queue behind it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much room Tril takes, by what for."""
+"""Disk usage by purpose."""
 
 from __future__ import annotations
 

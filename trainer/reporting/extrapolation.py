@@ -21,9 +21,9 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv, VecNormalize
 
 import tril.game.env
-from trainer.policy.evaluation import PlayedGame, play
+from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.policy.networks import Policy, ScreenPolicy, policy_arguments
-from trainer.progress import Part, Progress
+from trainer.progress import Progress, ScaledProgress
 from trainer.reporting.skilled_games import (
     Experiment,
     Extrapolation,
@@ -32,6 +32,7 @@ from trainer.reporting.skilled_games import (
     tiers_by,
 )
 from trainer.reward.model import predicted_return
+from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.errors import Invalid
 from tril.game.env import points_of
@@ -91,7 +92,7 @@ def extrapolate(
         RunCancelled: Raised by ``progress``.
     """
     plan = plan or SkillPlan()
-    played = _play(quantity, training_seed, Part(progress, 0.0, 0.5), plan)
+    played = _play(quantity, training_seed, ScaledProgress(progress, 0.0, 0.5), plan)
     worths = [_worth(quantity, game) for _, game in played]
     able = [
         i for i, (step, _) in enumerate(played) if step in plan.checkpoints[: plan.demonstrating]
@@ -104,13 +105,10 @@ def extrapolate(
             " training steps before they differ."
         )
     seen = [trajectory(game.recording) for _, game in played]
-    model = train_reward_model(
-        [seen[index] for index in chosen],
-        tiers,
-        recipe.reward,
-        training_seed,
-        Part(progress, 0.5, 1.0),
+    dataset = PreferenceDataset.from_demonstrations(
+        [seen[index] for index in chosen], tiers, recipe.reward
     )
+    model = train_reward_model(dataset, training_seed, ScaledProgress(progress, 0.5, 1.0))
     return Extrapolation(
         Experiment.of(quantity, recipe, training_seed),
         tuple(
@@ -135,16 +133,16 @@ def spread(able: Sequence[int], worths: Sequence[float], count: int) -> list[int
     return [ordered[round(place)] for place in places]
 
 
-def _worth(quantity: Quantity, game: PlayedGame) -> int:
+def _worth(quantity: Quantity, game: EvaluatedGame) -> int:
     return points_of(game.hits) if quantity == "points" else game.shots
 
 
 def _play(
     quantity: Quantity, training_seed: int, progress: Progress, plan: SkillPlan
-) -> list[tuple[int, PlayedGame]]:
+) -> list[tuple[int, EvaluatedGame]]:
     """Train a player and return the games of each checkpoint with its training steps."""
     starts = spread_starts(plan.games)
-    games: list[tuple[int, PlayedGame]] = []
+    games: list[tuple[int, EvaluatedGame]] = []
     total = plan.checkpoints[-1]
     env = VecNormalize(_environments(quantity, plan), norm_obs=False)
     try:

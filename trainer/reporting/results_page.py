@@ -147,8 +147,9 @@ def page_text(folder: Path) -> str:
 
 
 def _known(ledger: Ledger) -> list[Entry]:
-    """Return the results of recipes that this version has."""
-    return [entry for entry in ledger.entries if entry.cell.recipe in RECIPES]
+    """Return the results of recipes and behaviours that this version has."""
+    cells = ((entry, entry.cell) for entry in ledger.entries)
+    return [one for one, cell in cells if cell.recipe in RECIPES and cell.behaviour in PLACES]
 
 
 def _removed() -> dict[str, Ablation]:

@@ -11,8 +11,8 @@ import numpy as np
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from trainer.reward.perturbation import PerturbedDemonstration, perturbed_copies
-from trainer.reward.preference_dataset import PerfectGames
+from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
+from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.runtime.context import RunContext
 from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
@@ -68,23 +68,26 @@ class RunData:
         return self.trajectories(self.snapshot.perfect)
 
     @property
-    def perfect_games(self) -> PerfectGames:
-        """The perfect demonstrations, and perturbed ones where the recipe learns from them."""
+    def preference_dataset(self) -> PreferenceDataset:
+        """The dataset that the reward is learned from, as the recipe says."""
         place = {number: index for index, number in enumerate(self.snapshot.ranked)}
         ranked_as = [place.get(number) for number in self.snapshot.perfect]
-        return PerfectGames(self.perfect_trajectories, ranked_as, self._perturbed_copies)
+        perfect = PerfectDemonstrations(self.perfect_trajectories, ranked_as, self._perturbed)
+        return PreferenceDataset.from_demonstrations(
+            self.ranked_trajectories, self.index_tiers, self.context.recipe.reward, perfect
+        )
 
-    def forget_copies(self) -> None:
+    def forget_perturbed(self) -> None:
         """Free the perturbed demonstrations (250 MB) once the reward is learned and checked."""
         self._copies = None
 
     @property
-    def _perturbed_copies(self) -> list[PerturbedDemonstration]:
+    def _perturbed(self) -> list[PerturbedDemonstration]:
         context, recipe = self.context, self.context.recipe.reward
         if not recipe.perturbed_share:
             return []
         if self._copies is None:
-            self._copies = perturbed_copies(
+            self._copies = perturb_demonstrations(
                 list(self.recordings(self.snapshot.perfect).values()),
                 recipe.perturbed_copies,
                 np.random.default_rng([context.run.training_seed, _COPIES_STREAM]),

@@ -36,7 +36,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
         Stage.DEMONSTRATIONS: DEMONSTRATIONS_S,
         Stage.TRAJECTORIES: TRAJECTORIES_S,
         Stage.REWARD: 1.0 + reward.ensemble * _learning_seconds(reward),
-        Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_a_fold),
+        Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_fold),
         Stage.CLONE: 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
         Stage.IMITATOR: 2.0 + _imitator_seconds(recipe, steps),
         Stage.EVALUATION: 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,

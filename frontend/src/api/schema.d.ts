@@ -377,7 +377,9 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Answer that the server runs, without asking the database. Needs no cookie.
+         * @description Answer that the server runs, and which of its background tasks fail.
+         *
+         *     Asks no database and needs no cookie.
          */
         get: operations["get_health"];
         put?: never;
@@ -1065,11 +1067,7 @@ export interface components {
             lefts: number[];
             /** Recording Id */
             recording_id: number;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
+            source: components["schemas"]["Source"];
             /** Top */
             top: number;
             /** Width */
@@ -1091,14 +1089,16 @@ export interface components {
         };
         /**
          * Health
-         * @description The server runs.
+         * @description The server runs; ``failing`` names the background tasks whose last run failed, if any.
          */
         Health: {
+            /** Failing */
+            failing?: string[] | null;
             /**
              * Status
-             * @constant
+             * @enum {string}
              */
-            status: "ok";
+            status: "ok" | "degraded";
         };
         /**
          * Hit
@@ -1242,11 +1242,7 @@ export interface components {
             id: number;
             /** Name */
             name: string;
-            /**
-             * Role
-             * @enum {string}
-             */
-            role: "owner" | "researcher" | "participant";
+            role: components["schemas"]["Role"];
         };
         /**
          * PlayerUpdate
@@ -1505,27 +1501,15 @@ export interface components {
             single_steps: number | null;
             /** Slowest Percent */
             slowest_percent: number | null;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "playing" | "unfinished" | "finished" | "kept";
+            source: components["schemas"]["Source"];
+            state: components["schemas"]["RecordingState"];
             /** Strays */
             strays: number | null;
             /** Targets */
             targets: number | null;
             /** Thumbnail Url */
             thumbnail_url: string;
-            /**
-             * Verification
-             * @enum {string}
-             */
-            verification: "pending" | "verified" | "failed";
+            verification: components["schemas"]["Verification"];
             /** Verification Note */
             verification_note: string;
         };
@@ -1566,6 +1550,15 @@ export interface components {
             /** Recording Ids */
             recording_ids: number[];
         };
+        /**
+         * RecordingState
+         * @description Where a recording stands.
+         *
+         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
+         *     decided; KEPT: in the library.
+         * @enum {string}
+         */
+        RecordingState: "playing" | "unfinished" | "finished" | "kept";
         /**
          * RecordingUpdate
          * @description Omitted fields stay.
@@ -1612,6 +1605,12 @@ export interface components {
             /** Run Id */
             run_id: string;
         };
+        /**
+         * Role
+         * @description What a player may do; today there is one owner, invited participants come later.
+         * @enum {string}
+         */
+        Role: "owner" | "researcher" | "participant";
         /**
          * Run
          * @description One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order.
@@ -1736,6 +1735,12 @@ export interface components {
             summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
+         * Source
+         * @description Who played a recording.
+         * @enum {string}
+         */
+        Source: "person" | "scripted" | "policy";
+        /**
          * Storage
          * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
          */
@@ -1766,6 +1771,12 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * Verification
+         * @description Whether a replay of the recording gave what was recorded.
+         * @enum {string}
+         */
+        Verification: "pending" | "verified" | "failed";
     };
     responses: never;
     parameters: never;

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Cell, Schema
+from tril.store.models import Source
 
 
 class Behaviour(Schema):
@@ -70,7 +69,7 @@ class Ghost(Schema):
     """
 
     recording_id: int
-    source: Literal["person", "scripted", "policy"]
+    source: Source
     lefts: list[int]
     top: int
     width: int

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field
 
 from server.api.schemas.base import Schema
+from tril.store.models import Role
 
 
 class Player(Schema):
@@ -14,7 +13,7 @@ class Player(Schema):
 
     id: int
     name: str
-    role: Literal["owner", "researcher", "participant"]
+    role: Role
 
 
 class PlayerUpdate(Schema):

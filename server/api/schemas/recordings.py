@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Column, Id, Row, Schema
+from tril.store.models import RecordingState, Source, Verification
 
 
 class Hit(Schema):
@@ -52,10 +53,10 @@ class Recording(Schema):
     id: int
     behaviour_id: int
     run_id: str | None
-    source: Literal["person", "scripted", "policy"]
+    source: Source
     player: str | None
-    state: Literal["playing", "unfinished", "finished", "kept"]
-    verification: Literal["pending", "verified", "failed"]
+    state: RecordingState
+    verification: Verification
     verification_note: str
     idle_frames: int
     evaluation_start: int | None

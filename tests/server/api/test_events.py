@@ -1,4 +1,4 @@
-"""The stream of events, and the rest of what a server says of itself."""
+"""The change stream, the system page and the files of the built page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The API keeps what its OpenAPI document says, whatever it is sent."""
+"""Every answer of the API conforms to its OpenAPI document."""
 
 from __future__ import annotations
 

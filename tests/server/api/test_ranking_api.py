@@ -1,4 +1,4 @@
-"""Rankings over HTTP: saving, undo and redo, and what is refused."""
+"""Rankings over HTTP: saving, undo, redo and refusals."""
 
 from __future__ import annotations
 

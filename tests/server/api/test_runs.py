@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import uuid
-
 import pytest
 from starlette.testclient import TestClient
 
@@ -293,8 +291,3 @@ def test_rewards_say_what_to_do_while_the_inference_process_is_away(
     answer = client.get(f"/api/runs/{run_id}/reward/{workplace.ranked[0]}")
     assert answer.status_code == 503
     assert "inference" in answer.json()["detail"]
-
-
-@pytest.mark.parametrize("kind", ["", "/results", "/metrics", "/reward/1"])
-def test_an_unknown_run_answers_404(reader: TestClient, kind: str) -> None:
-    assert reader.get(f"/api/runs/{uuid.uuid4()}{kind}").status_code == 404

@@ -1,4 +1,4 @@
-"""Requests that never get complete."""
+"""Heads of requests that never end or never come."""
 
 from __future__ import annotations
 

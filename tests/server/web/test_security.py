@@ -1,4 +1,4 @@
-"""Who gets in, and who doesn't."""
+"""Sign-in, origins, sizes of bodies and paths of files."""
 
 from __future__ import annotations
 

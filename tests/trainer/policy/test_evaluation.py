@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, PlayedGame, play
+from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, EvaluatedGame, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
 from tril.game.episode import Ending, EndReason
 from tril.game.space_invaders import Action
@@ -62,7 +62,7 @@ def test_games_by_the_published_ending_are_kept_to_their_end() -> None:
     np.testing.assert_allclose(game.predicted_return, expected, rtol=1e-4, atol=1e-3)
 
 
-def _actions(games: list[PlayedGame]) -> list[bytes]:
+def _actions(games: list[EvaluatedGame]) -> list[bytes]:
     return [game.recording.actions for game in games]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -118,6 +119,13 @@ def test_results_with_other_values_name_them(
     page = page_of(tmp_path, entry(), other)
     first, second = rows(page, "Column 2")[:2]
     assert (first[0], second[0]) == ("Column 2", f"Column 2 ({name.format(other.cell.digest)})")
+
+
+def test_results_of_unknown_recipes_and_behaviours_are_left_out(tmp_path: Path) -> None:
+    known = entry()
+    others = [replace(known.cell, recipe="later"), replace(known.cell, behaviour="column-7")]
+    page = page_of(tmp_path, known, *(replace(known, cell=cell) for cell in others))
+    assert page.count("| imitator | 3.50 [") == 1
 
 
 def test_the_page_says_what_a_policy_learned_on(tmp_path: Path) -> None:

@@ -20,8 +20,7 @@ from testsupport.processes import tril_process
 from testsupport.workplace import Workplace, make_workplace
 from trainer.explain.attention import attention_map
 from trainer.policy.networks import Policy, new_policy, save_policy
-from trainer.reward.model import RewardModel
-from trainer.reward.reward_trainer import new_network
+from trainer.reward.model import RewardModel, new_network
 from trainer.runtime.inference import InferenceServer, Networks
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore

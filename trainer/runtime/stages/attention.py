@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.explain.attention import NamedState, attention_map, pick_states
-from trainer.progress import Part, Progress
+from trainer.progress import Progress, ScaledProgress
 from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
 from trainer.runtime.run_data import RunData
@@ -31,7 +31,7 @@ def draw_attention(data: RunData, progress: Progress) -> None:
         data.context.check_cancelled()
     states = pick_states(rewards)
     for index, state in enumerate(states):
-        part = Part(progress, index / len(states), (index + 1) / len(states))
+        part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
         _draw_state(data, state, part)
     _sum_up(data)
 

@@ -16,11 +16,11 @@ from tril.demonstrator import (
     Demonstration,
     ExampleKind,
     Judgement,
-    ShownGame,
-    carry_out,
+    PlannedGame,
     example_tasks,
-    judge_example,
+    execute,
     kind_named,
+    rank_example,
 )
 from tril.game.console import Console
 from tril.game.episode import EndReason
@@ -63,7 +63,7 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
     console = Console()
     for number, task in enumerate(tasks):
         if number not in made:
-            (demonstration,) = carry_out([task])
+            (demonstration,) = execute([task])
             verified = verify(demonstration.recording, console=console)
             with context.database.writing() as session:
                 leases.owned(session, context.lease)
@@ -116,7 +116,7 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
         shown = {row.id: _shown(row) for row in made if row.conditions[TIER] is not None}
         perfect = [row.id for row in made if row.conditions[TIER] is None]
         example_seed = made[0].conditions.get(SEED, context.run.training_seed)
-        judgement = judge_example(context.behaviour, kind, shown, example_seed)
+        judgement = rank_example(context.behaviour, kind, shown, example_seed)
         tiers = [list(tier) for tier in judgement.given.tiers]
         ranking = rankings.current(session, context.run.behaviour_id)
         if kind == SCRIPTED and not ranking.tiers:
@@ -132,7 +132,7 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     return judgement
 
 
-def _shown(row: RecordingRow) -> ShownGame:
+def _shown(row: RecordingRow) -> PlannedGame:
     hits = tuple((hit.row, hit.column) for hit in recordings.hits_of(row))
     end = None if row.end is None else EndReason(row.end)
-    return ShownGame(row.conditions[TIER], hits, end)
+    return PlannedGame(row.conditions[TIER], hits, end)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from trainer.policy.evaluation import PlayedGame, play, stickiness
-from trainer.progress import Part, Progress
+from trainer.policy.evaluation import EvaluatedGame, play, stickiness
+from trainer.progress import Progress, ScaledProgress
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
@@ -36,7 +36,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
     rounds = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
     for index, (policy, action_selection) in enumerate(rounds):
         missing = [n for n in numbers if EvaluationKey(policy, action_selection, n) not in played]
-        part = Part(progress, index / len(rounds), (index + 1) / len(rounds))
+        part = ScaledProgress(progress, index / len(rounds), (index + 1) / len(rounds))
         if missing:
             games = play(
                 data.actor(policy),
@@ -58,7 +58,7 @@ def keep_games(
     policy: str,
     action_selection: ActionSelection,
     numbers: Sequence[int],
-    games: Sequence[PlayedGame],
+    games: Sequence[EvaluatedGame],
     console: Console,
 ) -> None:
     """Verify a policy's games by replaying them on a console and store them, all or none."""

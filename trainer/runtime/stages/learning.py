@@ -7,17 +7,15 @@ from dataclasses import asdict, replace
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
 from trainer.policy.dagger import train_by_dagger
-from trainer.policy.gail import train_by_gail
-from trainer.policy.imitator import ImitationTask, train_imitator
+from trainer.policy.imitation import ImitationTask
+from trainer.policy.imitator import train_imitator
+from trainer.policy.networks import save_policy
 from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome
-
-TRAINING = {"ppo": train_imitator, "dagger": train_by_dagger, "gail": train_by_gail}
-"""What trains the imitator, by the recipe's method."""
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> None:
@@ -29,13 +27,10 @@ def learn_reward(data: RunData, progress: Progress) -> None:
     """Learn the reward model from the ranking and keep it."""
     context = data.context
     model = train_reward_model(
-        data.ranked_trajectories,
-        data.index_tiers,
-        context.recipe.reward,
+        data.preference_dataset,
         context.run.training_seed,
         progress,
         context.stage_folder("reward"),
-        data.perfect_games,
         context.device,
     )
     data.keep_reward_model(model)
@@ -46,16 +41,13 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     context = data.context
     check = check_ranking(
         data.reward_model,
-        data.ranked_trajectories,
-        data.index_tiers,
-        context.recipe.reward,
+        data.preference_dataset,
         context.run.training_seed,
         progress,
         context.stage_folder("check"),
-        data.perfect_games,
         context.device,
     )
-    data.forget_copies()
+    data.forget_perturbed()
     ranked = data.snapshot.ranked
     returns = {ranked[index]: value for index, value in check.predicted_returns.items()}
     found = asdict(check) | {
@@ -70,14 +62,14 @@ def learn_clone(data: RunData, progress: Progress) -> None:
     """Learn the clone of the perfect demonstrations and keep it."""
     context = data.context
     path = context.stage_folder("clone") / "clone.zip"
-    train_clone(
+    policy, _ = train_clone(
         data.perfect_trajectories,
         context.recipe.cloning,
         context.run.training_seed,
-        path,
         progress,
         context.device,
     )
+    save_policy(policy, path)
     data.keep_policy("clone", path)
 
 
@@ -97,15 +89,18 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
     with data.artifact_file("clone") as clone:
-        result = TRAINING[context.recipe.method](
-            replace(task, clone=clone),
-            path,
-            folder,
-            progress,
-            n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
-            precision=Precision.of(context.settings.learning_precision, context.device),
-            device=context.device,
-        )
+        if context.recipe.method == "dagger":
+            result = train_by_dagger(task, path, folder, progress, context.device)
+        else:
+            result = train_imitator(
+                replace(task, clone=clone),
+                path,
+                folder,
+                progress,
+                n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
+                precision=Precision.of(context.settings.learning_precision, context.device),
+                device=context.device,
+            )
     data.keep_policy("imitator", path)
     return RunOutcome(
         imitator=ImitatorOutcome(

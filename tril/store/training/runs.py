@@ -9,9 +9,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from tril.analysis.outcome import RunSnapshot
-from tril.demonstrator import SCRIPTED, check_expert, kind_named
+from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
-from tril.recipes import MOST_DAGGER_STEPS, Recipe
+from tril.recipes import MAX_DAGGER_STEPS, Recipe
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.models import NOT_OVER, RecordingState, RunRow, RunStatus, Verification, now
@@ -55,11 +55,11 @@ def create(
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")
     if recipe.method == "dagger":
-        check_expert(behaviours.as_behaviour(behaviour))
-        if steps > MOST_DAGGER_STEPS:
+        example_plans(behaviours.as_behaviour(behaviour))
+        if steps > MAX_DAGGER_STEPS:
             raise Invalid(
                 f"DAgger keeps every state that it has seen: train it for at most"
-                f" {MOST_DAGGER_STEPS:,} steps, not {steps:,}."
+                f" {MAX_DAGGER_STEPS:,} steps, not {steps:,}."
             )
     row = RunRow(
         id=str(uuid.uuid4()),

@@ -128,7 +128,7 @@ const PLAN: readonly GroupPlan[] = [
         title: "Actions copied",
         curves: [
           { key: "accuracy", name: "learned from" },
-          { key: "left_out_accuracy", name: "left out", dashed: true },
+          { key: "held_out_accuracy", name: "held out", dashed: true },
         ],
         format: percentage,
         range: SHARE,

@@ -1,7 +1,7 @@
-"""The scripted player as a person plays: it sees late, aims by eye, and makes mistakes.
+"""The scripted player with human limits: delayed perception, aiming by eye, and errors.
 
-Nothing is tried out on the saved game. All that it knows is what stood on the screen some frames
-ago and which keys it has held since; what it reads off the RAM is what the screen shows.
+It never simulates. It knows the screen of some frames ago and the keys held since; of the RAM it
+reads only what the screen shows.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tril.behaviours import Cell
-from tril.demonstrator.manner import Manner
-from tril.demonstrator.player import Style, column_centre, draw_times
+from tril.demonstrator.error_model import ErrorModel
+from tril.demonstrator.player import PlayStyle, column_centre, draw_times, rest, towards
 from tril.game import space_invaders as game
 from tril.game.aliens import missile_in_air
 from tril.game.episode import Episode
@@ -22,36 +22,36 @@ from tril.game.space_invaders import FRAMES_PER_STEP, Action
 from tril.recording import Recorder
 
 _ALIEN_SPAN_PX = (-3, 4)
-"""Where a missile hits an alien, from the alien's centre."""
+"""Range of a missile that hits, from the alien's centre."""
 _SHIELD_MARGIN_PX = 1
 _REACH_PX = (
     game.PLAYER_LEFT_WALL + game.MISSILE_OFFSET,
     game.PLAYER_RIGHT_WALL + game.MISSILE_OFFSET,
 )
-"""Where a missile can leave."""
+"""Range of x of a missile when fired."""
 _LOOKS_RIGHT_PX = 2.0
-"""An aim that is off by no more than this looks right."""
+"""Largest aim error that goes unnoticed."""
 _BODY_PX = (1, 7)
-"""Where a bomb hits the cannon, from the player's x."""
+"""Range of a bomb that hits the cannon, from the player's x."""
 _BOMB_MARGIN_PX = 2
-"""How far beside it a bomb has to come down to be left alone."""
+"""Distance from the cannon at which a bomb is ignored."""
 _ALARM_Y = (58.0, 72.0)
-"""How low a bomb is, from the screen's top, when it is stepped away from; 89 is the cannon."""
+"""Range of the bomb y at which the player dodges; the cannon is at 89."""
 _CANNON_Y = (84, 98)
-"""Between these heights a bomb hits the cannon."""
+"""Range of the bomb y that hits the cannon."""
 _BOMB_SPEED_PX = 0.5
-"""Pixels that a bomb falls in a frame."""
+"""Pixels per frame."""
 _FIRE_FRAMES = (4, 9)
-"""Shortest and longest time for which the fire key is held."""
+"""Range of how long the fire key is held."""
 _FIRE_SHOWS_FRAMES = 4
-"""A missile is on the screen at most so many frames after the key."""
+"""Delay from the fire key to a visible missile, at most."""
 _FLIGHT_FRAMES = 24
-"""What a missile takes to the lowest row, at the start of a game."""
+"""Flight time to the lowest row at the start of a game."""
 _FLIGHT_FRAMES_PER_ROW = 8
 _WATCHED_FRAMES = 90
-"""For how long it watches the aliens to tell how fast they go."""
+"""Window for estimating the aliens' speed."""
 _EARLIEST_LEAVE = 0.25
-"""No game is left before this part of its time."""
+"""Earliest share of a game's length at which it may be quit."""
 _MAX_STROLL_FRAMES = 24
 _MOVES = {
     Action.RIGHT: 1,
@@ -62,14 +62,14 @@ _MOVES = {
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What a screen shows of the game, in pixels from its left and top.
+class ScreenState:
+    """What a screen shows, in pixels from its left and top.
 
     Attributes:
-        player_x: The cannon, by its left edge as the game counts it.
-        columns: The centre of each column of aliens, also where it has been cleared.
-        alive: The aliens that are left, as (row, column).
-        missile: Whether a missile of its own is in the air.
+        player_x: The player x of the RAM.
+        columns: Centres of the columns of aliens, also of cleared ones.
+        alive: The remaining aliens as (row, column).
+        missile: Whether the player's missile is in the air.
         bombs: (y, x) of each bomb.
     """
 
@@ -80,11 +80,11 @@ class Seen:
     bombs: tuple[tuple[int, int], ...]
 
 
-def look(episode: Episode) -> Seen:
-    """Read off a game what its screen shows."""
+def read_screen(episode: Episode) -> ScreenState:
+    """Return what a game's screen shows."""
     ram = episode.console.ram_bytes()
     rows, columns = np.nonzero(episode.aliens)
-    return Seen(
+    return ScreenState(
         player_x=ram[game.RAM_PLAYER_X],
         columns=tuple(column_centre(episode, column) for column in range(game.COLUMNS)),
         alive=frozenset(zip(rows.tolist(), columns.tolist(), strict=True)),
@@ -93,59 +93,58 @@ def look(episode: Episode) -> Seen:
     )
 
 
-class PersonLikePlayer:
-    """Plays one game in which it means to hit wanted aliens, one after the other."""
+class HumanLikePlayer:
+    """Plays one game in which it tries to hit the given aliens in order."""
 
     def __init__(
         self,
         recorder: Recorder,
         wanted: Sequence[Cell],
-        style: Style,
-        manner: Manner,
+        style: PlayStyle,
+        error_model: ErrorModel,
         rng: np.random.Generator,
     ) -> None:
-        """Take a seat at a game that is at its start.
+        """Prepare to play the recorder's game, which is at its start.
 
         Args:
-            recorder: The game to play, which it records.
-            wanted: The aliens to hit, as (row, column), in an order in which each stands free
-                when its turn comes.
-            style: How it plays; its aim_px is left out, the manner's error takes its place.
-            manner: How well it plays.
-            rng: Where its chances come from.
+            recorder: The game to play and record.
+            wanted: The aliens to hit, as (row, column), in an order in which each can be shot.
+            style: Playing style; its aim_px is ignored in favour of error_model.aim_error_px.
+            error_model: Player errors.
+            rng: Source of the player's random choices.
         """
         self._recorder = recorder
         self._episode = recorder.episode
         self._wanted = list(wanted)
         self._style = style
-        self._manner = manner
+        self._error_model = error_model
         self._rng = rng
-        self._screens: deque[Seen] = deque(maxlen=manner.reaction_frames + 1)
-        self._watched: deque[Seen] = deque(maxlen=_WATCHED_FRAMES)
-        self._held: deque[int] = deque(maxlen=manner.reaction_frames)
+        self._screens: deque[ScreenState] = deque(maxlen=error_model.reaction_frames + 1)
+        self._watched: deque[ScreenState] = deque(maxlen=_WATCHED_FRAMES)
+        self._held: deque[int] = deque(maxlen=error_model.reaction_frames)
         self._keys: deque[int] = deque()
         self._due = draw_times(wanted, style, self._episode.max_frames, rng)
         self._leaves_at = float(self._episode.max_frames)
-        if rng.random() < manner.cut_short_share:
+        if rng.random() < error_model.cut_short_share:
             self._leaves_at *= rng.uniform(_EARLIEST_LEAVE, 1)
         self._aim_error: tuple[Cell, float] | None = None
         self._settled_at = 0
         self._fired_at = -game.MAX_FRAMES
-        # By the x of a bomb in the air, how low it may come before it is stepped away from.
+        # The y at which to dodge each bomb in the air, by the bomb's x.
         self._noticed: dict[int, float] = {}
 
     def play(self) -> None:
-        """Play until the game ends or is left."""
+        """Play until the game ends or is quit."""
         while self._episode.end is None:
-            self._screens.append(look(self._episode))
+            self._screens.append(read_screen(self._episode))
             if self._episode.frame >= self._leaves_at and not self._left(self._screens[0]):
                 return
             key = self._next_key(self._screens[0])
             self._held.append(key)
             self._recorder.advance(key)
 
-    def _next_key(self, seen: Seen) -> int:
-        """The action of the next frame, given what was seen a reaction time ago."""
+    def _next_key(self, seen: ScreenState) -> int:
+        """Return the action of the next frame, given the screen of a reaction time ago."""
         self._watched.append(seen)
         self._watch_bombs(seen)
         escape = self._escape(seen)
@@ -156,12 +155,12 @@ class PersonLikePlayer:
             self._keys.extend(self._next_keys(seen))
         return self._keys.popleft()
 
-    def _next_keys(self, seen: Seen) -> Sequence[int]:
+    def _next_keys(self, seen: ScreenState) -> Sequence[int]:
         frame = self._episode.frame
         left = self._left(seen)
-        fired = frame - self._fired_at <= self._manner.reaction_frames + _FIRE_SHOWS_FRAMES
+        fired = frame - self._fired_at <= self._error_model.reaction_frames + _FIRE_SHOWS_FRAMES
         in_flight = seen.missile or fired
-        # It takes a missile in the air for a hit and goes on to the next alien.
+        # A missile in the air is taken for a hit.
         next_one = left[1:] if in_flight and len(left) > 1 else left
         if not next_one:
             return self._stroll(seen, self._x(seen), self._style.wait_steps)
@@ -173,19 +172,19 @@ class PersonLikePlayer:
         if at is None:
             return self._stroll(seen, place, wait_steps=1)
         if self._is_under_fire(at - game.MISSILE_OFFSET, seen):
-            return _rest(1)
-        if frame < self._settled_at + self._manner.reaction_frames:
-            return _rest(1)  # It waits until it sees where it has come to stand.
+            return rest(1)
+        if frame < self._settled_at + self._error_model.reaction_frames:
+            return rest(1)  # Where it came to stand is not visible yet.
         if abs(seen.player_x + game.MISSILE_OFFSET - at) > _LOOKS_RIGHT_PX:
             return self._approach(seen, at)
-        return _rest(1) if in_flight else self._fire()
+        return rest(1) if in_flight else self._fire()
 
-    def _left(self, seen: Seen) -> list[Cell]:
-        """The wanted aliens that still stand."""
+    def _left(self, seen: ScreenState) -> list[Cell]:
+        """Return the remaining aliens to hit."""
         return [cell for cell in self._wanted if cell in seen.alive]
 
-    def _x(self, seen: Seen) -> float:
-        """Where the player must be by now: where it was seen, and the keys held since."""
+    def _x(self, seen: ScreenState) -> float:
+        """Estimate the current x from the one seen and the keys held since."""
         x = float(seen.player_x)
         for action in self._held:
             x += game.PLAYER_SPEED_PX * _MOVES.get(Action(action), 0)
@@ -193,42 +192,42 @@ class PersonLikePlayer:
 
     # Walking
 
-    def _way(self, seen: Seen, goal: float) -> list[int]:
-        """Hold a key for about as long as it takes to get somewhere."""
+    def _way(self, seen: ScreenState, goal: float) -> list[int]:
+        """Return the keys to reach a goal, held too long or short by chance."""
         way = goal - self._x(seen)
         n_frames = abs(way) / game.PLAYER_SPEED_PX
-        n_held = round(n_frames + self._rng.normal(0, self._manner.key_error_frames))
+        n_held = round(n_frames + self._rng.normal(0, self._error_model.key_error_frames))
         if n_frames < 1 or n_held < 1:
             return []
-        return [int(Action.RIGHT if way > 0 else Action.LEFT)] * n_held
+        return [towards(way)] * n_held
 
-    def _stroll(self, seen: Seen, place: float, wait_steps: float) -> Sequence[int]:
-        """Walk about near a place, and rest."""
+    def _stroll(self, seen: ScreenState, place: float, wait_steps: float) -> Sequence[int]:
+        """Return a walk near a place and a rest."""
         goal = place + self._rng.uniform(-1, 1) * self._style.wander_px
         goal = float(np.clip(goal, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
         n_rest = FRAMES_PER_STEP * (1 + int(self._rng.poisson(wait_steps)))
         if self._is_under_fire(goal, seen):
-            return _rest(n_rest)
+            return rest(n_rest)
         way = self._way(seen, goal)[:_MAX_STROLL_FRAMES]
-        return [*way, *_rest(n_rest)]
+        return [*way, *rest(n_rest)]
 
     # Bombs
 
-    def _watch_bombs(self, seen: Seen) -> None:
-        """Notice new bombs, or don't."""
+    def _watch_bombs(self, seen: ScreenState) -> None:
+        """Decide for each new bomb whether it is noticed."""
         falling = {x for _, x in seen.bombs}
         for x in sorted(falling - self._noticed.keys()):
-            missed = self._rng.random() < self._manner.missed_bomb_share
+            missed = self._rng.random() < self._error_model.missed_bomb_share
             self._noticed[x] = np.inf if missed else self._rng.uniform(*_ALARM_Y)
         for x in self._noticed.keys() - falling:
             del self._noticed[x]
 
-    def _is_under_fire(self, x: float, seen: Seen) -> bool:
-        """Whether a bomb that it steps away from comes down on a place."""
+    def _is_under_fire(self, x: float, seen: ScreenState) -> bool:
+        """Return whether a bomb to dodge falls on a place."""
         return any(y >= self._noticed[bomb_x] and _falls_on(bomb_x, x) for y, bomb_x in seen.bombs)
 
-    def _escape(self, seen: Seen) -> list[int]:
-        """Keys to get out of the way of a bomb, if one comes that has been noticed."""
+    def _escape(self, seen: ScreenState) -> list[int]:
+        """Return the keys to dodge a noticed bomb, empty if there is none."""
         for y, bomb_x in seen.bombs:
             if y < self._noticed[bomb_x] or not self._meets(seen, y, bomb_x):
                 continue
@@ -241,9 +240,9 @@ class PersonLikePlayer:
             return self._way(seen, min(open_sides or sides, key=lambda side: abs(side - x)))
         return []
 
-    def _meets(self, seen: Seen, y: int, bomb_x: int) -> bool:
-        """Whether a bomb comes down where it will be, if it goes on as it means to."""
-        y_now = y + _BOMB_SPEED_PX * self._manner.reaction_frames
+    def _meets(self, seen: ScreenState, y: int, bomb_x: int) -> bool:
+        """Return whether a bomb hits the player during the planned keys."""
+        y_now = y + _BOMB_SPEED_PX * self._error_model.reaction_frames
         first, last = ((down - y_now) / _BOMB_SPEED_PX for down in _CANNON_Y)
         x = self._x(seen)
         for frame, action in enumerate(self._keys):
@@ -254,44 +253,40 @@ class PersonLikePlayer:
 
     # Shooting
 
-    def _approach(self, seen: Seen, at: float) -> Sequence[int]:
-        """Walk to where a missile is to leave; sometimes the other thumb is too early."""
+    def _approach(self, seen: ScreenState, at: float) -> Sequence[int]:
+        """Return a walk to the firing position, sometimes with a premature shot."""
         way = self._way(seen, at - game.MISSILE_OFFSET)
         self._settled_at = self._episode.frame + len(way)
-        if way and self._rng.random() < self._manner.slip_share:
+        if way and self._rng.random() < self._error_model.slip_share:
             slip = int(self._rng.integers(len(way)))
             self._fired_at = self._episode.frame + slip
             fire = Action.RIGHTFIRE if way[0] == Action.RIGHT else Action.LEFTFIRE
             for frame in range(slip, min(slip + _FIRE_FRAMES[0], len(way))):
                 way[frame] = int(fire)
-        return way or _rest(1)
+        return way or rest(1)
 
     def _fire(self) -> Sequence[int]:
         self._aim_error = None
         self._fired_at = self._episode.frame
         return [int(Action.FIRE)] * int(self._rng.integers(*_FIRE_FRAMES))
 
-    def _aim(self, seen: Seen, cell: Cell) -> float | None:
-        """Where to shoot an alien from: the middle of the widest way past the shields, about.
+    def _aim(self, seen: ScreenState, cell: Cell) -> float | None:
+        """Return where to fire at an alien: about the middle of the widest gap in the shields.
 
-        The error is drawn once for each alien and shot.
+        The aim error is drawn once per shot. None if no gap is within reach.
         """
         if self._aim_error is None or self._aim_error[0] != cell:
-            self._aim_error = (cell, self._rng.normal(0, self._manner.aim_error_px))
+            self._aim_error = (cell, self._rng.normal(0, self._error_model.aim_error_px))
         places = _open_places(round(seen.columns[cell[1]] + self._lead(seen, cell)))
         if not places:
             return None
         return float(np.clip(_widest(places) + self._aim_error[1], *_REACH_PX))
 
-    def _lead(self, seen: Seen, cell: Cell) -> float:
-        """How far the aliens will move, going on as they do, until a missile is up there."""
+    def _lead(self, seen: ScreenState, cell: Cell) -> float:
+        """Extrapolate how far the aliens move until a missile reaches them."""
         drift = (seen.columns[0] - self._watched[0].columns[0]) / len(self._watched)
         flight = _FLIGHT_FRAMES + _FLIGHT_FRAMES_PER_ROW * cell[0]
-        return drift * (self._manner.reaction_frames + flight)
-
-
-def _rest(n_frames: int) -> list[int]:
-    return [int(Action.NOOP)] * n_frames
+        return drift * (self._error_model.reaction_frames + flight)
 
 
 def _falls_on(bomb_x: int, x: float) -> bool:
@@ -299,7 +294,7 @@ def _falls_on(bomb_x: int, x: float) -> bool:
 
 
 def _open_places(centre: int) -> list[int]:
-    """Where a missile under an alien passes the shields, by its x."""
+    """Return each x from which a missile passes the shields and hits an alien."""
     first = max(centre + _ALIEN_SPAN_PX[0], _REACH_PX[0])
     last = min(centre + _ALIEN_SPAN_PX[1], _REACH_PX[1])
     return [
@@ -313,7 +308,7 @@ def _open_places(centre: int) -> list[int]:
 
 
 def _widest(places: Sequence[int]) -> float:
-    """The middle of the longest row of neighbouring places."""
+    """Return the middle of the longest run of adjacent places."""
     rows: list[list[int]] = []
     for x in places:
         if rows and rows[-1][-1] == x - 1:
