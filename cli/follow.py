@@ -25,6 +25,7 @@ from cli.supervision.supervisor import tril_command
 from cli.workspace import Workspace
 from tril.errors import Unavailable
 from tril.jobs import overall_progress
+from tril.stages import Stage
 from tril.store import processes
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -32,17 +33,6 @@ from tril.store.training import runs
 POLL_S = 0.5
 WORKER_STOP_TIMEOUT_S = 30.0
 MAX_WORKER_FAILURES = 3
-
-STAGE_NAMES = {
-    "demonstrations": "making demonstrations",
-    "trajectories": "replaying recordings",
-    "reward": "learning the reward",
-    "check": "checking the ranking",
-    "clone": "cloning",
-    "imitator": "training the imitator",
-    "evaluation": "playing evaluation games",
-    "attention": "drawing attention maps",
-}
 
 
 class _EtaColumn(TextColumn):
@@ -153,12 +143,13 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
             with workspace.database.reading() as session:
                 row = runs.get(session, run_id)
             progress.update(whole, completed=overall_progress(row), remaining_s=row.remaining_s)
-            if row.stage in STAGE_NAMES:
+            if row.stage:
                 for name, task in stage_tasks.items():
                     if name != row.stage:
                         progress.update(task, completed=1.0)
                 if row.stage not in stage_tasks:
-                    stage_tasks[row.stage] = progress.add_task(STAGE_NAMES[row.stage], total=1.0)
+                    label = Stage(row.stage).label
+                    stage_tasks[row.stage] = progress.add_task(label, total=1.0)
                 progress.update(stage_tasks[row.stage], completed=row.stage_done)
             if RunStatus(row.status).is_over:
                 return row

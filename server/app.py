@@ -80,9 +80,9 @@ def create_app(
 
 def _api() -> APIRouter:
     api = APIRouter(prefix="/api", responses=problems.PROBLEMS)
-    requests = limited_by(lambda services: services.request_limit)
-    uploads = limited_by(lambda services: services.upload_limit)
-    replaying = limited_by(lambda services: services.replay_limit)
+    requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
+    uploads = limited_by(lambda s, _: s.upload_limit)
+    replaying = limited_by(lambda s, _: s.replay_limit)
     for resource in (system, players, behaviours, recordings, rankings, games, runs, artifacts):
         api.include_router(resource.router, dependencies=[requests])
     api.include_router(imports.router, dependencies=[uploads])

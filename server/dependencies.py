@@ -48,14 +48,18 @@ RunId = Annotated[UUID, Path()]
 GameId = Annotated[UUID, Path()]
 
 
-def limited_by(limit_of: Callable[[Services], ConcurrencyLimit]) -> Any:
+def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:
     """Return a dependency that holds a slot of a limit while a request is handled.
 
     The slot is taken after FastAPI has read the body and released before the answer is sent.
+
+    Args:
+        limit_of: Chooses the limit, told whether the request may write.
     """
 
     async def hold_slot(connection: HTTPConnection) -> AsyncIterator[None]:
-        async with limit_of(services_of(connection)).slot():
+        writes = connection.scope["method"] not in {"GET", "HEAD"}
+        async with limit_of(services_of(connection), writes).slot():
             yield
 
     return Depends(hold_slot, scope="function")

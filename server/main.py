@@ -14,6 +14,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.app import create_app
+from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
 from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol
@@ -106,6 +107,7 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
         h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         log_config=None,
         server_header=False,
+        ws=BudgetedWebSocketProtocol,
         # Compression by uvicorn takes seven times as long as our codec (docs/benchmarks.md).
         ws_per_message_deflate=False,
         ws_max_size=MAX_MESSAGE_BYTES * 4,

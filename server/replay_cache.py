@@ -6,8 +6,9 @@ import hashlib
 import threading
 
 from server.clips import ClipKind, ClipMaker
-from server.play.replays import ReplayProcess, Wanted
+from server.play.replays import ReplayProcess, ReplayTask
 from tril.files.cache import Cache
+from tril.game.episode import Ending
 from tril.recording import Recording
 
 _FORMAT = 1
@@ -18,7 +19,8 @@ def version_of(recording: Recording) -> str:
     """Return a short digest of everything that a replay depends on."""
     start = recording.start
     digest = hashlib.blake2b(recording.actions, digest_size=10)
-    rest = (_FORMAT, recording.rom_md5, start.idle_frames, start.mode, start.difficulty)
+    ending = () if recording.ending is Ending.HIT else (str(recording.ending),)
+    rest = (_FORMAT, recording.rom_md5, start.idle_frames, start.mode, start.difficulty, *ending)
     digest.update(repr(rest).encode())
     return digest.hexdigest()
 
@@ -41,14 +43,14 @@ class ReplayCache:
         # One at a time, so that the check of a game that ends waits for one at most.
         self._lock = threading.Lock()
 
-    def get(self, recording: Recording, wanted: Wanted) -> bytes:
+    def get(self, recording: Recording, task: ReplayTask) -> bytes:
         """Return what a replay yields, replaying the recording unless the file is cached."""
 
         def replay() -> bytes:
             with self._lock:
-                return self._replays.submit(wanted, recording).result()
+                return self._replays.submit(task, recording).result()
 
-        return self._cache.get(f"{version_of(recording)}.{wanted}", replay)
+        return self._cache.get(f"{version_of(recording)}.{task}", replay)
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""

@@ -46,9 +46,10 @@ class Services:
         games: The games that are played in this process.
         changes: The change stream.
         storage: Measures disk usage.
-        request_limit: Limits ordinary requests to fewer than the pool has connections (15) and
-            anyio has threads (40). Otherwise all threads wait for connections whose holders wait
-            for a thread, which FastAPI needs to validate their answer.
+        read_limit: Limits requests that read. Together with those that write they are fewer than
+            the pool's connections (15) and anyio's threads (40). Otherwise all threads wait for
+            connections whose holders wait for a thread, in which FastAPI validates their answer.
+        write_limit: Limits requests that write, so that reads do not wait for a busy database.
         replay_limit: Limits requests that replay recordings, make clips or query a network. They
             hold a connection only briefly, but a thread for seconds.
         upload_limit: Limits uploads, whose body is not read before they have a slot.
@@ -66,8 +67,11 @@ class Services:
     games: PlayHub
     changes: ChangeStream
     storage: StorageMeter
-    request_limit: ConcurrencyLimit = field(
+    read_limit: ConcurrencyLimit = field(
         default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=20)
+    )
+    write_limit: ConcurrencyLimit = field(
+        default_factory=lambda: ConcurrencyLimit(at_once=4, waiting=256, wait_s=20)
     )
     replay_limit: ConcurrencyLimit = field(
         default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=120)
@@ -95,7 +99,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
     replays = ReplayProcess()
-    limits = GameLimits.of(settings, rules.max_games)
+    limits = GameLimits.from_settings(settings, rules.max_games)
     jobs = Jobs(database, settings)
     services = Services(
         settings=settings,

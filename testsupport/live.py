@@ -6,7 +6,7 @@ import json
 import threading
 import uuid
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -35,7 +35,9 @@ from server.services import Services
 from server.web.security import Access
 from tril.game.controls import Keys
 from tril.settings import Settings
+from tril.store import recordings
 from tril.store.database import Database, create_database
+from tril.store.models import RecordingRow
 
 QUICK = PlayRules(countdown=2, countdown_second_s=0.02, max_games=4)
 """A short countdown and few games at once; all other times as people have them."""
@@ -70,11 +72,27 @@ class LiveServer:
         """Begin a game."""
         return begin_game(self.http, behaviour_id, **more)
 
-    @contextmanager
-    def play(self, game: dict[str, Any], tab: str | None = None) -> Iterator[Player]:
+    def play(self, game: dict[str, Any], tab: str | None = None) -> AbstractContextManager[Player]:
         """Join a game from a tab."""
-        with join(self.settings, game, tab) as player:
+        return join(self.settings, game, tab)
+
+    @contextmanager
+    def playing(self, frame: int, **more: Any) -> Iterator[Player]:
+        """Begin a new game and play it up to a frame."""
+        with self.play(self.new_game(**more)) as player:
+            player.begin()
+            player.until_frame(frame)
             yield player
+
+    def recording(self, recording_id: int) -> dict[str, Any]:
+        """Return a recording as the API shows it."""
+        shown: dict[str, Any] = self.http.get(f"/api/recordings/{recording_id}").json()
+        return shown
+
+    def row(self, recording_id: int) -> RecordingRow:
+        """Return a recording as it is stored."""
+        with self.database.reading() as session:
+            return recordings.get(session, recording_id)
 
 
 @contextmanager

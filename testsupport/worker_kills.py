@@ -66,7 +66,7 @@ def kill_and_finish(
             jobs.enqueue(run_id)
         before = workplace.run(outcome.runs[-1])
         with zygote.running(workplace.settings.data):
-            wait_until(partial(is_claimed_since, workplace, before), PATIENCE_S)
+            wait_until(partial(is_leased_since, workplace, before), PATIENCE_S)
             time.sleep(rng.uniform(0.0, longest_life_s))
         row = workplace.run(outcome.runs[-1])
         if not RunStatus(row.status).is_over:
@@ -84,8 +84,8 @@ def finish(workplace: Workplace, zygote: Zygote, run_ids: list[str]) -> float:
     return time.monotonic() - began
 
 
-def is_claimed_since(workplace: Workplace, before: RunRow) -> bool:
-    """Whether a worker has claimed a run since its row was read."""
+def is_leased_since(workplace: Workplace, before: RunRow) -> bool:
+    """Whether a run was leased since its row was read."""
     return workplace.run(before.id).epoch > before.epoch
 
 

@@ -21,7 +21,8 @@ from tril.store import behaviours, rankings, recordings
 from tril.store.database import Database, create_database
 from tril.store.models import RunRow, Source
 from tril.store.schema import upgrade
-from tril.store.training import runs
+from tril.store.training import leases, runs
+from tril.store.training.leases import Lease
 
 FRAMES = 240
 """Length of the test recordings: 60 steps."""
@@ -79,6 +80,13 @@ class Workplace:
             return runs.create(
                 session, self.behaviour_id, recipe, steps, training_seed, go_on_anyway
             ).id
+
+    def lease(self, run_id: str, worker: str = "worker-0") -> Lease:
+        """Lease a run to a worker."""
+        with self.database.writing() as session:
+            lease = leases.acquire(session, run_id, worker)
+        assert lease is not None
+        return lease
 
     def run(self, run_id: str) -> RunRow:
         """Return a run's row as it stands."""

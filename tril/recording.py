@@ -37,12 +37,14 @@ class Recording:
         actions: The action executed at every frame, one byte each, see tril.game's Action.
         ram_hashes: Console.ram_hash() after every 60th frame; empty if they were not recorded.
         rom_md5: MD5 of the ROM it was played on, in hexadecimal.
+        ending: Which rule for the player's death ended it, and ends its replays.
     """
 
     start: Start
     actions: bytes
     ram_hashes: tuple[str, ...] = ()
     rom_md5: str = field(default_factory=game.rom_md5)
+    ending: Ending = Ending.HIT
 
     def __post_init__(self) -> None:
         """Check the actions and the number of hashes.
@@ -136,7 +138,6 @@ class Recorder:
         cls,
         recording: Recording,
         console: Console,
-        ending: Ending = Ending.HIT,
         max_frames: int = game.MAX_FRAMES,
         near: EpisodeState | None = None,
     ) -> Self:
@@ -145,7 +146,6 @@ class Recorder:
         Args:
             recording: The game so far.
             console: The console to play on.
-            ending: Which rule for the player's death ends the episode.
             max_frames: Maximum length of the episode.
             near: A state of the same game, not after the recording's last frame, to replay from
                 instead of the start. The recording must have RAM hashes then.
@@ -154,7 +154,7 @@ class Recorder:
             RecordingRefused: The replay differs from the recording.
         """
         _check_rom(recording)
-        recorder = cls(Episode(console, recording.start, ending, max_frames))
+        recorder = cls(Episode(console, recording.start, recording.ending, max_frames))
         if near is not None:
             recorder.episode.restore(near)
             before = recorder.episode.frame // HASH_EVERY_FRAMES
@@ -177,7 +177,8 @@ class Recorder:
 
     def recording(self) -> Recording:
         """Return the recording so far."""
-        return Recording(self.episode.start, self.episode.actions, tuple(self._hashes))
+        episode = self.episode
+        return Recording(episode.start, episode.actions, tuple(self._hashes), ending=episode.ending)
 
     def replay(self) -> Replay:
         """Return the outcome so far, as a replay of the recording will give."""
@@ -197,7 +198,7 @@ def replay(
         console: The console to replay on; None loads one, which takes 0.1 s.
         on_frame: Called at the start and after every frame.
     """
-    recorder = Recorder(Episode(console or Console(), recording.start))
+    recorder = Recorder(Episode(console or Console(), recording.start, recording.ending))
     episode = recorder.episode
     if on_frame:
         on_frame(episode)

@@ -17,9 +17,10 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.explain.attention import POSITIONS, STATES, attention_map
+from trainer.explain.attention import POSITIONS, attention_map
 from trainer.explain.occlusion import PATCH
 from trainer.reward.model import RewardModel, RewardNetwork
+from tril.analysis.outcome import AttentionState
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.starts import Start
@@ -56,7 +57,7 @@ def main() -> None:
     n = arguments.networks
     members = tuple(RewardNetwork() for _ in range(n))
     model = RewardModel(members, (0.0,) * n, (1.0,) * n)
-    states = played_states(len(STATES))
+    states = played_states(len(AttentionState))
     attention_map(model, states[0])  # not counted: the first pass sets things up
     ours, brute = [], []
     for _ in range(arguments.rounds):

@@ -16,11 +16,11 @@ import numpy as np
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import play
 from trainer.policy.networks import SIZES, Policy
-from trainer.policy.reward_shaping import DEATHS
 from trainer.progress import NullProgress
 from tril.behaviours import BUILT_IN, Behaviour, score
 from tril.demonstrator.example import make_example
 from tril.game.console import Console
+from tril.game.episode import DEATHS
 from tril.game.starts import evaluation_start
 from tril.recipes import FAST
 from tril.recording import Trajectory, trajectory

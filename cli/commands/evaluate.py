@@ -15,10 +15,11 @@ from tril.analysis.summary import GameFigures, summarise
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
+from tril.game.episode import DEATHS
 from tril.game.starts import evaluation_start
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
-from tril.store.training import runs
+from tril.store.training import artifacts, runs
 
 
 class Policy(StrEnum):
@@ -89,7 +90,6 @@ def _play(
     from trainer.policy.evaluation import play
     from trainer.policy.networks import load_policy
     from trainer.reward.model import RewardModel
-    from trainer.runtime.artifact_files import stored_file
     from tril.game.episode import Ending
 
     database = workspace.database
@@ -97,9 +97,9 @@ def _play(
     with database.reading() as session:
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
-    with stored_file(database, store, run_id, policy) as path:
+    with artifacts.local_file(database, store, run_id, policy) as path:
         actor = load_policy(path)
-    with stored_file(database, store, run_id, "reward_model") as path:
+    with artifacts.local_file(database, store, run_id, "reward_model") as path:
         model = RewardModel.load(path)
     with progress_bar("playing") as watched:
         games = play(
@@ -122,7 +122,7 @@ def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
         strays=result.strays if result else None,
         order_errors=result.order_errors if result else None,
         steps=game.recording.n_steps,
-        died=game.end == "hit",
+        died=game.end in DEATHS,
         predicted_return=game.predicted_return,
     )
 

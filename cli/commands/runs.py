@@ -139,7 +139,13 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
         with workspace.database.reading() as session:
             row = runs.get(session, run_id)
         if as_json:
-            print_json(run_entry(row) | {"outcome": row.outcome, "recipe_values": row.recipe})
+            print_json(
+                run_entry(row)
+                | {
+                    "outcome": row.outcome.model_dump(mode="json", exclude_unset=True),
+                    "recipe_values": row.recipe,
+                }
+            )
             return
         console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
         print_results(workspace, row)

@@ -54,10 +54,10 @@ def up(
         create_data_folder(settings)
         with lock_data_folder(settings.data, server_url(settings)):
             _check_port(settings)
-            check_frontend()
             console.print(f"Data folder: {escape(str(settings.data))}")
             migrate_databases(settings)
             url = address_with_token(settings, server_url(settings))
+            check_frontend()
             _supervise(settings, workers, url, browser)
 
 

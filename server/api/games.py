@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from server.api.schemas.games import Game, GameFrom, GameNew
 from server.dependencies import GameId, ReadSession, RecordingId, WriteSession, services_of
-from server.play.conditions import KEY, PlayConditions
+from server.play.conditions import PlayConditions
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.game.episode import Start, draw_start
 from tril.game.space_invaders import MAX_FRAMES
@@ -40,7 +40,7 @@ def create_game_from(
     player_id = _player_below_limits(request, session)
     parent = recordings.get(session, recording_id)
     played = PlayConditions.from_conditions(parent.conditions)
-    conditions = None if played is None else {KEY: played.until(begin.frame).to_json()}
+    conditions = None if played is None else played.until(begin.frame).to_conditions()
     return _view(games.create_from(session, parent, begin.frame, player_id, conditions))
 
 

@@ -14,7 +14,7 @@ from server.api.schemas.runs import RewardTrace
 from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
-from server.play.replays import Wanted
+from server.play.replays import ReplayTask
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
 from tril.recording import Recording, trajectory
@@ -42,9 +42,9 @@ class _Source:
     cache: ReplayCache
     cache_control: str
 
-    def file(self, wanted: Wanted, media_type: str) -> Response:
+    def file(self, task: ReplayTask, media_type: str) -> Response:
         """Answer with what a replay yields."""
-        return self.answer(self.cache.get(self.recording, wanted), media_type)
+        return self.answer(self.cache.get(self.recording, task), media_type)
 
     def answer(self, content: bytes, media_type: str, **headers: str) -> Response:
         """Answer with a file."""
@@ -84,19 +84,19 @@ def _file_route(*media_types: str, **more: Any) -> dict[str, Any]:
 )
 def get_recording_frames(source: Source) -> Response:
     """Return every frame of a recording, as docs/protocol.md describes."""
-    return source.file(Wanted.FRAMES, _BYTES)
+    return source.file(ReplayTask.FRAMES, _BYTES)
 
 
 @router.get("/recordings/{recording_id}/thumbnail.png", **_file_route("image/png"))
 def get_recording_thumbnail(source: Source) -> Response:
     """Return a picture of the moment after a recording's last hit, else of its last frame."""
-    return source.file(Wanted.THUMBNAIL, "image/png")
+    return source.file(ReplayTask.THUMBNAIL, "image/png")
 
 
 @router.get("/recordings/{recording_id}/memory", **_file_route(_BYTES))
 def get_recording_memory(source: Source) -> Response:
     """Return the RAM at the start and after every frame of a recording, 128 bytes each."""
-    return source.file(Wanted.MEMORY, _BYTES)
+    return source.file(ReplayTask.MEMORY, _BYTES)
 
 
 @router.get("/recordings/{recording_id}/clip.{kind}", **_file_route(*MEDIA_TYPES.values()))
@@ -121,7 +121,7 @@ def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
         if row is None:
             return None
         recording, key, source = recordings.as_recording(row), row.id, row.source
-    memory = services.replay_cache.get(recording, Wanted.MEMORY)
+    memory = services.replay_cache.get(recording, ReplayTask.MEMORY)
     track = cannon_track(memory, recording.start.difficulty)
     return Ghost.of(track, recording_id=key, source=source)
 

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Request
 
 from server.api.schemas.runs import Metrics, Recipe, Run, RunNew, RunResults
 from server.api.views.results import run_results
-from server.api.views.runs import run_view
+from server.api.views.runs import run_view, stage_views
 from server.dependencies import MAX_ID, ReadSession, RunId, WriteSession, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
@@ -32,6 +32,7 @@ def list_recipes(session: ReadSession) -> list[Recipe]:
                 default_steps=recipe.default_steps,
                 learning_rate=recipe.policy.learning_rate,
                 values=recipe.to_dict(),
+                stages=stage_views(example=False),
                 steps_per_s=estimate.steps_per_s,
                 steps_per_s_measured=estimate.measured,
                 overhead_s=estimate.overhead_s,

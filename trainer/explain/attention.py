@@ -16,6 +16,7 @@ import torch
 from trainer.explain.occlusion import PATCH, OccludedOutputs
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
+from tril.analysis.outcome import AttentionState
 from tril.game.observation import OBSERVATION_SHAPE
 from tril.game.space_invaders import BACKGROUND
 
@@ -25,27 +26,19 @@ POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
 BATCH = 128
 """Occluded observations per forward pass."""
 
-STATES = (
-    ("minimum", 0.0),
-    ("90th percentile", 0.9),
-    ("95th percentile", 0.95),
-    ("maximum", 1.0),
-)
-"""The states of the thesis, by their quantile of R among all states."""
-
 
 @dataclass(frozen=True)
 class NamedState:
     """A state of a demonstration, chosen by its reward.
 
     Attributes:
-        name: One of the names in STATES.
+        name: Which of the states that the thesis looks at.
         trajectory: Index of the trajectory.
         step: Index of the observation in it; 0 is the start.
         reward: R of the observation.
     """
 
-    name: str
+    name: AttentionState
     trajectory: int
     step: int
     reward: float
@@ -58,7 +51,7 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
         rewards: For each ranked demonstration R of its observations, float32 (T + 1,).
 
     Returns:
-        The states in the order of STATES; of equal rewards the earliest.
+        The states in the order of AttentionState; of equal rewards the earliest comes first.
     """
     if not rewards or not sum(len(part) for part in rewards):
         raise ValueError("Expected at least one state to pick from.")
@@ -66,8 +59,8 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
     origins = [(i, step) for i, part in enumerate(rewards) for step in range(len(part))]
     order = np.argsort(values, kind="stable")
     picked = []
-    for name, quantile in STATES:
-        at = int(order[round(quantile * (len(values) - 1))])
+    for name in AttentionState:
+        at = int(order[round(name.quantile * (len(values) - 1))])
         trajectory, step = origins[at]
         picked.append(NamedState(name, trajectory, step, float(values[at])))
     return tuple(picked)

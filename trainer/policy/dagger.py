@@ -39,13 +39,14 @@ from trainer.policy.imitation import (
     evaluate_snapshot,
 )
 from trainer.policy.networks import Policy, load_policy, save_policy
-from trainer.policy.reward_shaping import DEATHS, RewardShaping
+from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import CallbackProgress, Progress
 from tril.demonstrator import Expert
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
 from tril.game.agent import AgentGame
 from tril.game.console import Console
+from tril.game.episode import DEATHS
 from tril.game.starts import Start, draw_start
 from tril.recording import Recording, Trajectory, trajectory
 

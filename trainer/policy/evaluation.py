@@ -129,7 +129,7 @@ def play(
     return [
         EvaluatedGame(
             start=one.start,
-            recording=Recording(one.start, one.actions),
+            recording=Recording(one.start, one.actions, ending=ending),
             hits=one.hits,
             end=one.end,
             shots=one.shots,

@@ -8,13 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.reward.model import RewardModel
-from tril.game.episode import EndReason
+from tril.game.episode import DEATHS, EndReason
 from tril.recipes import PolicyRecipe
 
 Rewards = npt.NDArray[np.float32]
-
-DEATHS = frozenset({EndReason.HIT, EndReason.LIVES})
-"""Ends of an episode that cost the death penalty: the player was hit."""
 
 
 @dataclass(frozen=True)

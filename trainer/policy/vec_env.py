@@ -12,8 +12,8 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from trainer.nn.screens import channels_last_screens
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
-from trainer.policy.reward_shaping import DEATHS, Rewards, RewardShaping
-from tril.game.episode import EndReason
+from trainer.policy.reward_shaping import Rewards, RewardShaping
+from tril.game.episode import DEATHS, EndReason
 from tril.game.observation import SIZE, STACK
 from tril.game.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from trainer.explain.attention import STATES
 from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.reporting.digests import recipe_digest
 from trainer.reporting.figures import (
@@ -20,6 +19,7 @@ from trainer.reporting.ledger import Entry, Ledger, LedgerCell
 from trainer.reporting.rendering import render
 from trainer.reporting.result_groups import PLACES, Duel, ResultGroup, group_results
 from trainer.reporting.skilled_games import QUANTITIES, tau_of
+from tril.analysis.outcome import AttentionState
 from tril.behaviours import BUILT_IN, score
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
@@ -243,7 +243,7 @@ def _draw_attention(folder: Path, groups: Sequence[ResultGroup]) -> None:
     """Draw the attention maps of the longest training whose page is in the folder."""
     for group in sorted(groups, key=lambda group: -group.cell.steps):
         run = folder / cell_folder(group.entries[0])
-        names = [(name, f"attention-{name.replace(' ', '-')}") for name, _ in STATES]
+        names = [(name, f"attention-{name.replace(' ', '-')}") for name in AttentionState]
         states = [(name, run / f"{file}.png", run / f"{file}-frame.png") for name, file in names]
         if all(path.exists() for _, *paths in states for path in paths):
             title = f"{group.name}, recipe {group.cell.recipe}, {group.cell.steps:,} steps"

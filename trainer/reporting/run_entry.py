@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
-from typing import Any
 
 from sqlalchemy.orm import Session
 
@@ -16,6 +14,7 @@ from trainer.reporting.ledger import (
     LedgerDemonstration,
     LedgerGame,
 )
+from tril.analysis.outcome import ImitatorOutcome, RunOutcome
 from tril.behaviours import Cell
 from tril.demonstrator import kind_named
 from tril.errors import Invalid
@@ -24,8 +23,6 @@ from tril.store import behaviours, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, RunRow, RunStatus
 from tril.store.training import evaluations, runs
-
-CHECKED = ("tau", "pair_accuracy", "held_out_accuracy")
 
 
 def read_entry(database: Database, run_id: str) -> Entry:
@@ -51,10 +48,10 @@ def entry_of(session: Session, run: RunRow) -> Entry:
     """
     recipe = recipe_from_dict(run.recipe)
     changes = changed_values(recipe, RECIPES[recipe.name]) if recipe.name in RECIPES else {}
-    check, imitator = run.outcome.get("check") or {}, run.outcome.get("imitator", {})
-    learned_on = {name: imitator[name] for name in (PRECISION, DEVICE) if imitator.get(name)}
-    returns = {int(k): float(v) for k, v in check.get("predicted_returns", {}).items()}
-    tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
+    check, imitator = run.outcome.check, run.outcome.imitator or ImitatorOutcome()
+    learned_on = {PRECISION: imitator.precision, DEVICE: imitator.device}
+    returns = check.predicted_returns if check else {}
+    tiers = run.snapshot.tiers if run.snapshot else []
     shown = recordings.by_ids(session, list(returns))
     games = defaultdict(list)
     for row in evaluations.listing(session, run.id):
@@ -74,8 +71,8 @@ def entry_of(session: Session, run: RunRow) -> Entry:
         cell=LedgerCell.of(slug, recipe, run.steps, run.training_seed, run.example_kind),
         finished_at=run.finished_at.isoformat(timespec="seconds") if run.finished_at else "",
         seconds=run.finished_stages,
-        check={name: check[name] for name in CHECKED if name in check},
-        versions=run.versions | learned_on,
+        check=check.figures if check else {},
+        versions=run.versions | {name: value for name, value in learned_on.items() if value},
         demonstrations=tuple(
             LedgerDemonstration(rank, cells(shown[number]), returns[number])
             for rank, tier in enumerate(tiers, start=1)
@@ -88,21 +85,21 @@ def entry_of(session: Session, run: RunRow) -> Entry:
     )
 
 
-def describe_example(outcome: Mapping[str, Any]) -> str:
+def describe_example(outcome: RunOutcome) -> str:
     """Describe the kind of a run's demonstrations and the mistakes in their ranking.
 
     Args:
-        outcome: The run's; see RunRow.
+        outcome: The run's.
 
     Returns:
         A sentence or two; nothing for the ordinary example and for a person's demonstrations.
     """
-    example = outcome.get("example")
+    example = outcome.example
     if example is None:
         return ""
-    kind, n_wrong = kind_named(example["kind"]), len(example["mistakes"])
+    kind, n_wrong = kind_named(example.kind), len(example.mistakes)
     order = (
-        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example['tau']:.2f}"
+        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example.tau:.2f}"
         " with what the games show)."
     )
     if not n_wrong:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trainer.explain.attention import STATES
 from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.reporting.figures import (
     COLOURS,
@@ -17,6 +16,7 @@ from trainer.reporting.figures import (
 from trainer.reporting.rendering import render
 from trainer.reporting.result_groups import Duel, ResultGroup
 from trainer.reporting.run_entry import cells, describe_example, entry_of
+from tril.analysis.outcome import AttentionState
 from tril.behaviours import score
 from tril.files.artifact_store import ArtifactStore, write_whole
 from tril.recipes import recipe_from_dict
@@ -55,7 +55,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
         result = entry_of(session, run)
-        ranked = [number for tier in (run.snapshot or {}).get("tiers", []) for number in tier]
+        ranked = run.snapshot.ranked if run.snapshot else []
         demonstrations = recordings.by_ids(session, ranked)
         judged = judged_games(session, run, evaluations.listing(session, run_id))
         alarm = alarm_of(session, run)
@@ -78,7 +78,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
         result=result,
         sources=sorted({row.source for row in demonstrations.values()}),
         example=describe_example(run.outcome),
-        warning=(run.outcome.get("check") or {}).get("warning"),
+        warning=run.outcome.check.warning if run.outcome.check else "",
         duels=duels,
         group=group,
         policies=evaluations.POLICIES,
@@ -91,7 +91,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
             for row in files
             if row.kind in ("attention_map", "attention_frame")
         },
-        states=[name for name, _ in STATES],
+        states=list(AttentionState),
         score=score,
         sticky_action_probability=STICKY_ACTION_PROBABILITY,
     )

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -101,12 +100,6 @@ class RankingCheck:
         """The pairs of tiers (better, worse) that the model can't tell apart, worst first."""
         found = [(pair.better, pair.worse) for pair in self.confused if not pair.told_apart]
         return list(dict.fromkeys(found))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the check as JSON-ready data; trajectory indices become text."""
-        data = asdict(self)
-        data["predicted_returns"] = {str(i): r for i, r in self.predicted_returns.items()}
-        return data
 
 
 def check_ranking(

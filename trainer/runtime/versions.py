@@ -1,4 +1,4 @@
-"""What a run was made with."""
+"""The versions that a run was made with."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy")
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions that decide what a training yields, by name."""
+    """Return the versions on which the result of a training depends, by name."""
     return {
         "python": platform.python_version(),
         **{package: version(package) for package in PACKAGES},

@@ -31,6 +31,7 @@ from tril.game.starts import (
 )
 
 __all__ = [
+    "DEATHS",
     "EVALUATION_STARTS",
     "EVALUATION_START_COUNT",
     "TRAINING_IDLE_FRAMES",
@@ -71,6 +72,10 @@ class EndReason(StrEnum):
     LANDED = "landed"
     CLEARED = "cleared"
     STEPS = "steps"
+
+
+DEATHS = frozenset({EndReason.HIT, EndReason.LIVES})
+"""The ends that the player's death brings, by either rule."""
 
 
 @dataclass(frozen=True)

@@ -377,7 +377,9 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Answer that the server runs, without asking the database. Needs no cookie.
+         * @description Answer that the server runs, and which of its background tasks fail.
+         *
+         *     Asks no database and needs no cookie.
          */
         get: operations["get_health"];
         put?: never;
@@ -1087,14 +1089,16 @@ export interface components {
         };
         /**
          * Health
-         * @description The server runs.
+         * @description The server runs; ``failing`` names the background tasks whose last run failed, if any.
          */
         Health: {
+            /** Failing */
+            failing?: string[] | null;
             /**
              * Status
-             * @constant
+             * @enum {string}
              */
-            status: "ok";
+            status: "ok" | "degraded";
         };
         /**
          * Hit

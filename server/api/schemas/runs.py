@@ -9,12 +9,24 @@ from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.recordings import Recording
-from tril.analysis.extrapolation import Player
+from tril.analysis.extrapolation import JudgedGame, Player
+from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline
+from tril.analysis.summary import Policy, PolicySummary, Winner
+from tril.stages import Stage
+from tril.store.models import RunStatus
 from tril.store.training.evaluations import ActionSelection
 
 
+class RunStage(Schema):
+    """A stage of a run, and what it is called and does in words for people."""
+
+    name: Stage
+    label: str
+    summary: str
+
+
 class Recipe(Schema):
-    """A way of learning; ``values`` is all of it.
+    """A way of learning; ``values`` is all of it, ``stages`` what a run by it goes through.
 
     ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
     """
@@ -24,6 +36,7 @@ class Recipe(Schema):
     default_steps: int
     learning_rate: float
     values: dict[str, Any]
+    stages: list[RunStage]
     steps_per_s: float
     steps_per_s_measured: bool
     overhead_s: float
@@ -44,9 +57,6 @@ class RunNew(Schema):
     example: StrictBool = False
 
 
-RunStatus = Literal["queued", "running", "cancelling", "cancelled", "stopped", "failed", "done"]
-
-
 class Run(Schema):
     """One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order."""
 
@@ -64,8 +74,8 @@ class Run(Schema):
     n_ranked: int | None
     n_perfect: int | None
     status: RunStatus
-    stages: list[str]
-    stage: str
+    stages: list[RunStage]
+    stage: Stage | Literal[""]
     stage_progress: float
     progress: float
     remaining_s: float | None
@@ -76,36 +86,6 @@ class Run(Schema):
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
-
-
-class Headline(Schema):
-    """Greedy games from held-out evaluation starts: means with 95% bootstrap intervals."""
-
-    imitator: PolicySummary | None
-    clone: PolicySummary | None
-    tau: float | None
-    pair_accuracy: float | None
-    held_out_accuracy: float | None
-
-
-class Interval(Schema):
-    """A mean over n games with its 95% interval."""
-
-    mean: float
-    low: float
-    high: float
-    n: int
-
-
-class PolicySummary(Schema):
-    """None where the behaviour has no target."""
-
-    targets: Interval | None
-    strays: Interval | None
-    order_errors: Interval | None
-    steps: Interval
-    death_rate: Interval
-    predicted_return: Interval | None
 
 
 class Metrics(Schema):
@@ -140,29 +120,16 @@ class RankedReturn(Schema):
     predicted_return: float
 
 
-class RankingCheck(Schema):
-    """How well the reward model agrees with the ranking.
+class RankingCheck(CheckVerdict):
+    """How well the reward model agrees with the ranking, with the recordings that it speaks of."""
 
-    ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
-    """
-
-    tau: float
-    pair_accuracy: float
-    held_out_accuracy: float | None
-    passed: bool
-    advice: str
-    warning: str
     confused: list[ConfusedTiers]
     returns: list[RankedReturn]
 
 
-class AttentionMap(Schema):
+class AttentionMap(AttentionDetails):
     """Attention of the reward model at one state; pictures are PNG artifacts."""
 
-    state: Literal["minimum", "90th percentile", "95th percentile", "maximum"]
-    reward: float
-    recording_id: int
-    step: int
     frame_url: str
     map_url: str
     red_blue_url: str
@@ -175,7 +142,7 @@ class EvaluationGame(Schema):
     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
     """
 
-    policy: Literal["imitator", "clone"]
+    policy: Policy
     action_selection: ActionSelection
     start_number: int
     held_out: bool
@@ -190,23 +157,15 @@ class ComparisonRow(Schema):
     held_out: bool
     imitator: EvaluationGame | None
     clone: EvaluationGame | None
-    winner: Literal["imitator", "clone", "tie"] | None
+    winner: Winner | None
 
 
 class PolicyGamesSummary(Schema):
     """Means over a policy's games from held-out starts."""
 
-    policy: Literal["imitator", "clone"]
+    policy: Policy
     action_selection: ActionSelection
     summary: PolicySummary
-
-
-class JudgedGame(Schema):
-    """A game's true quantity (targets hit, less strays) and its predicted return."""
-
-    true_quantity: int
-    predicted_return: float
-    recording_id: int
 
 
 class JudgedGames(Schema):
@@ -234,11 +193,15 @@ class RewardAlarm(Schema):
 
 
 class RunResults(Schema):
-    """Everything the results page shows; parts that are not there yet are None or empty."""
+    """Everything the results page shows; parts that are not there yet are None or empty.
+
+    ``comparison`` has the starts of the headline figures, ``further_comparison`` all others.
+    """
 
     run: Run
     check: RankingCheck | None
     comparison: list[ComparisonRow]
+    further_comparison: list[ComparisonRow]
     games: list[EvaluationGame]
     summaries: list[PolicyGamesSummary]
     best_demonstration: Recording | None
@@ -267,6 +230,4 @@ class RewardTrace(Schema):
     rewards: list[float]
 
 
-Run.model_rebuild()
-Headline.model_rebuild()
 RunResults.model_rebuild()

@@ -8,9 +8,10 @@ from server.api.schemas.base import Schema
 
 
 class Health(Schema):
-    """The server runs."""
+    """The server runs; ``failing`` names the background tasks whose last run failed, if any."""
 
-    status: Literal["ok"]
+    status: Literal["ok", "degraded"]
+    failing: list[str] | None = None
 
 
 class ProcessStatus(Schema):

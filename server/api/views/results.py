@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import Any
+from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
@@ -16,7 +16,6 @@ from server.api.schemas.runs import (
     EvaluationGame,
     JudgedGames,
     PolicyGamesSummary,
-    PolicySummary,
     RankedReturn,
     RankingCheck,
     RewardAlarm,
@@ -24,6 +23,7 @@ from server.api.schemas.runs import (
 )
 from server.api.views.recordings import RecordingViews
 from server.api.views.runs import run_view
+from tril.analysis.outcome import AttentionState, CheckOutcome, CheckVerdict
 from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
 from tril.store import recordings
@@ -31,8 +31,6 @@ from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.store.training import artifacts, evaluations
 from tril.store.training.alarms import alarm_of
 from tril.store.training.returns import judged_games
-
-_STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
 
 
 def artifact_view(row: ArtifactRow) -> Artifact:
@@ -52,14 +50,17 @@ def run_results(session: Session, run: RunRow) -> RunResults:
     views = RecordingViews(session)
     games = evaluations.listing(session, run.id)
     files = artifacts.listing(session, run.id)
-    tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
+    tiers = run.snapshot.tiers if run.snapshot else []
     alarm = alarm_of(session, run)
+    headline_starts = recipe_from_dict(run.recipe).evaluation.start_numbers
+    further = sorted({row.start_number for row in games} - set(headline_starts))
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
     shown = {key: views.one(row) for key, row in demonstrations.items()}
     return RunResults(
         run=run_view(session, run),
-        check=_check(run.outcome.get("check"), tiers, shown),
-        comparison=_comparison(run, games, views),
+        check=_check(run.outcome.check, tiers, shown),
+        comparison=_comparison(headline_starts, games, views),
+        further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
         summaries=_summaries(games),
         best_demonstration=shown.get(tiers[0][0]) if tiers else None,
@@ -71,29 +72,24 @@ def run_results(session: Session, run: RunRow) -> RunResults:
 
 
 def _check(
-    check: dict[str, Any] | None, tiers: list[list[int]], shown: dict[int, Recording]
+    check: CheckOutcome | None, tiers: list[list[int]], shown: dict[int, Recording]
 ) -> RankingCheck | None:
     if check is None:
         return None
-    returns = {int(key): value for key, value in check["predicted_returns"].items()}
+    returns = check.predicted_returns
     return RankingCheck(
-        tau=check["tau"],
-        pair_accuracy=check["pair_accuracy"],
-        held_out_accuracy=check["held_out_accuracy"],
-        passed=check["passed"],
-        advice=check["advice"],
-        warning=check.get("warning", ""),
+        **check.model_dump(include=set(CheckVerdict.model_fields)),
         confused=[
             ConfusedTiers(
-                better_tier=pair["better"],
-                worse_tier=pair["worse"],
-                held_out=pair["held_out"],
-                better=tiers[pair["better"] - 1],
-                worse=tiers[pair["worse"] - 1],
-                n_right=pair.get("n_right"),
-                n_compared=pair.get("n_compared"),
+                better_tier=pair.better,
+                worse_tier=pair.worse,
+                held_out=pair.held_out,
+                better=tiers[pair.better - 1],
+                worse=tiers[pair.worse - 1],
+                n_right=pair.n_right,
+                n_compared=pair.n_compared,
             )
-            for pair in check["confused"]
+            for pair in check.confused
         ],
         returns=[
             RankedReturn(tier=place, recording=shown[key], predicted_return=returns[key])
@@ -116,10 +112,9 @@ def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:
 
 
 def _comparison(
-    run: RunRow, games: list[EvaluationRow], views: RecordingViews
+    starts: Iterable[int], games: list[EvaluationRow], views: RecordingViews
 ) -> list[ComparisonRow]:
-    """The thesis' table: greedy games from the headline starts, side by side."""
-    starts = recipe_from_dict(run.recipe).evaluation.start_numbers
+    """Return the thesis' table: greedy games from these starts, side by side."""
     greedy = {
         (row.start_number, row.policy): row for row in games if row.action_selection == "greedy"
     }
@@ -134,9 +129,12 @@ def _comparison(
                 held_out=all(row.held_out for row in (ours, theirs) if row is not None),
                 imitator=None if ours is None else _game(ours, views),
                 clone=None if theirs is None else _game(theirs, views),
-                winner=None
-                if ours is None or theirs is None
-                else winner(evaluations.figures_of(ours), evaluations.figures_of(theirs)),
+                winner=winner(
+                    *(
+                        None if row is None else evaluations.figures_of(row)
+                        for row in (ours, theirs)
+                    )
+                ),
             )
         )
     return table
@@ -148,7 +146,7 @@ def _summaries(games: list[EvaluationRow]) -> list[PolicyGamesSummary]:
         PolicyGamesSummary(
             policy=policy,
             action_selection=how,
-            summary=PolicySummary.model_validate(summary),
+            summary=summary,
         )
         for (policy, how), summary in evaluations.summaries(games).items()
     ]
@@ -161,17 +159,13 @@ def _attention(files: list[ArtifactRow]) -> list[AttentionMap]:
         if row.kind.startswith("attention_"):
             pictures[row.details["state"]][row.kind] = row
     shown = []
-    for state in _STATES:
+    for state in AttentionState:
         found = pictures.get(state, {})
         if not {"attention_frame", "attention_map", "attention_red_blue"} <= found.keys():
             continue
-        details = found["attention_map"].details
         shown.append(
             AttentionMap(
-                state=state,
-                reward=details["reward"],
-                recording_id=details["recording_id"],
-                step=details["step"],
+                **found["attention_map"].details,
                 frame_url=artifact_view(found["attention_frame"]).url,
                 map_url=artifact_view(found["attention_map"]).url,
                 red_blue_url=artifact_view(found["attention_red_blue"]).url,

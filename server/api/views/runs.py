@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from sqlalchemy.orm import Session
 
-from server.api.schemas.runs import Headline, Run
-from tril.jobs import overall_progress, stages_of
+from server.api.schemas.runs import Run, RunStage
+from tril.jobs import overall_progress
+from tril.stages import stages_of
 from tril.store.models import BehaviourRow, RunRow
-from tril.store.processes import is_fresh
+from tril.store.training import runs
 
 
 def run_view(session: Session, row: RunRow) -> Run:
     """Show a training."""
-    snapshot = row.snapshot or {}
+    snapshot = row.snapshot
     behaviour = session.get_one(BehaviourRow, row.behaviour_id)
     return Run(
         id=row.id,
@@ -27,25 +26,28 @@ def run_view(session: Session, row: RunRow) -> Run:
         training_seed=row.training_seed,
         learning_rate=row.recipe["policy"]["learning_rate"],
         go_on_anyway=row.go_on_anyway,
-        ranking_revision=snapshot.get("ranking_revision"),
-        n_ranked=sum(map(len, snapshot["tiers"])) if snapshot else None,
-        n_perfect=len(snapshot["perfect"]) if snapshot else None,
+        ranking_revision=snapshot.ranking_revision if snapshot else None,
+        n_ranked=len(snapshot.ranked) if snapshot else None,
+        n_perfect=len(snapshot.perfect) if snapshot else None,
         status=row.status,
-        stages=list(stages_of(row)),
+        stages=stage_views(row.example),
         stage=row.stage,
         stage_progress=row.stage_done,
         progress=overall_progress(row),
         remaining_s=row.remaining_s,
         message=row.message,
-        worker_alive=is_fresh(row.heartbeat_at),
+        worker_alive=runs.has_worker(session, row),
         versions=row.versions,
-        headline=_headline(row.outcome),
+        headline=row.outcome.headline,
         created_at=row.created_at,
         started_at=row.started_at,
         finished_at=row.finished_at,
     )
 
 
-def _headline(outcome: dict[str, Any]) -> Headline | None:
-    found = outcome.get("headline")
-    return None if found is None else Headline.model_validate(found)
+def stage_views(example: bool) -> list[RunStage]:
+    """Show the stages that a run goes through, in order."""
+    return [
+        RunStage(name=stage, label=stage.label, summary=stage.summary)
+        for stage in stages_of(example)
+    ]

@@ -7,7 +7,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.cannon_track import cannon_track
-from server.play.replays.memory_file import memory_file
+from server.play.replays.products import memory_file
 from testsupport.workplace import FRAMES, Workplace
 from tril.game import space_invaders as game
 from tril.game.console import Console

@@ -12,8 +12,8 @@ from PIL import Image
 from starlette.testclient import TestClient
 
 from server.api.imports import MAX_IMPORTED
+from server.play.replays.products import read_frames_file
 from server.play.wire.codec import FrameDecoder
-from server.play.wire.frames_file import read_frames_file
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
 from tril.game.console import Console

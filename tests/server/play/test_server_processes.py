@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from server.main import bind, take_port
-from server.play.wire.protocol import FrameMessage, Hello
+from server.play.wire.protocol import Hello
 from testsupport.live import TIMEOUT_S, join
 from testsupport.processes import SERVER_STARTED, TrilProcess, server_process
 from testsupport.workplace import make_workplace
@@ -26,7 +26,7 @@ from tril.store.database import Database, create_database
 
 MOST_FRAMES_LOST = 60
 MOST_TRIES = 60
-"""The kernel gives each connection to either process by chance: 2**-60 is never."""
+"""The kernel chooses a process for each connection: 2**-60 is never."""
 
 
 @pytest.fixture(scope="module")
@@ -147,13 +147,6 @@ def test_what_changes_in_one_process_is_told_by_both(two: TrilProcess) -> None:
         with two.http() as http:
             assert http.patch("/api/player", json={"name": "Somebody else"}).status_code == 200
         assert all(page.result(TIMEOUT_S) for page in heard)
-
-
-def test_the_first_frame_after_joining_elsewhere_is_a_key_frame(two: TrilProcess) -> None:
-    game = two.new_game()
-    for _ in range(4):
-        with join(two.settings, game) as player:
-            assert player.until(FrameMessage).encoded.is_key
 
 
 def test_a_port_is_shared_only_by_those_who_say_so(tmp_path: Path) -> None:

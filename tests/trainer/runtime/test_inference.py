@@ -151,7 +151,7 @@ def test_networks_in_memory_are_bounded(
     workplace: Workplace, store: ArtifactStore, tmp_path: Path
 ) -> None:
     runs = [run_with_networks(workplace, store, tmp_path) for _ in range(3)]
-    networks = Networks(workplace.database, store, most=2)
+    networks = Networks(workplace.database, store, max_kept=2)
     first = networks.reward_model(runs[0])
     second = networks.reward_model(runs[1])
     assert networks.reward_model(runs[0]) is first
@@ -167,7 +167,7 @@ def test_the_socket_is_for_its_owner_alone_and_goes_with_the_process(
     with serving(workplace):
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
     assert not path.exists()
-    with pytest.raises(Unavailable, match="inference process does not run"):
+    with pytest.raises(Unavailable, match="inference process is not running"):
         client.ping()
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import asdict, replace
 
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
@@ -16,80 +15,80 @@ from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome
 
 
-def replay_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
+def replay_demonstrations(data: RunData, progress: Progress) -> None:
     """Replay every demonstration of the run through an agent's eyes."""
-    data.trajectories([*data.ranked, *data.perfect], progress)
-    return {}
+    data.trajectories(data.snapshot.recordings, progress)
 
 
-def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_reward(data: RunData, progress: Progress) -> None:
     """Learn the reward model from the ranking and keep it."""
     context = data.context
     model = train_reward_model(
         data.preference_dataset,
-        context.training_seed,
+        context.run.training_seed,
         progress,
         context.stage_folder("reward"),
         context.device,
     )
     data.keep_reward_model(model)
-    return {}
 
 
-def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
+def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     """Check whether the reward model has understood the ranking."""
     context = data.context
     check = check_ranking(
         data.reward_model,
         data.preference_dataset,
-        context.training_seed,
+        context.run.training_seed,
         progress,
         context.stage_folder("check"),
         context.device,
     )
     data.forget_perturbed()
-    found = check.to_dict()
-    found["predicted_returns"] = {
-        str(data.ranked[index]): value for index, value in check.predicted_returns.items()
+    ranked = data.snapshot.ranked
+    returns = {ranked[index]: value for index, value in check.predicted_returns.items()}
+    found = asdict(check) | {
+        "predicted_returns": returns,
+        "advice": advice(check),
+        "warning": warning(check),
     }
-    return {"check": {**found, "advice": advice(check), "warning": warning(check)}}
+    return RunOutcome(check=CheckOutcome.model_validate(found))
 
 
-def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_clone(data: RunData, progress: Progress) -> None:
     """Learn the clone of the perfect demonstrations and keep it."""
     context = data.context
     path = context.stage_folder("clone") / "clone.zip"
     policy, _ = train_clone(
         data.perfect_trajectories,
         context.recipe.cloning,
-        context.training_seed,
+        context.run.training_seed,
         progress,
         context.device,
     )
     save_policy(policy, path)
     data.keep_policy("clone", path)
-    return {}
 
 
-def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """Train the imitator as its recipe says, from its checkpoint if there is one; keep it."""
     context = data.context
-    demonstrations = data.recordings([*data.ranked, *data.perfect])
     task = ImitationTask(
         model=data.reward_model,
-        recordings=[demonstrations[number] for number in data.ranked],
+        recordings=list(data.recordings(data.snapshot.ranked).values()),
         tiers=data.index_tiers,
         recipe=context.recipe,
-        steps=context.steps,
-        training_seed=context.training_seed,
+        steps=context.run.steps,
+        training_seed=context.run.training_seed,
         behaviour=context.behaviour,
-        perfect=[demonstrations[number] for number in data.perfect],
+        perfect=list(data.recordings(data.snapshot.perfect).values()),
     )
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
-    with data.policy_file("clone") as clone:
+    with data.artifact_file("clone") as clone:
         if context.recipe.method == "dagger":
             result = train_by_dagger(task, path, folder, progress, context.device)
         else:
@@ -98,10 +97,15 @@ def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
                 path,
                 folder,
                 progress,
-                n_processes=min(context.courtesy.threads, context.recipe.policy.n_envs),
+                n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
                 precision=Precision.of(context.settings.learning_precision, context.device),
                 device=context.device,
             )
     data.keep_policy("imitator", path)
-    learned = {"precision": str(result.precision), "device": context.device.type}
-    return {"imitator": {"best_steps": result.best_steps, **learned}}
+    return RunOutcome(
+        imitator=ImitatorOutcome(
+            best_steps=result.best_steps,
+            precision=str(result.precision),
+            device=context.device.type,
+        )
+    )

@@ -17,7 +17,7 @@ from tril.exchange.formats.recording_object import (
 )
 from tril.game import space_invaders as game
 from tril.game.console import Console
-from tril.game.episode import EndReason, Hit, Start
+from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.ranking import Ranking
 from tril.recording import Recording, Replay, verify
 
@@ -73,6 +73,7 @@ def dump_recording(
         "perfect": perfect,
         "source": source,
         "end": None if end is None else str(end),
+        "ending": None if recording.ending is Ending.HIT else str(recording.ending),
         "ram_hashes": list(recording.ram_hashes) or None,
         "conditions": conditions or None,
         "parent": parent,
@@ -110,6 +111,7 @@ def load_recording(content: object, console: Console | None = None) -> ImportedR
         actions=base64.b64decode(given.actions),
         ram_hashes=tuple(given.ram_hashes or ()),
         rom_md5=given.rom_md5,
+        ending=Ending(given.ending or Ending.HIT),
     )
     hits = None if given.hits is None else [(row, column) for row, column in given.hits]
     verified = verify(recording, hits, console)
@@ -152,6 +154,7 @@ def _notices(given: RecordingObject, played: Replay, n_cut: int) -> Iterator[str
     if n_cut:
         why = {
             EndReason.HIT: "the player was hit",
+            EndReason.LIVES: "the player lost a life",
             EndReason.LANDED: "the aliens landed",
             EndReason.CLEARED: "no alien was left",
         }.get(played.end or EndReason.STEPS, f"{game.MAX_STEPS} steps were over")

@@ -84,6 +84,11 @@ class RecordingObject(StrictModel):
         pattern="^[0-9a-f]{32}$", description="MD5 of the ROM that the game was played on."
     )
     start: StartObject
+    ending: Literal["hit", "life_counter"] | None = Field(
+        default=None,
+        description="Which rule for the player's death ends the episode: hit, the default, at the"
+        " hit itself; life_counter, about 130 frames later, where the game counts a life less.",
+    )
     actions: str = Field(
         pattern=_ACTIONS,
         description="Base64 of one byte per frame: 0 NOOP, 1 FIRE, 2 RIGHT, 3 LEFT, 4 RIGHTFIRE,"
@@ -105,8 +110,9 @@ class RecordingObject(StrictModel):
     source: Source | None = Field(default=None, description="Who played it.")
     end: Any = Field(
         default=None,
-        description="Why the episode ended: hit, landed, cleared or steps; none of them where the"
-        " recording ends before its episode. Compared with a replay; a difference is a notice.",
+        description="Why the episode ended: hit, lives, landed, cleared or steps; none of them"
+        " where the recording ends before its episode. Compared with a replay; a difference is a"
+        " notice.",
     )
     ram_hashes: list[Annotated[str, Field(pattern="^[0-9a-f]{16}$")]] | None = Field(
         default=None,

@@ -1,4 +1,4 @@
-"""What a run's reward model says of its demonstrations and of its evaluation games."""
+"""The predicted returns of a run's demonstrations and evaluation games."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def judged_games(
         games: Its evaluation games, loaded with their recordings.
 
     Returns:
-        By who played; nothing for behaviours without target cells, where no game has a worth.
+        By player; empty for behaviours without target cells, whose games have no true quantity.
     """
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     if behaviour.target is None:
         return []
-    check = run.outcome.get("check", {})
-    returns = {int(key): value for key, value in check.get("predicted_returns", {}).items()}
+    check = run.outcome.check
+    returns = {} if check is None else check.predicted_returns
     found: dict[tuple[Player, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(returns)).items():
         worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
@@ -58,6 +58,6 @@ def judged_games(
 
 
 def _place(group: tuple[Player, bool]) -> tuple[bool, int]:
-    """Return what puts the demonstrations first and those who play in their usual order."""
+    """Return the key that sorts demonstrations first, then by player."""
     player, demonstrated = group
     return not demonstrated, get_args(Player).index(player)

@@ -1,7 +1,4 @@
-"""All frames of a recording in one file, and its thumbnail, by one replay each.
-
-docs/protocol.md describes the file.
-"""
+"""What a replay of a recording yields: all its frames, a thumbnail, the console's memory."""
 
 from __future__ import annotations
 
@@ -11,10 +8,9 @@ import struct
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
-from server.play.wire.codec import EncodedFrame, FrameEncoder, Screen
+from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Episode
@@ -23,29 +19,22 @@ from tril.recording import Recording, replay
 
 MAGIC = b"TRILFRM1"
 KEY_EVERY_FRAMES = 60
-FLAG_KEY = 1
 _LENGTH = struct.Struct("<I")
 _FRAME = struct.Struct("<IB")
 
 
-def palette_json() -> list[list[int]]:
-    """Return the colours by palette value, [[r, g, b]] * 256, as they travel."""
-    colours: list[list[int]] = palette_rgb().tolist()
-    return colours
-
-
 def frames_file(recording: Recording, console: Console | None = None) -> bytes:
-    """Return every frame of a recording, its start's screen first."""
+    """Return every frame of a recording, the start's first, as docs/protocol.md describes."""
     encoder = FrameEncoder()
     parts: list[bytes] = []
 
-    def look(episode: Episode) -> None:
+    def add_frame(episode: Episode) -> None:
         frame = encoder.encode(
             episode.console.screen_palette(), key=episode.frame % KEY_EVERY_FRAMES == 0
         )
         parts.append(_FRAME.pack(len(frame.payload), FLAG_KEY * frame.is_key) + frame.payload)
 
-    played = replay(recording, console, look)
+    played = replay(recording, console, add_frame)
     height, width = game.SCREEN_SHAPE
     header = json.dumps(
         {
@@ -62,7 +51,7 @@ def frames_file(recording: Recording, console: Console | None = None) -> bytes:
 
 
 def read_frames_file(content: bytes) -> Iterator[EncodedFrame]:
-    """Yield the frames of such a file, the start's screen first."""
+    """Yield the frames of a file of frames, the start's screen first."""
     if content[: len(MAGIC)] != MAGIC:
         raise ValueError("Expected a file of frames, which begins with TRILFRM1.")
     at = len(MAGIC)
@@ -75,24 +64,30 @@ def read_frames_file(content: bytes) -> Iterator[EncodedFrame]:
 
 
 def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes:
-    """Return a PNG of the moment after a recording's last hit, or of its last frame."""
+    """Return a PNG of the screen after a recording's last hit, or else of its last frame."""
     shown: Screen = np.zeros(game.SCREEN_SHAPE, np.uint8)
     hits = 0
 
-    def look(episode: Episode) -> None:
+    def keep_screen(episode: Episode) -> None:
         nonlocal hits
         is_last = episode.frame == recording.n_frames or episode.end is not None
         if len(episode.hits) > hits or (is_last and not hits):
             hits = len(episode.hits)
             episode.console.screen_palette(shown)
 
-    replay(recording, console, look)
-    return png(palette_rgb()[shown])
-
-
-def png(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Return a PNG of an image, uint8 (height, width, 3) RGB."""
+    replay(recording, console, keep_screen)
     file = io.BytesIO()
-    image = Image.fromarray(pixels).quantize(256, dither=Image.Dither.NONE)
+    image = Image.fromarray(palette_rgb()[shown]).quantize(256, dither=Image.Dither.NONE)
     image.save(file, "PNG", optimize=True)
     return file.getvalue()
+
+
+def memory_file(recording: Recording, console: Console | None = None) -> bytes:
+    """Return the RAM at the start and after every frame: uint8 (n_frames + 1, 128), row by row."""
+    memory = np.zeros((recording.n_frames + 1, game.RAM_SIZE), np.uint8)
+
+    def add_memory(episode: Episode) -> None:
+        memory[episode.frame] = np.frombuffer(episode.console.ram_bytes(), np.uint8)
+
+    played = replay(recording, console, add_memory)
+    return memory[: played.n_frames + 1].tobytes()

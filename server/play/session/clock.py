@@ -13,15 +13,15 @@ _LOG = logging.getLogger(__name__)
 
 FRAME_S = 1.0 / game.FRAME_RATE_HZ
 MAX_LAG_S = 0.25
-"""A clock that is later than this has stood still, and goes on from now instead of rushing."""
+"""Lag beyond which the deadlines restart from now instead of catching up."""
 
 
 class FrameClock:
-    """Says when the next frame is due; the first one is due at once.
+    """Paces the frames of a game; the first one is due at once.
 
     Args:
-        game_id: The game whose clock it is.
-        lateness: Where to note how late it comes.
+        game_id: The game, for the log.
+        lateness: The histogram that each frame's lateness is added to.
     """
 
     def __init__(self, game_id: str, lateness: Lateness) -> None:
@@ -41,10 +41,10 @@ class FrameClock:
         self._lateness.note(self._loop.time() - self._deadline)
 
 
-async def happens_within(event: asyncio.Event, seconds: float) -> bool:
-    """Wait for an event; returns whether it happened in time."""
+async def is_set_within(event: asyncio.Event, timeout_s: float) -> bool:
+    """Wait for an event; returns whether it was set in time."""
     try:
-        await asyncio.wait_for(event.wait(), seconds)
+        await asyncio.wait_for(event.wait(), timeout_s)
     except TimeoutError:
         return False
     return True

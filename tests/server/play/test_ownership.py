@@ -1,4 +1,4 @@
-"""Checks of games, when replaying fails for a while."""
+"""Verification of games while replaying fails."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from concurrent.futures import Future
 import pytest
 
 from server.play.replays import ReplayProcess
-from server.play.saving import checks
-from server.play.saving.checks import Checks
+from server.play.saving import ownership
+from server.play.saving.ownership import find_refusal
 from tril.errors import Unavailable
 from tril.game.episode import Start
 from tril.recording import Recording, RecordingRefused
@@ -36,18 +36,18 @@ class Failing(ReplayProcess):
 
 @pytest.fixture(autouse=True)
 def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "RETRY_S", 0.0)
+    monkeypatch.setattr(ownership, "RETRY_S", 0.0)
 
 
 def test_a_check_that_fails_is_tried_again() -> None:
     replays = Failing(Unavailable("no room"), Unavailable("no room"), None)
-    assert asyncio.run(Checks(replays).refusal(GAME, (), lambda: False)) is None
+    assert asyncio.run(find_refusal(replays, GAME, (), lambda: False)) is None
     assert not replays.answers
 
 
 def test_a_refusal_is_final() -> None:
     replays = Failing(RecordingRefused("It differs."), None)
-    assert asyncio.run(Checks(replays).refusal(GAME, (), lambda: False)) == "It differs."
+    assert asyncio.run(find_refusal(replays, GAME, (), lambda: False)) == "It differs."
     assert len(replays.answers) == 1
 
 
@@ -55,5 +55,5 @@ def test_it_is_given_up_when_somebody_waits() -> None:
     replays = Failing(Unavailable("no room"), Unavailable("no room"), None)
     wanted = iter((False, True))
     with pytest.raises(Unavailable, match="no room"):
-        asyncio.run(Checks(replays).refusal(GAME, (), lambda: next(wanted)))
+        asyncio.run(find_refusal(replays, GAME, (), lambda: next(wanted)))
     assert len(replays.answers) == 1
