@@ -1,4 +1,4 @@
-"""Sphinx's configuration: a site of docs/ and of the docstrings (``make docs``)."""
+"""Sphinx's configuration: the site of docs/ and of the docstrings (``make docs``)."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from tril import __version__
 
 project = "Tril"
 author = "Tril contributors"
-copyright = author
-version = release = __version__
+release = __version__
 
 extensions = [
     "myst_parser",
@@ -15,18 +14,21 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
 ]
-exclude_patterns = ["results", "**/modules.rst"]
+exclude_patterns = ["**/modules.rst"]
 html_theme = "furo"
 html_title = f"Tril {release}"
-
 myst_heading_anchors = 3
 
 apidoc_modules = [
     {"path": f"../{package}", "destination": f"api/{package}", "separate_modules": True}
     for package in ("tril", "trainer")
 ]
-apidoc_module_first = True
 apidoc_automodule_options = {"members", "show-inheritance"}
+apidoc_module_first = True
+autodoc_inherit_docstrings = False
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 napoleon_use_ivar = True
+
+# Many classes have attributes of the same name; Sphinx then links to the first.
+suppress_warnings = ["ref.python"]
