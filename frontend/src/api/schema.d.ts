@@ -847,14 +847,16 @@ export interface components {
             red_blue_url: string;
             /** Reward */
             reward: number;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "minimum" | "90th percentile" | "95th percentile" | "maximum";
+            state: components["schemas"]["AttentionState"];
             /** Step */
             step: number;
         };
+        /**
+         * AttentionState
+         * @description A state of the demonstrations that an attention map is drawn of (thesis, section 6.1).
+         * @enum {string}
+         */
+        AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
         /**
          * Behaviour
          * @description A behaviour. ``target`` is None if hits do not describe it.
@@ -956,7 +958,7 @@ export interface components {
         ClipKind: "gif" | "webp" | "mp4";
         /**
          * ComparisonRow
-         * @description One start of the thesis' table: who hit what, and who won.
+         * @description A row of the thesis' table: both policies' greedy games from a start, and the winner.
          */
         ComparisonRow: {
             clone: components["schemas"]["EvaluationGame"] | null;
@@ -970,11 +972,11 @@ export interface components {
         };
         /**
          * ConfusedTiers
-         * @description Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+         * @description Two tiers, counted from 1, best first, whose demonstrations the reward model confuses.
          *
-         *     ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
-         *     learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
-         *     comparisons ``n_right`` were in order; None in runs of earlier versions.
+         *     ``held_out``: it confuses them when one of the demonstrations is held out of learning.
+         *     ``better`` and ``worse`` are the recordings of the two tiers. ``n_right`` of ``n_compared``
+         *     comparisons were right; None in runs of earlier versions.
          */
         ConfusedTiers: {
             /** Better */
@@ -994,7 +996,7 @@ export interface components {
         };
         /**
          * EvaluationGame
-         * @description One game that a trained policy played.
+         * @description An evaluation game of a trained policy.
          *
          *     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
          *     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
@@ -1075,7 +1077,7 @@ export interface components {
         };
         /**
          * Headline
-         * @description Greedy games from held-out evaluation starts: means with 95% bootstrap intervals.
+         * @description A run's figures for the lists: greedy games from held-out evaluation starts.
          */
         Headline: {
             clone: components["schemas"]["PolicySummary"] | null;
@@ -1083,9 +1085,9 @@ export interface components {
             held_out_accuracy: number | null;
             imitator: components["schemas"]["PolicySummary"] | null;
             /** Pair Accuracy */
-            pair_accuracy: number | null;
+            pair_accuracy: number;
             /** Tau */
-            tau: number | null;
+            tau: number;
         };
         /**
          * Health
@@ -1128,7 +1130,7 @@ export interface components {
         };
         /**
          * Interval
-         * @description A mean over n games with its 95% interval.
+         * @description A mean with its 95% bootstrap interval over n games.
          */
         Interval: {
             /** High */
@@ -1142,7 +1144,7 @@ export interface components {
         };
         /**
          * JudgedGame
-         * @description A game's true quantity (targets hit, less strays) and its predicted return.
+         * @description A game's true quantity (targets hit less strays) and its predicted return (sum of R).
          */
         JudgedGame: {
             /** Predicted Return */
@@ -1154,10 +1156,10 @@ export interface components {
         };
         /**
          * JudgedGames
-         * @description The games of one who played: demonstrations, or games that the reward has not seen.
+         * @description The games of a player: demonstrations, or games that the reward model has not seen.
          *
-         *     ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
-         *     worth the same.
+         *     ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
+         *     quantities are equal.
          */
         JudgedGames: {
             /** Demonstrated */
@@ -1203,7 +1205,7 @@ export interface components {
         };
         /**
          * Metrics
-         * @description Points after ``after``; each series is [[step, value], ...]. Pass ``last`` as next after.
+         * @description Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points.
          */
         Metrics: {
             /** Last */
@@ -1271,7 +1273,7 @@ export interface components {
         };
         /**
          * PolicySummary
-         * @description None where the behaviour has no target.
+         * @description Means over a policy's games; None where games have no such number.
          */
         PolicySummary: {
             death_rate: components["schemas"]["Interval"];
@@ -1345,9 +1347,7 @@ export interface components {
         };
         /**
          * RankingCheck
-         * @description How well the reward model agrees with the ranking.
-         *
-         *     ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
+         * @description How well the reward model agrees with the ranking, with the recordings concerned.
          */
         RankingCheck: {
             /** Advice */
@@ -1364,7 +1364,10 @@ export interface components {
             returns: components["schemas"]["RankedReturn"][];
             /** Tau */
             tau: number;
-            /** Warning */
+            /**
+             * Warning
+             * @default
+             */
             warning: string;
         };
         /**
@@ -1420,9 +1423,9 @@ export interface components {
         };
         /**
          * Recipe
-         * @description A way of learning; ``values`` is all of it.
+         * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
-         *     ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
          */
         Recipe: {
             /** Default Steps */
@@ -1433,6 +1436,8 @@ export interface components {
             name: string;
             /** Overhead S */
             overhead_s: number;
+            /** Stages */
+            stages: components["schemas"]["RunStage"][];
             /** Steps Per S */
             steps_per_s: number;
             /** Steps Per S Measured */
@@ -1552,10 +1557,10 @@ export interface components {
         };
         /**
          * RecordingState
-         * @description Where a recording stands.
+         * @description State of a recording.
          *
-         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
-         *     decided; KEPT: in the library.
+         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, but neither kept
+         *     nor discarded yet; KEPT: in the library.
          * @enum {string}
          */
         RecordingState: "playing" | "unfinished" | "finished" | "kept";
@@ -1581,9 +1586,9 @@ export interface components {
         };
         /**
          * RewardAlarm
-         * @description The predicted return of the training games rose and they became no better.
+         * @description The predicted return of training games rose, but the games did not improve.
          *
-         *     ``message`` says what it means and what to do.
+         *     ``message`` says what this means and what to do.
          */
         RewardAlarm: {
             /** From Step */
@@ -1595,7 +1600,7 @@ export interface components {
         };
         /**
          * RewardTrace
-         * @description R (raw output) of every observation of a recording, by step, from the start's.
+         * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          */
         RewardTrace: {
             /** Recording Id */
@@ -1607,13 +1612,13 @@ export interface components {
         };
         /**
          * Role
-         * @description What a player may do; today there is one owner, invited participants come later.
+         * @description What a player may do; there is one owner so far.
          * @enum {string}
          */
         Role: "owner" | "researcher" | "participant";
         /**
          * Run
-         * @description One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order.
+         * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
          */
         Run: {
             /** Behaviour Id */
@@ -1655,18 +1660,14 @@ export interface components {
             /** Remaining S */
             remaining_s: number | null;
             /** Stage */
-            stage: string;
+            stage: components["schemas"]["Stage"] | "";
             /** Stage Progress */
             stage_progress: number;
             /** Stages */
-            stages: string[];
+            stages: components["schemas"]["RunStage"][];
             /** Started At */
             started_at: string | null;
-            /**
-             * Status
-             * @enum {string}
-             */
-            status: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+            status: components["schemas"]["RunStatus"];
             /** Steps */
             steps: number;
             /** Training Seed */
@@ -1680,9 +1681,9 @@ export interface components {
         };
         /**
          * RunNew
-         * @description ``example`` makes and ranks the scripted demonstrations first where they are missing.
+         * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
-         *     Without ``steps`` it has as many as the recipe proposes.
+         *     ``steps`` defaults to the recipe's.
          */
         RunNew: {
             /** Behaviour Id */
@@ -1714,7 +1715,9 @@ export interface components {
         };
         /**
          * RunResults
-         * @description Everything the results page shows; parts that are not there yet are None or empty.
+         * @description All results of a training; parts that are missing yet are None or empty.
+         *
+         *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1726,6 +1729,8 @@ export interface components {
             check: components["schemas"]["RankingCheck"] | null;
             /** Comparison */
             comparison: components["schemas"]["ComparisonRow"][];
+            /** Further Comparison */
+            further_comparison: components["schemas"]["ComparisonRow"][];
             /** Games */
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
@@ -1735,11 +1740,34 @@ export interface components {
             summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
+         * RunStage
+         * @description A stage of a run, with its label and summary on the page.
+         */
+        RunStage: {
+            /** Label */
+            label: string;
+            name: components["schemas"]["Stage"];
+            /** Summary */
+            summary: string;
+        };
+        /**
+         * RunStatus
+         * @description State of a run. STOPPED: it ended because the check of the ranking failed.
+         * @enum {string}
+         */
+        RunStatus: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+        /**
          * Source
          * @description Who played a recording.
          * @enum {string}
          */
         Source: "person" | "scripted" | "policy";
+        /**
+         * Stage
+         * @description A stage of a run, in the order in which a run goes through them.
+         * @enum {string}
+         */
+        Stage: "demonstrations" | "trajectories" | "reward" | "check" | "clone" | "imitator" | "evaluation" | "attention";
         /**
          * Storage
          * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
