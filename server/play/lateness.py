@@ -63,22 +63,14 @@ class Lateness:
 
 
 class LatenessLog:
-    """Logs a warning when frames begin too late.
-
-    Args:
-        lateness: The histogram that frames are added to.
-    """
+    """Logs a warning when frames begin too late."""
 
     def __init__(self, lateness: Lateness) -> None:
         self._lateness = lateness
         self._logged = Lateness()
 
     def report(self, n_games: int) -> None:
-        """Log a warning if the frames since the last report were late.
-
-        Args:
-            n_games: Number of games in this process.
-        """
+        """Log a warning, with the number of games, if frames since the last report were late."""
         recent, self._logged = self._lateness - self._logged, self._lateness + Lateness()
         p99_ms = recent.percentile_ms(0.99)
         if p99_ms is None or p99_ms <= LATE_MS:

@@ -54,10 +54,10 @@ def test_a_game_is_run_back_by_key_and_both_ways_are_offered_as_a_pair(page: Pag
     page.keyboard.up("Space")
     before = seconds_left(page)
     page.keyboard.down("Backspace")
-    expect(page.get_by_text("Running back.")).to_be_visible()
+    expect(page.get_by_text("Rewinding.")).to_be_visible()
     page.wait_for_timeout(400)
     page.keyboard.up("Backspace")
-    expect(page.get_by_text("Running back.")).to_be_hidden()
+    expect(page.get_by_text("Rewinding.")).to_be_hidden()
     assert seconds_left(page) > before
     page.keyboard.press("-")
     expect(page.get_by_role("button", name="75 %")).to_have_attribute("aria-pressed", "true")
@@ -72,7 +72,7 @@ def test_a_game_is_run_back_by_key_and_both_ways_are_offered_as_a_pair(page: Pag
     end_and_keep(page)
     page.get_by_role("navigation", name="Path").get_by_role("link", name="Rank").click()
     pair = page.get_by_role("region", name="Pairs to compare")
-    expect(pair).to_contain_text("goes on from")
+    expect(pair).to_contain_text("branches off")
     pair.get_by_role("button", name="is better").first.click()
     expect(pair).to_be_hidden()
 

@@ -21,10 +21,10 @@ export function behaviourQuery(behaviourId: number) {
   });
 }
 
-/** The demonstrations that exemplify a behaviour, and which of them were played. */
+/** The demonstrations to play for a behaviour, each with the recording that shows it, if any. */
 export function checklistQuery(behaviourId: number) {
   return queryOptions({
-    // What makes the numbers of recordings stale makes this stale, too.
+    // Below the behaviour's key, so that it goes stale with the counts of recordings.
     queryKey: ["behaviours", behaviourId, "checklist"],
     queryFn: ({ signal }) =>
       unwrap(
@@ -36,10 +36,10 @@ export function checklistQuery(behaviourId: number) {
   });
 }
 
-/** Where the cannon of the best demonstration stood in every frame; null without one. */
+/** The cannon's position in every frame of the best demonstration; null if there is none. */
 export function ghostQuery(behaviourId: number) {
   return queryOptions({
-    // What is ranked or marked anew may be another one; otherwise it stays.
+    // Changes only with the ranking and the perfect marks, which invalidate the behaviour's key.
     queryKey: ["behaviours", behaviourId, "ghost"],
     staleTime: Infinity,
     queryFn: ({ signal }) =>
@@ -54,12 +54,4 @@ export function ghostQuery(behaviourId: number) {
 
 export function createBehaviour(body: BehaviourNew): Promise<Behaviour> {
   return unwrap(api.POST("/api/behaviours", { body }));
-}
-
-export function deleteBehaviour(behaviourId: number): Promise<unknown> {
-  return unwrap(
-    api.DELETE("/api/behaviours/{behaviour_id}", {
-      params: { path: { behaviour_id: behaviourId } },
-    }),
-  );
 }

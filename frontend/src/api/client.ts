@@ -1,14 +1,14 @@
-/** The one way to the server: typed by its OpenAPI description, errors as exceptions. */
+/** The HTTP client: typed by the server's OpenAPI document, errors raised as exceptions. */
 import createClient from "openapi-fetch";
 
 import { connection } from "./connection";
 import type { paths } from "./schema";
 
-/** The server refused or failed; the message says what is wrong and what to do. */
+/** An error response; its message says what is wrong and what to do. */
 export class ProblemError extends Error {
   override name = "ProblemError";
   readonly status: number;
-  /** The whole body, for refusals that carry more than a message. */
+  /** The parsed body, for errors that carry more than a message. */
   readonly body: unknown;
 
   constructor(status: number, message: string, body: unknown) {
@@ -18,8 +18,8 @@ export class ProblemError extends Error {
   }
 }
 
-/** The server did not answer at all. */
-export class UnreachableError extends Error {
+/** The server could not be reached. */
+class UnreachableError extends Error {
   override name = "UnreachableError";
 
   constructor(cause: unknown) {
@@ -29,8 +29,12 @@ export class UnreachableError extends Error {
 
 const GATEWAY_FAILURES = new Set([502, 504]);
 
-/** `fetch` that keeps the connection's state and names the ways it can fail. */
-export async function watchedFetch(input: Request | string, init?: RequestInit): Promise<Response> {
+/**
+ * Fetches and records in `connection` whether the server is reachable and accepts this browser.
+ *
+ * @throws {UnreachableError} The server did not answer.
+ */
+export async function trackedFetch(input: Request | string, init?: RequestInit): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(input, init);
@@ -46,7 +50,7 @@ export async function watchedFetch(input: Request | string, init?: RequestInit):
 
 export const api = createClient<paths>({
   baseUrl: globalThis.location.origin,
-  fetch: watchedFetch,
+  fetch: trackedFetch,
 });
 
 interface Answer<T> {
@@ -55,30 +59,30 @@ interface Answer<T> {
   readonly response: Response;
 }
 
-/** The answer's data, or the problem as an exception. */
+/** Returns a response's data; throws a ProblemError if it is an error. */
 export async function unwrap<T>(call: Promise<Answer<T>>): Promise<T> {
   const { data, error, response } = await call;
   if (!response.ok) throw problemOf(response, error);
   return data as T;
 }
 
-/** Fetches a file such as a recording's frames. */
+/** Fetches a binary file, such as a recording's frames. */
 export async function fetchBytes(url: string, signal?: AbortSignal): Promise<ArrayBuffer> {
-  const response = await watchedFetch(url, { signal: signal ?? null });
+  const response = await trackedFetch(url, { signal: signal ?? null });
   if (!response.ok) throw problemOf(response, await bodyOf(response));
   return response.arrayBuffer();
 }
 
-/** Reads an answer's JSON body, or nothing where it has none. */
+/** Parses a response's JSON body; null if it has none. */
 export async function bodyOf(response: Response): Promise<unknown> {
   try {
     return (await response.json()) as unknown;
   } catch {
-    return null; // no JSON: the status alone says what happened
+    return null;
   }
 }
 
-/** The exception for an answer that is no success. */
+/** Builds the exception for an error response. */
 export function problemOf(response: Response, body: unknown): ProblemError {
   const detail = detailOf(body) ?? fallback(response.status);
   return new ProblemError(response.status, detail, body);
@@ -90,18 +94,18 @@ function detailOf(body: unknown): string | null {
 }
 
 function fallback(status: number): string {
-  if (status === 401) return "This browser isn't let in. Open the address that Tril printed.";
-  if (status === 404) return "This doesn't exist (any more).";
+  if (status === 401) return "This browser isn't signed in. Open the address that Tril printed.";
+  if (status === 404) return "This doesn't exist, or was deleted.";
   if (status === 413) return "The file is too large.";
   return `The server failed (${status}). Its log in the terminal says why.`;
 }
 
-/** What an exception says to the person. */
+/** Returns the message of an exception to show to the user. */
 export function messageOf(error: unknown): string {
   return error instanceof Error ? error.message : "Something went wrong. Reload the page.";
 }
 
-/** Whether an exception says that a thing isn't there. */
+/** Whether an exception is a 404. */
 export function isNotFound(error: unknown): boolean {
   return error instanceof ProblemError && error.status === 404;
 }

@@ -1,9 +1,9 @@
-/** Whether the server answers and lets this browser in; what the banner and the 401 page read. */
+/** The connection state that the banner and the 401 page show. */
 
-export interface ConnectionState {
-  /** False from the first failed request until the next one that is answered. */
+interface ConnectionState {
+  /** False from a failed request until the next one that is answered. */
   readonly reachable: boolean;
-  /** False once the server has said that this browser has no valid cookie. */
+  /** False once the server has rejected this browser's cookie. */
   readonly authorised: boolean;
 }
 

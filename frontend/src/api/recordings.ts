@@ -2,7 +2,7 @@ import { queryOptions } from "@tanstack/react-query";
 
 import { RecordedFrames } from "@/lib/game/codec";
 
-import { api, bodyOf, fetchBytes, problemOf, unwrap, watchedFetch } from "./client";
+import { api, bodyOf, fetchBytes, problemOf, unwrap, trackedFetch } from "./client";
 import type { ImportResult, Recording, RecordingsChange, RecordingUpdate } from "./types";
 
 /** A behaviour's kept and unfinished recordings, newest first. */
@@ -19,7 +19,7 @@ export function recordingsQuery(behaviourId: number) {
   });
 }
 
-/** A behaviour's deleted recordings too, so that they can be restored. */
+/** All recordings of a behaviour, deleted ones included, so that they can be restored. */
 export function withDeletedQuery(behaviourId: number) {
   return queryOptions({
     queryKey: ["recordings", behaviourId, "with deleted"],
@@ -33,7 +33,7 @@ export function withDeletedQuery(behaviourId: number) {
   });
 }
 
-/** One recording, a deleted one too. */
+/** One recording, deleted or not. */
 export function recordingQuery(recordingId: number) {
   return queryOptions({
     queryKey: ["recording", recordingId],
@@ -42,7 +42,7 @@ export function recordingQuery(recordingId: number) {
   });
 }
 
-/** What was done in every frame of a recording, and its relatives. */
+/** The action of every frame of a recording, and the recordings it is related to. */
 export function courseQuery(recordingId: number) {
   return queryOptions({
     queryKey: ["recording", recordingId, "course"],
@@ -51,7 +51,7 @@ export function courseQuery(recordingId: number) {
   });
 }
 
-/** The RAM at every frame, by the address that a course names; it never changes. */
+/** The RAM at every frame, from the URL that a course names. Immutable. */
 export function memoryQuery(url: string) {
   return queryOptions({
     queryKey: ["memory", url],
@@ -62,7 +62,7 @@ export function memoryQuery(url: string) {
   });
 }
 
-/** All screens of a recording. A recording never changes, and its address carries a version. */
+/** The screens of a recording. Immutable: the URL carries a version. */
 export function framesQuery(recording: Recording) {
   return queryOptions({
     queryKey: ["frames", recording.frames_url],
@@ -98,7 +98,7 @@ export function deleteRecording(recordingId: number): Promise<unknown> {
   return unwrap(api.DELETE("/api/recordings/{recording_id}", at(recordingId)));
 }
 
-/** Does something to several recordings, to all or to none. */
+/** Applies one change to several recordings, atomically. */
 export function changeRecordings(
   behaviourId: number,
   body: RecordingsChange,
@@ -111,21 +111,21 @@ export function changeRecordings(
   );
 }
 
-export interface ImportOptions {
-  /** The file's order is the ranking, best first. */
+interface ImportOptions {
+  /** Rank the recordings in the file's order, best first. */
   readonly rank: boolean;
-  /** All of them are perfect demonstrations. */
+  /** Mark all of them as perfect. */
   readonly perfect: boolean;
 }
 
-/** Sends a file of recordings: one JSON object, or one per line. */
+/** Uploads a file of recordings: one JSON object, or one per line. */
 export async function importRecordings(
   behaviourId: number,
   file: Blob,
   { rank, perfect }: ImportOptions,
 ): Promise<ImportResult> {
   const query = new URLSearchParams({ rank: String(rank), perfect: String(perfect) });
-  const response = await watchedFetch(
+  const response = await trackedFetch(
     `/api/behaviours/${behaviourId}/recordings/import?${query.toString()}`,
     { method: "POST", body: file, headers: { "Content-Type": "application/x-ndjson" } },
   );
@@ -134,27 +134,27 @@ export async function importRecordings(
   return body as ImportResult;
 }
 
-/** Where a behaviour's recordings, or some of them, can be downloaded as JSON Lines. */
+/** URL of a behaviour's recordings, or of some of them, as JSON Lines. */
 export function exportUrl(behaviourId: number, only: readonly number[] = []): string {
   const query = new URLSearchParams(only.map((id) => ["recording", String(id)]));
   const path = `/api/behaviours/${behaviourId}/recordings/export`;
   return only.length === 0 ? path : `${path}?${query.toString()}`;
 }
 
-/** Where one recording can be downloaded in the exchange format. */
+/** URL of one recording in the exchange format. */
 export function recordingExportUrl(recordingId: number): string {
   return `/api/recordings/${recordingId}/export`;
 }
 
 export type ClipKind = "gif" | "webp" | "mp4";
 
-/** A recording as a moving picture; making it takes seconds the first time. */
+/** Fetches a recording as a clip; the server takes seconds to encode it the first time. */
 export async function fetchClip(recording: Recording, kind: ClipKind): Promise<Blob> {
   return new Blob([await fetchBytes(clipUrl(recording, kind))]);
 }
 
 function clipUrl({ id, frames_url }: Recording, kind: ClipKind): string {
-  // What the frames are made of is what a clip is made of.
+  // A clip is made from the frames, so it shares their version.
   const version = new URL(frames_url, location.origin).searchParams.get("v") ?? "";
   return `/api/recordings/${id}/clip.${kind}?${new URLSearchParams({ v: version }).toString()}`;
 }

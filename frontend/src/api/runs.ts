@@ -12,7 +12,7 @@ export const recipesQuery = queryOptions({
   queryFn: ({ signal }) => unwrap(api.GET("/api/recipes", { signal })),
 });
 
-/** A behaviour's runs, or everybody's; newest first. */
+/** The runs of a behaviour, or of all; newest first. */
 export function runsQuery(behaviourId?: number) {
   return queryOptions({
     queryKey: behaviourId === undefined ? ["runs"] : ["runs", { behaviourId }],
@@ -41,7 +41,7 @@ export function resultsQuery(runId: string) {
   });
 }
 
-/** R of every observation of a recording, asked of the inference process. */
+/** R of every observation of a recording, computed by the inference process. */
 export function rewardTraceQuery(runId: string, recordingId: number) {
   return queryOptions({
     queryKey: ["reward", runId, recordingId],

@@ -3,7 +3,7 @@ import { queryOptions } from "@tanstack/react-query";
 import { api, unwrap } from "./client";
 import type { Player, System } from "./types";
 
-/** Which processes are alive. Asked again now and then: a process that dies announces nothing. */
+/** Which processes are alive. Polled, since a dead process sends no event. */
 export const systemQuery = queryOptions({
   queryKey: ["system"],
   queryFn: ({ signal }) => unwrap(api.GET("/api/system", { signal })),
@@ -19,7 +19,7 @@ export function renamePlayer(name: string): Promise<Player> {
   return unwrap(api.PATCH("/api/player", { body: { name } }));
 }
 
-/** Whether a kind of process is there; null while that isn't known. */
+/** Whether a process of a kind is alive; null while unknown. */
 export function isAlive(system: System | undefined, kind: "worker" | "inference"): boolean | null {
   if (!system) return null;
   return system.processes.some((process) => process.kind === kind && process.alive);

@@ -6,17 +6,17 @@ import { Alien } from "@/components/game/AlienGrid";
 
 import styles from "./pages.module.css";
 
-/** The page itself failed: a defect. */
+/** Shown when rendering throws. */
 export function ErrorPage() {
   const error = useRouteError();
   return (
     <main className={styles.lone} role="alert">
       <Alien row={5} scale={5} />
-      <h1>This page has failed</h1>
-      <p>That is a defect in Tril. Nothing that was saved is lost; load the page again to go on.</p>
+      <h1>This page crashed</h1>
+      <p>That is a bug in Tril. Nothing that was saved is lost; reload the page to continue.</p>
       <p className={styles.url}>{messageOf(error)}</p>
       <Button kind="primary" icon="restart" onClick={() => location.reload()}>
-        Load the page again
+        Reload the page
       </Button>
     </main>
   );

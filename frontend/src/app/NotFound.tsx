@@ -1,11 +1,11 @@
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty } from "@/components/feedback/States";
 
-/** No page has this address. */
+/** Shown for an unknown address. */
 export function NotFound() {
   return (
-    <Empty title="There is no such page" actions={<ButtonLink to="/">All behaviours</ButtonLink>}>
-      <p>The address is wrong, or what it showed was deleted.</p>
+    <Empty title="Page not found" actions={<ButtonLink to="/">All behaviours</ButtonLink>}>
+      <p>The address is wrong, or what was here has been deleted.</p>
     </Empty>
   );
 }

@@ -4,13 +4,13 @@ import { ProblemError } from "@/api/client";
 
 const RETRIES = 2;
 
-/** A client whose data stays fresh until the event stream says otherwise. */
+/** Creates a query client; the change stream invalidates its data. */
 export function createQueryClient(): QueryClient {
   return new QueryClient({
     defaultOptions: {
       queries: {
         staleTime: 30_000,
-        // A refusal stays a refusal; only silence and failures are worth another try.
+        // A client error stays one; only network and server errors are worth a retry.
         retry: (failures, error) =>
           failures < RETRIES && !(error instanceof ProblemError && error.status < 500),
       },

@@ -16,7 +16,7 @@ import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 import { ErrorPage } from "./ErrorPage";
 import { NotFound } from "./NotFound";
 
-// What the first steps don't need is loaded when it is opened.
+// Loaded on demand: the first steps don't need these pages.
 const RecordingPage = lazy(async () => ({
   default: (await import("@/features/recordings/RecordingPage")).RecordingPage,
 }));
@@ -33,19 +33,19 @@ const RunPage = lazy(async () => ({
   default: (await import("@/features/results/RunPage")).RunPage,
 }));
 
-/** Stands in while a page's code is loaded. */
-function Opening({ children }: { children: ReactNode }) {
+/** Shows a placeholder while the code of a page loads. */
+function Lazy({ children }: { children: ReactNode }) {
   return <Suspense fallback={<Loading what="the page" rows={3} />}>{children}</Suspense>;
 }
 
-/** A page of a behaviour, in its frame; a new behaviour is a new page. */
+/** A page of a behaviour, in its frame; remounted when the behaviour changes. */
 function InBehaviour({ page }: { page: (behaviour: Behaviour) => ReactNode }) {
   const { behaviourId } = useParams();
   const id = Number(behaviourId);
   if (!Number.isInteger(id) || id < 1) return <NotFound />;
   return (
     <BehaviourFrame key={id} behaviourId={id}>
-      {(behaviour) => <Opening>{page(behaviour)}</Opening>}
+      {(behaviour) => <Lazy>{page(behaviour)}</Lazy>}
     </BehaviourFrame>
   );
 }
@@ -60,9 +60,9 @@ function RunRoute() {
   return (
     <BehaviourFrame behaviourId={run.behaviour_id} looking>
       {(behaviour) => (
-        <Opening>
+        <Lazy>
           <RunPage key={run.id} run={run} behaviour={behaviour} />
-        </Opening>
+        </Lazy>
       )}
     </BehaviourFrame>
   );
@@ -82,9 +82,9 @@ function RecordingRoute() {
   return (
     <BehaviourFrame behaviourId={data.behaviour_id}>
       {(behaviour) => (
-        <Opening>
+        <Lazy>
           <RecordingPage key={data.id} recording={data} behaviour={behaviour} />
-        </Opening>
+        </Lazy>
       )}
     </BehaviourFrame>
   );

@@ -1,9 +1,9 @@
-/** Colours of the page's tokens for drawings that know no CSS variables. */
+/** Resolves the page's colour tokens for canvas, which knows no CSS variables. */
 
 /**
- * The colour that a CSS expression such as `var(--ink)` stands for now.
+ * Returns the current colour of a CSS expression such as `var(--ink)`.
  *
- * @param inside The element whose theme counts: the game's screen is dark in either.
+ * @param inside The element whose theme applies: the game's screen is always dark.
  */
 export function resolveColour(expression: string, inside: Element = document.body): string {
   const probe = document.createElement("span");
@@ -14,7 +14,7 @@ export function resolveColour(expression: string, inside: Element = document.bod
   return colour;
 }
 
-/** Calls back when the theme changes, by the system or by the button. */
+/** Calls back when the theme changes, in the system or on the page; returns an unsubscriber. */
 export function onThemeChange(callback: () => void): () => void {
   const query = matchMedia("(prefers-color-scheme: dark)");
   query.addEventListener("change", callback);

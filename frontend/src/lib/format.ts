@@ -1,40 +1,40 @@
-/** Numbers, times and sizes as the page writes them. */
+/** Formats numbers, times and sizes. */
 
 export const FRAME_RATE_HZ = 60;
 export const FRAMES_PER_STEP = 4;
 export const STEPS_PER_S = FRAME_RATE_HZ / FRAMES_PER_STEP;
 export const MAX_STEPS = 300;
 
-/** Shown where there is no value. */
+/** Placeholder for a missing value. */
 export const NONE = "–";
 
 const grouped = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
 
-/** "1 run", "12 runs", "3,000 steps". */
+/** Formats a count with its noun: "1 run", "12 runs", "3,000 steps". */
 export function count(n: number, noun: string, plural = `${noun}s`): string {
   return `${grouped.format(n)} ${n === 1 ? noun : plural}`;
 }
 
-/** A whole number with thousands apart. */
+/** Formats an integer with thousands separators. */
 export function whole(n: number): string {
   return grouped.format(n).replace("-", "−");
 }
 
-/** "300 k", "10 M", "1,500": a number of steps, short. */
+/** Formats a number of steps compactly: "300 k", "10 M", "1,500". */
 export function shortCount(n: number): string {
   if (n >= 1_000_000 && n % 100_000 === 0) return `${trimmed(n / 1_000_000)} M`;
   if (n >= 10_000 && n % 1_000 === 0) return `${trimmed(n / 1_000)} k`;
   return whole(n);
 }
 
-/** Marks of an axis, all with as many digits as their distance needs. */
+/** Formats the ticks of an axis with as many digits as their spacing needs. */
 export function tickLabels(ticks: readonly number[]): string[] {
   const distance = Math.abs((ticks[1] ?? 0) - (ticks[0] ?? 0));
   const digits = distance > 0 ? Math.min(6, Math.max(0, -Math.floor(Math.log10(distance)))) : 2;
   return ticks.map((tick) => (distance >= 1 ? whole(tick) : fixed(tick, digits)));
 }
 
-/** Marks of an axis of steps: "5 k", "1.5 M". */
+/** Formats the ticks of an axis of steps: "5 k", "1.5 M". */
 export function stepLabels(ticks: readonly number[]): string[] {
   return ticks.map((tick) =>
     tick >= 1_000_000
@@ -45,7 +45,7 @@ export function stepLabels(ticks: readonly number[]): string[] {
   );
 }
 
-/** Marks of an axis of shares from 0 to 1. */
+/** Formats the ticks of an axis of shares, 0 to 1. */
 export function percentLabels(ticks: readonly number[]): string[] {
   return ticks.map((tick) => percent(tick, 0));
 }
@@ -54,13 +54,13 @@ function trimmed(n: number): string {
   return n.toFixed(1).replace(/\.0$/, "");
 }
 
-/** A number with fixed digits and a real minus sign. */
+/** Formats a number with a fixed number of decimals and a true minus sign. */
 export function fixed(n: number, digits: number): string {
   const text = n.toFixed(digits);
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
 
-/** A measured number with about three significant digits. */
+/** Formats a measurement with about three significant digits. */
 export function measured(n: number): string {
   if (!Number.isFinite(n)) return NONE;
   const size = Math.abs(n);
@@ -71,7 +71,7 @@ export function measured(n: number): string {
   return n.toExponential(1).replaceAll("-", "−");
 }
 
-/** "98.4 %" of a share from 0 to 1. */
+/** Formats a share, 0 to 1, as a percentage: "98.4 %". */
 export function percent(share: number, digits = 1): string {
   return `${fixed(share * 100, digits)} %`;
 }
@@ -83,17 +83,17 @@ export interface Interval {
   readonly n: number;
 }
 
-/** "3.9 to 5.4": the bounds of a 95% interval. */
+/** Formats the bounds of a 95% interval: "3.9 to 5.4". */
 export function bounds({ low, high }: Interval, digits = 1): string {
   return `${fixed(low, digits)} to ${fixed(high, digits)}`;
 }
 
-/** Seconds of playing time, "14.2 s". */
+/** Formats seconds of play: "14.2 s". */
 export function seconds(s: number, digits = 1): string {
   return `${s.toFixed(digits)} s`;
 }
 
-/** How long something takes, in the largest fitting units: "40 s", "17 min", "2 h 05 min". */
+/** Formats a duration in its largest units: "40 s", "17 min", "2 h 05 min". */
 export function duration(s: number): string {
   if (s < 59.5) return `${Math.max(0, Math.round(s))} s`;
   const minutes = Math.round(s / 60);
@@ -103,12 +103,12 @@ export function duration(s: number): string {
   return `${Math.round(hours / 24)} days`;
 }
 
-/** "about 17 min left", or nothing while it isn't known. */
+/** Formats the remaining time, "about 17 min left"; empty if unknown. */
 export function remaining(s: number | null): string {
   return s === null ? "" : `about ${duration(s)} left`;
 }
 
-/** Bytes in decimal units: "14.2 kB". */
+/** Formats bytes in decimal units: "1.5 kB", "14 MB". */
 export function bytes(n: number): string {
   if (n < 1000) return `${n} B`;
   const units = ["kB", "MB", "GB", "TB"];
@@ -121,7 +121,7 @@ export function bytes(n: number): string {
   return `${size < 10 ? size.toFixed(1) : size.toFixed(0)} ${units[unit] ?? ""}`;
 }
 
-/** "just now", "5 min ago", "3 h ago", then the date. */
+/** Formats a relative time: "just now", "5 min ago", "3 h ago", then the date. */
 export function ago(time: string, now: number): string {
   const s = (now - new Date(time).getTime()) / 1000;
   if (s < 45) return "just now";
@@ -134,7 +134,7 @@ export function ago(time: string, now: number): string {
   });
 }
 
-/** A moment with minutes, for titles and tables. */
+/** Formats a date and time to the minute. */
 export function moment(time: string): string {
   return new Date(time).toLocaleString("en-GB", {
     day: "numeric",
@@ -145,7 +145,7 @@ export function moment(time: string): string {
   });
 }
 
-/** 1st, 2nd, 3rd, 4th … */
+/** Formats an ordinal: 1st, 2nd, 3rd, 4th. */
 export function ordinal(n: number): string {
   const ending = ["th", "st", "nd", "rd"];
   const tens = n % 100;

@@ -1,14 +1,14 @@
-/** A recipe's nested values as rows of a table. */
+/** The nested values of a recipe as rows of a table. */
 import { whole } from "./format";
 
 export interface ValueRow {
-  /** "policy", or "" for values of the recipe itself. */
+  /** Such as "policy"; "" for top-level values. */
   readonly section: string;
   readonly name: string;
   readonly value: string;
 }
 
-/** Flattens a recipe; names lose their underscores. */
+/** Flattens a recipe; underscores in names become spaces. */
 export function valueRows(values: Readonly<Record<string, unknown>>): readonly ValueRow[] {
   const rows: ValueRow[] = [];
   for (const [key, value] of Object.entries(values)) {

@@ -1,9 +1,9 @@
-/** What a recording is called and how it went, in words. */
+/** Describes recordings: their names, results and lengths. */
 import { type Cell } from "@/lib/game/aliens";
 
 import { count, FRAMES_PER_STEP, seconds, STEPS_PER_S } from "./format";
 
-/** Fields of a recording that these functions read. */
+/** The fields of a recording that are read here. */
 interface Played {
   readonly id: number;
   readonly end: string | null;
@@ -14,12 +14,11 @@ interface Played {
   readonly order_errors: number | null;
 }
 
-/** "Recording 12". */
 export function recordingName({ id }: { readonly id: number }): string {
   return `Recording ${id}`;
 }
 
-/** The cells shot, in order of time. */
+/** Returns the cells hit, in order of time. */
 export function hitCells(recording: Pick<Played, "hits">): readonly Cell[] {
   return recording.hits.map(({ row, column }) => [row, column] as const);
 }
@@ -33,14 +32,14 @@ const ENDS: Readonly<Record<string, string>> = {
   stopped: "stopped early",
 };
 
-/** Why a game ended, in words. */
-export function endInWords(end: string | null): string {
+/** Describes why a game ended. */
+export function describeEnd(end: string | null): string {
   if (end === null) return "not played to its end";
   return ENDS[end] ?? end.replaceAll("_", " ");
 }
 
-/** "5 of 6 targets, 1 stray", with order errors if there are any; null without a target. */
-export function scoreInWords(recording: Played, nTargets: number | null): string {
+/** Describes the result of a game: "5 of 6 targets, 1 stray", or "3 aliens hit" without a target. */
+export function describeScore(recording: Played, nTargets: number | null): string {
   const { targets, strays, order_errors: errors } = recording;
   if (targets === null || strays === null) return count(recording.hits.length, "alien") + " hit";
   const of = nTargets === null ? "" : ` of ${nTargets}`;
@@ -49,19 +48,19 @@ export function scoreInWords(recording: Played, nTargets: number | null): string
   return parts.join(", ");
 }
 
-/** "survived all 300 steps, 20.0 s" or "139 steps, 9.3 s, hit by a bomb". */
-export function courseInWords(recording: Pick<Played, "n_steps" | "end">): string {
+/** Describes a game: "survived all 300 steps, 20.0 s" or "139 steps, 9.3 s, hit by a bomb". */
+export function describeCourse(recording: Pick<Played, "n_steps" | "end">): string {
   const { n_steps: steps, end } = recording;
-  if (end === "steps") return `${endInWords(end)}, ${seconds(steps / STEPS_PER_S)}`;
-  return `${lengthInWords(recording)}, ${endInWords(end)}`;
+  if (end === "steps") return `${describeEnd(end)}, ${seconds(steps / STEPS_PER_S)}`;
+  return `${describeLength(recording)}, ${describeEnd(end)}`;
 }
 
-/** "300 steps, 20.0 s". */
-export function lengthInWords({ n_steps }: Pick<Played, "n_steps">): string {
+/** Describes the length of a game: "300 steps, 20.0 s". */
+function describeLength({ n_steps }: Pick<Played, "n_steps">): string {
   return `${count(n_steps, "step")}, ${seconds(n_steps / STEPS_PER_S)}`;
 }
 
-/** The step in which a frame lies. */
+/** Returns the step of a frame. */
 export function stepOf(frame: number): number {
   return Math.floor(frame / FRAMES_PER_STEP);
 }

@@ -1,12 +1,11 @@
-/** What a run's states and stages are called, and how long a run will take. */
+/** Names of a run's states and stages, and estimates of its duration. */
 import { duration, remaining } from "./format";
 
-export type RunStatus =
-  "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+type RunStatus = "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
 
 const ACTIVE: ReadonlySet<RunStatus> = new Set(["queued", "running", "cancelling"]);
 
-/** Whether something may still happen by itself. */
+/** Whether a run is queued, running or being cancelled. */
 export function isActive({ status }: { readonly status: RunStatus }): boolean {
   return ACTIVE.has(status);
 }
@@ -14,7 +13,7 @@ export function isActive({ status }: { readonly status: RunStatus }): boolean {
 export const STATUS_NAMES: Readonly<Record<RunStatus, string>> = {
   queued: "Waiting",
   running: "Running",
-  cancelling: "Being cancelled",
+  cancelling: "Cancelling",
   cancelled: "Cancelled",
   stopped: "Stopped by the check",
   failed: "Failed",
@@ -37,17 +36,17 @@ const STAGES: Readonly<Record<string, Stage>> = {
   attention: { name: "Attention", what: "What on the screen does the reward model look at?" },
 };
 
-/** A stage's name for people. */
+/** Returns the display name of a stage. */
 export function stageName(stage: string): string {
   return STAGES[stage]?.name ?? stage;
 }
 
-/** One sentence on what happens in a stage. */
-export function stageInWords(stage: string): string {
+/** Describes a stage in one sentence. */
+export function describeStage(stage: string): string {
   return STAGES[stage]?.what ?? "";
 }
 
-/** "Run 3f2a9c": enough of the id to tell runs apart. */
+/** Names a run by the beginning of its id: "Run 3f2a9c". */
 export function runName({ id }: { readonly id: string }): string {
   return `Run ${id.slice(0, 6)}`;
 }
@@ -57,25 +56,25 @@ interface Recipe {
   readonly overhead_s: number;
 }
 
-/** Seconds that a run of so many steps will take on this machine. */
-export function estimateSeconds(recipe: Recipe, steps: number): number {
+/** Estimates the duration of a run on this machine, in seconds. */
+function estimateSeconds(recipe: Recipe, steps: number): number {
   return recipe.overhead_s + steps / recipe.steps_per_s;
 }
 
-/** "about 17 min". */
-export function estimateInWords(recipe: Recipe, steps: number): string {
+/** Describes the estimated duration of a run: "about 17 min". */
+export function describeEstimate(recipe: Recipe, steps: number): string {
   return `about ${duration(estimateSeconds(recipe, steps))}`;
 }
 
-interface Going {
+interface RunProgress {
   readonly status: RunStatus;
   readonly stage: string;
   readonly progress: number;
   readonly remaining_s: number | null;
 }
 
-/** Where a run stands, in one line: "Imitator, 42 %, about 9 min left". */
-export function standing(run: Going): string {
+/** Summarizes the progress of a run: "Imitator, 42 %, about 9 min left". */
+export function statusLine(run: RunProgress): string {
   if (run.status !== "running") return STATUS_NAMES[run.status];
   const parts = [stageName(run.stage), `${Math.floor(run.progress * 100)} %`];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));

@@ -1,4 +1,4 @@
-/** The four who play, each with its own colour and mark on every page. */
+/** Who or what plays, each with a fixed colour and mark on every page. */
 
 export const THINGS = ["imitator", "clone", "person", "demonstrator"] as const;
 export type Thing = (typeof THINGS)[number];
@@ -10,7 +10,7 @@ export const THING_NAMES: Readonly<Record<Thing, string>> = {
   demonstrator: "Demonstrator",
 };
 
-/** A thing's mark, in a box of 10 by 10. */
+/** SVG paths of the marks, in a 10x10 box. */
 export const THING_SHAPES: Readonly<Record<Thing, string>> = {
   imitator: "M5 1a4 4 0 1 0 0 8 4 4 0 0 0 0-8",
   clone: "M5 .4 9.6 5 5 9.6.4 5z",
@@ -18,12 +18,12 @@ export const THING_SHAPES: Readonly<Record<Thing, string>> = {
   demonstrator: "M1.4 1.4h7.2v7.2H1.4z",
 };
 
-/** CSS variable of a thing's colour. */
+/** Returns the CSS variable of a thing's colour. */
 export function thingColour(thing: Thing): string {
   return `var(--${thing})`;
 }
 
-/** Who played a recording, by its source. Which policy it was is known by the run alone. */
+/** Returns who played a recording, by its source; a policy is shown as the imitator. */
 export function playedBy(source: "person" | "scripted" | "policy"): Thing {
   if (source === "person") return "person";
   return source === "scripted" ? "demonstrator" : "imitator";

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { estimateInWords, standing } from "@/lib/runs";
+import { describeEstimate, statusLine } from "@/lib/runs";
 
 describe("a run's standing", () => {
   const going = {
@@ -11,14 +11,14 @@ describe("a run's standing", () => {
   } as const;
 
   it("names stage, share and time", () => {
-    expect(standing(going)).toBe("Imitator, 42 %, about 9 min left");
-    expect(standing({ ...going, remaining_s: null })).toBe("Imitator, 42 %");
-    expect(standing({ ...going, status: "stopped" })).toBe("Stopped by the check");
+    expect(statusLine(going)).toBe("Imitator, 42 %, about 9 min left");
+    expect(statusLine({ ...going, remaining_s: null })).toBe("Imitator, 42 %");
+    expect(statusLine({ ...going, status: "stopped" })).toBe("Stopped by the check");
   });
 });
 
 describe("a run's estimate", () => {
   it("adds the overhead to the time of the steps", () => {
-    expect(estimateInWords({ steps_per_s: 500, overhead_s: 120 }, 300_000)).toBe("about 12 min");
+    expect(describeEstimate({ steps_per_s: 500, overhead_s: 120 }, 300_000)).toBe("about 12 min");
   });
 });

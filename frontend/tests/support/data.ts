@@ -1,4 +1,4 @@
-/** Things as the API gives them, with what a test is about changed. */
+/** Objects as the API returns them, with overrides. */
 import type {
   Behaviour,
   EvaluationGame,

@@ -1,4 +1,4 @@
-/** A recording's file of frames, made here. */
+/** Generates the file of a recording's frames. */
 import { zlibSync } from "fflate";
 
 import { SCREEN_BYTES } from "@/lib/game/codec";

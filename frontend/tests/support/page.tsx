@@ -6,7 +6,7 @@ import { createMemoryRouter, RouterProvider } from "react-router";
 import { createQueryClient } from "@/app/query-client";
 import { ToastProvider } from "@/components/feedback/Toasts";
 
-/** Shows something as the application would, at an address. */
+/** Renders an element as the application would, at an address. */
 export function show(element: ReactNode, path = "/") {
   const client = createQueryClient();
   client.setDefaultOptions({ queries: { retry: false } });

@@ -1,4 +1,4 @@
-/** What the server's end of the play protocol sends and expects, written by its tests. */
+/** Test vectors of the play protocol, written by the server's tests. */
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";

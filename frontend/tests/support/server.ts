@@ -1,4 +1,4 @@
-/** Answers fetches by method and path, and remembers what was asked. */
+/** A fake server: answers fetches by method and path, and records the requests. */
 import { vi } from "vitest";
 
 export interface Asked {
@@ -21,7 +21,7 @@ export class Refusal {
 type Answer = (asked: Asked) => unknown;
 
 /**
- * Stands in for the server.
+ * Replaces `fetch` by a fake server; returns the requests it receives.
  *
  * @param answers By "METHOD /path"; a `Refusal` becomes an error, `undefined` an empty 204.
  */

@@ -7,7 +7,7 @@ import { afterEach, vi } from "vitest";
 // work. A test waits this long only when it fails.
 configure({ asyncUtilTimeout: 10_000 });
 
-// What jsdom lacks. Each does what a browser does as far as the pages can tell.
+// Stubs for what jsdom lacks.
 
 HTMLDialogElement.prototype.showModal = function showModal(this: HTMLDialogElement) {
   this.open = true;
@@ -39,7 +39,7 @@ HTMLElement.prototype.scrollIntoView = function scrollIntoView() {
   /* nothing is laid out here */
 };
 
-/** A context that only takes what is drawn. */
+/** A context that ignores what is drawn. */
 HTMLCanvasElement.prototype.getContext = function getContext() {
   return {
     createImageData: (width: number, height: number) => ({

@@ -20,11 +20,7 @@ _T = TypeVar("_T")
 
 
 class Committer:
-    """Runs transactions one after the other in a thread, so that the event loop never waits.
-
-    Args:
-        database: Where games are saved.
-    """
+    """Runs transactions one after the other in a thread, so that the event loop never waits."""
 
     def __init__(self, database: Database) -> None:
         self._database = database

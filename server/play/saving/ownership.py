@@ -7,6 +7,7 @@ carries one, so that the writes of a former owner are refused.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Container, Sequence
 from contextlib import suppress
 from datetime import timedelta
@@ -18,19 +19,20 @@ from sqlalchemy.orm import Session
 from server.play.conditions import PlayConditions
 from server.play.consoles import ConsolePool
 from server.play.limits import GameLimits
-from server.play.replays import ReplayProcess
+from server.play.replays import ReplayProcess, ReplayTask
 from server.play.rules import PlayRules
 from server.play.saving.committer import Committer
-from server.play.saving.verifier import find_refusal
 from server.play.session.live_game import GameInfo, LiveGame
 from server.play.session.session import PlaySession, RewoundGame
 from server.play.wire.protocol import Paused
 from tril.errors import Unavailable
-from tril.game.episode import EpisodeState
+from tril.game.episode import EpisodeState, Hit
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import behaviours, games, recordings
 from tril.store.games import GameOver
 from tril.store.models import BehaviourRow, GameRow, RecordingRow, RecordingState
+
+_LOG = logging.getLogger(__name__)
 
 RETRY_S = 1.0
 _T = TypeVar("_T")
@@ -272,3 +274,35 @@ class GameOwnership:
             # A join in this process raises the epoch as well, and has noted it before this resumes.
             if session.game.epoch == epoch:
                 raise OwnershipLost
+
+
+async def find_refusal(
+    replays: ReplayProcess,
+    recording: Recording,
+    hits: tuple[Hit, ...],
+    give_up: Callable[[], bool],
+) -> str | None:
+    """Replay a recording; returns how the replay differs from the game, None if it does not.
+
+    Args:
+        replays: The replay process.
+        recording: What was played.
+        hits: What it hit.
+        give_up: Asked after each failure to replay whether to raise instead of retrying.
+
+    Raises:
+        Unavailable: The recording could not be replayed.
+    """
+    cells = [(hit.row, hit.column) for hit in hits]
+    while True:
+        try:
+            await asyncio.wrap_future(replays.submit(ReplayTask.CHECK, recording, cells))
+        except RecordingRefused as error:
+            _LOG.error("A game does not replay: %s", error)
+            return str(error)
+        except Unavailable:
+            if give_up():
+                raise
+            await asyncio.sleep(RETRY_S)
+        else:
+            return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -46,12 +46,7 @@ class Phase(Enum):
 
 @dataclass(frozen=True)
 class RewoundGame:
-    """A rewound game.
-
-    Attributes:
-        recorder: The game up to the frame at which it resumes.
-        recording_id: The recording of the game as it was.
-    """
+    """A game up to the frame at which it resumes, and the recording of it as it was."""
 
     recorder: Recorder
     recording_id: int
@@ -59,13 +54,7 @@ class RewoundGame:
 
 @dataclass(frozen=True)
 class SessionResources:
-    """What sessions of a process share.
-
-    Attributes:
-        consoles: The pool to take a console from, to rewind on.
-        rules: Timing.
-        lateness: The histogram that frames are added to.
-    """
+    """What the sessions of a process share."""
 
     consoles: ConsolePool
     rules: PlayRules
@@ -84,7 +73,7 @@ class SessionEvents:
     """
 
     on_rewind: Callable[[PlaySession, int], Awaitable[RewoundGame | None]]
-    on_end: Callable[[PlaySession], Awaitable[None]]
+    on_end: Callable[[PlaySession], Coroutine[None, None, None]]
     on_error: Callable[[PlaySession], Awaitable[None]]
 
 
@@ -92,11 +81,6 @@ class PlaySession:
     """A game that this process owns.
 
     All methods run in the event loop and never wait for the database.
-
-    Args:
-        game: The game.
-        resources: What sessions of a process share.
-        events: What the session reports to.
 
     Attributes:
         game: The game.
@@ -344,7 +328,4 @@ class PlaySession:
     def _end(self) -> None:
         if self.phase is not Phase.ENDED:
             self.phase = Phase.ENDED
-            self._activity.start(self._finish())
-
-    async def _finish(self) -> None:
-        await self._events.on_end(self)
+            self._activity.start(self._events.on_end(self))

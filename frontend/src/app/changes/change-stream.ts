@@ -1,7 +1,7 @@
 /**
- * What changes on the server, told to every tab over one connection per browser. A browser allows
- * six connections per host over all its tabs, so one tab (the holder of a lock) keeps the stream
- * and passes what it hears on to the others.
+ * The server's change stream, shared by all tabs of a browser. A browser allows six connections
+ * per host, all tabs together, so one tab (the holder of a lock) keeps the stream and broadcasts
+ * it to the others.
  */
 
 export interface Change {
@@ -9,53 +9,54 @@ export interface Change {
   readonly key: string;
 }
 
-/** What tabs tell each other; `again`: the stream had broken off, so anything may have changed. */
-type Message = { readonly kind: "change"; readonly change: Change } | { readonly kind: "again" };
+/** What tabs broadcast; after a reconnection anything may have changed. */
+type Message =
+  { readonly kind: "change"; readonly change: Change } | { readonly kind: "reconnected" };
 
-export interface StreamListener {
+interface StreamListener {
   onChange(change: Change): void;
-  /** The stream is back after a break; nothing that is shown can be relied on. */
-  onAgain(): void;
+  /** The stream is back after an interruption; changes may have been missed. */
+  onReconnect(): void;
 }
 
 const EVENTS_URL = "/api/events";
 const LOCK = "tril-event-stream";
 const CHANNEL = "tril-events";
-/** After a refusal (such as 503) the browser gives up by itself; this is when to try anew. */
+/** The browser does not retry after an error response (such as 503), so this module does. */
 const RETRY_MS = 3000;
 
-/** Listens until the returned function is called. */
+/** Subscribes to the server's changes; returns a function that unsubscribes. */
 export function listenToChanges(listener: StreamListener): () => void {
   const stop = new AbortController();
   const channel = new BroadcastChannel(CHANNEL);
-  const hear = (message: Message) => {
+  const dispatch = (message: Message) => {
     if (message.kind === "change") listener.onChange(message.change);
-    else listener.onAgain();
+    else listener.onReconnect();
   };
-  channel.onmessage = (event: MessageEvent<Message>) => hear(event.data);
+  channel.onmessage = (event: MessageEvent<Message>) => dispatch(event.data);
   stop.signal.addEventListener("abort", () => channel.close());
 
-  const lead = () =>
+  const stream = () =>
     keepStream(stop.signal, (message) => {
-      hear(message);
+      dispatch(message);
       channel.postMessage(message);
     });
 
-  // Locks exist only on secure origins (https, or this machine itself). Without them each tab
-  // keeps its own stream and the others hear everything twice, which does no harm.
+  // Web Locks exist only on secure origins (https or localhost). Without them each tab keeps its
+  // own stream, and every tab is notified more than once, which is harmless.
   const locks = (navigator as Partial<Navigator>).locks;
   if (locks) {
-    locks.request(LOCK, { signal: stop.signal }, lead).catch((error: unknown) => {
+    locks.request(LOCK, { signal: stop.signal }, stream).catch((error: unknown) => {
       if (!stop.signal.aborted) throw error;
     });
   } else {
-    void lead();
+    void stream();
   }
   return () => stop.abort();
 }
 
-/** Keeps the connection open until told to stop. */
-function keepStream(signal: AbortSignal, tell: (message: Message) => void): Promise<void> {
+/** Keeps the connection open until the signal aborts. */
+function keepStream(signal: AbortSignal, emit: (message: Message) => void): Promise<void> {
   return new Promise((resolve) => {
     let source: EventSource;
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -64,11 +65,11 @@ function keepStream(signal: AbortSignal, tell: (message: Message) => void): Prom
     const connect = () => {
       source = new EventSource(EVENTS_URL);
       source.addEventListener("open", () => {
-        if (broken) tell({ kind: "again" });
+        if (broken) emit({ kind: "reconnected" });
         broken = false;
       });
       source.addEventListener("change", (event: MessageEvent<string>) => {
-        tell({ kind: "change", change: JSON.parse(event.data) as Change });
+        emit({ kind: "change", change: JSON.parse(event.data) as Change });
       });
       source.addEventListener("error", () => {
         broken = true;

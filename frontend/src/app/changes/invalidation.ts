@@ -1,9 +1,9 @@
-/** Which queries a change on the server makes stale. */
+/** Maps changes on the server to the queries they make stale. */
 import type { QueryClient, QueryKey } from "@tanstack/react-query";
 
 import type { Change } from "./change-stream";
 
-/** The beginnings of the keys of all queries that a change touches. */
+/** Key prefixes of the queries that a change makes stale. */
 export function staleKeys({ topic, key }: Change): QueryKey[] {
   switch (topic) {
     case "run":
@@ -23,10 +23,10 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
   }
 }
 
-/** At most one refetch per query and this many milliseconds, however fast changes come. */
-const GATHER_MS = 250;
+/** A query is refetched at most once in this time, however many changes arrive. */
+const COLLECT_MS = 250;
 
-/** Gathers changes for a moment and then invalidates each query once. */
+/** Collects changes for a moment, then invalidates each query once. */
 export class Invalidator {
   private readonly client: QueryClient;
   private readonly pending = new Map<string, QueryKey>();
@@ -38,10 +38,10 @@ export class Invalidator {
 
   add(change: Change): void {
     for (const key of staleKeys(change)) this.pending.set(JSON.stringify(key), key);
-    this.timer ??= setTimeout(() => this.flush(), GATHER_MS);
+    this.timer ??= setTimeout(() => this.flush(), COLLECT_MS);
   }
 
-  /** Everything may have changed. */
+  /** Invalidates every query. */
   all(): void {
     void this.client.invalidateQueries();
   }

@@ -14,7 +14,7 @@ import { PlayerMenu } from "./PlayerMenu";
 import { StatusMenu } from "./StatusMenu";
 import { applyTheme, nextTheme, readTheme } from "./theme";
 
-/** What every page has: the bar at the top, messages about the connection, the page itself. */
+/** The frame of every page: the bar at the top, the connection banner, the page itself. */
 export function Layout() {
   const { reachable, authorised } = useSyncExternalStore(connection.subscribe, connection.snapshot);
   useChanges(authorised);
@@ -23,7 +23,7 @@ export function Layout() {
   return (
     <>
       <a className={styles.skip} href="#main">
-        Skip to the page
+        Skip to content
       </a>
       <header>
         {!reachable && <UnreachableBanner />}
@@ -50,7 +50,7 @@ export function Layout() {
   );
 }
 
-/** Keeps what is shown up to date. */
+/** Keeps the queries up to date with the server. */
 function useChanges(active: boolean): void {
   const client = useQueryClient();
   useEffect(() => {
@@ -58,7 +58,7 @@ function useChanges(active: boolean): void {
     const invalidator = new Invalidator(client);
     const stop = listenToChanges({
       onChange: (change) => invalidator.add(change),
-      onAgain: () => invalidator.all(),
+      onReconnect: () => invalidator.all(),
     });
     return () => {
       stop();
@@ -67,7 +67,7 @@ function useChanges(active: boolean): void {
   }, [active, client]);
 }
 
-/** After a step to another page, keyboard and screen reader begin at its top. */
+/** Moves the focus to the top of the page after navigation, for keyboards and screen readers. */
 function useFocusOnNewPage(): void {
   const { pathname } = useLocation();
   const [first] = useState(pathname);

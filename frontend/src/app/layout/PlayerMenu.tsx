@@ -9,7 +9,7 @@ import { Field } from "@/components/controls/Field";
 
 import styles from "./Layout.module.css";
 
-/** Who plays here; a press changes the name. */
+/** The player's name, with a dialog to change it. */
 export function PlayerMenu() {
   const { data: player } = useQuery(playerQuery);
   const [open, setOpen] = useState(false);

@@ -10,23 +10,23 @@ import { bytes } from "@/lib/format";
 
 import styles from "./Layout.module.css";
 
-/** Whether the worker runs; a press tells which processes there are and what the disk holds. */
+/** Whether the worker is running, with a dialog about processes and disk usage. */
 export function StatusMenu() {
   const { data: system } = useQuery(systemQuery);
   const [open, setOpen] = useState(false);
   const worker = isAlive(system, "worker");
   if (!system || worker === null) return null;
-  const said = worker ? "Worker ready" : "Worker not running";
+  const status = worker ? "Worker ready" : "Worker not running";
   return (
     <>
       <Button
         kind="quiet"
         className={classes(styles.process, !worker && styles.off)}
-        aria-label={`${said}. Processes and disk`}
+        aria-label={`${status}. Processes and disk`}
         title="Processes and disk"
         onClick={() => setOpen(true)}
       >
-        <span>{said}</span>
+        <span>{status}</span>
       </Button>
       {open && (
         <Dialog title="Processes and disk" onClose={() => setOpen(false)} width="30rem">
@@ -51,7 +51,7 @@ function Processes({ system }: { system: System }) {
           {system.processes.map(({ name, kind, alive }) => (
             <tr key={name}>
               <th scope="row">{KIND_NAMES[kind]}</th>
-              <td>{alive ? "runs" : "has not been heard of lately"}</td>
+              <td>{alive ? "running" : "not responding"}</td>
             </tr>
           ))}
         </tbody>
@@ -72,7 +72,7 @@ function Disk({ system }: { system: System }) {
             <td>{bytes(storage.databases_bytes)}</td>
           </tr>
           <tr>
-            <th scope="row">Files of trainings</th>
+            <th scope="row">Files of runs</th>
             <td>{bytes(storage.artifacts_bytes)}</td>
           </tr>
           <tr>
@@ -88,7 +88,7 @@ function Disk({ system }: { system: System }) {
         </tbody>
         <tfoot>
           <tr>
-            <th scope="row">Together</th>
+            <th scope="row">Total</th>
             <td>{bytes(total)}</td>
           </tr>
           <tr>
@@ -98,7 +98,7 @@ function Disk({ system }: { system: System }) {
         </tfoot>
       </table>
       <p className={styles.hint}>
-        <code>tril backup</code> copies recordings, rankings and trainings while everything runs.
+        <code>tril backup</code> copies recordings, rankings and runs while Tril keeps running.
       </p>
     </section>
   );

@@ -1,17 +1,17 @@
-/** Light, dark, or as the system has it; kept in this browser. */
+/** The colour theme, stored in this browser. */
 
-export const THEMES = ["system", "light", "dark"] as const;
-export type Theme = (typeof THEMES)[number];
+const THEMES = ["system", "light", "dark"] as const;
+type Theme = (typeof THEMES)[number];
 
 const KEY = "tril.theme";
 
-/** The theme chosen here. */
+/** Returns the current theme. */
 export function readTheme(): Theme {
   const chosen = document.documentElement.dataset.theme;
   return chosen === "light" || chosen === "dark" ? chosen : "system";
 }
 
-/** Applies a theme and remembers it (public/theme.js reads it before the first paint). */
+/** Applies and stores a theme; public/theme.js reads it before the first paint. */
 export function applyTheme(theme: Theme): void {
   const root = document.documentElement;
   if (theme === "system") delete root.dataset.theme;
@@ -20,11 +20,11 @@ export function applyTheme(theme: Theme): void {
     if (theme === "system") localStorage.removeItem(KEY);
     else localStorage.setItem(KEY, theme);
   } catch {
-    // Storage is closed: the theme holds until the page is left.
+    // Without storage the theme lasts until the page is closed.
   }
 }
 
-/** The one after it, going round. */
+/** Returns the next theme, cyclically. */
 export function nextTheme(theme: Theme): Theme {
   return THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length] ?? "system";
 }

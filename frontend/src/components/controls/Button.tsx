@@ -6,7 +6,7 @@ import { classes } from "@/lib/classes";
 import styles from "./Button.module.css";
 import { Icon, type IconName } from "./Icon";
 
-export type ButtonKind = "primary" | "secondary" | "quiet" | "danger";
+type ButtonKind = "primary" | "secondary" | "quiet" | "danger";
 
 interface Look {
   kind?: ButtonKind;
@@ -25,7 +25,7 @@ function lookOf({ kind = "secondary", large = false }: Look, extra?: string): st
   );
 }
 
-/** A button with a text. */
+/** A text button, optionally with an icon. */
 export function Button({
   kind,
   large,
@@ -42,7 +42,7 @@ export function Button({
   );
 }
 
-/** A link that looks like a button: it leads somewhere. */
+/** A link that looks like a button. */
 export function ButtonLink({
   kind,
   large,
@@ -59,7 +59,7 @@ export function ButtonLink({
   );
 }
 
-/** A button that shows only an icon; its name is spoken and shown on hover. */
+/** A button that shows only an icon; its label is announced and shown on hover. */
 export function IconButton({
   icon,
   label,

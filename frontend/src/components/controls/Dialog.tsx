@@ -5,16 +5,16 @@ import styles from "./Dialog.module.css";
 
 interface DialogProps {
   title: ReactNode;
-  /** Left out where the person has to choose one of the buttons. */
+  /** Omit it to force a choice between the dialog's buttons. */
   onClose?: () => void;
-  /** CSS width. */
+  /** As a CSS length. */
   width?: string;
   children: ReactNode;
 }
 
 /**
- * A modal dialog. It is open as long as it is rendered; Escape, the close button and a press on
- * the backdrop ask to close it. The browser keeps the focus inside and gives it back.
+ * A modal dialog, open while it is rendered. Escape, the close button and a click on the backdrop
+ * call `onClose`. The browser traps the focus and restores it.
  */
 export function Dialog({ title, onClose, width, children }: DialogProps) {
   const ref = useRef<HTMLDialogElement>(null);
@@ -28,7 +28,7 @@ export function Dialog({ title, onClose, width, children }: DialogProps) {
   }, []);
 
   return (
-    // The press is on the backdrop, which has no element of its own; Escape does the same by key.
+    // The click is on the backdrop, which has no element of its own; Escape does the same.
     // eslint-disable-next-line jsx-a11y/click-events-have-key-events, jsx-a11y/no-noninteractive-element-interactions
     <dialog
       ref={ref}

@@ -2,14 +2,14 @@ import { type ReactNode, useId } from "react";
 
 import styles from "./Field.module.css";
 
-/** What a control in a field needs to be named and described. */
-export interface FieldControl {
+/** Attributes that tie a control to its label, hint and error. */
+interface FieldControl {
   id: string;
   "aria-describedby": string | undefined;
   "aria-invalid": boolean | undefined;
 }
 
-/** A labelled control with a hint and, if wrong, what is wrong with it. */
+/** A labelled control with a hint or an error message. */
 export function Field({
   label,
   hint,

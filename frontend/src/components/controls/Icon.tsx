@@ -1,4 +1,4 @@
-/** Line icons of 16 by 16 pixels, drawn for this page. Always beside or under a name. */
+/** Line icons of 16 by 16 pixels. Decorative: each accompanies a label. */
 
 const PATHS = {
   alert: "M8 2.5 14 13H2zM8 6.5v3M8 11.2v.3",

@@ -8,13 +8,13 @@ import styles from "./Badge.module.css";
 interface BadgeProps {
   tone?: "accent" | "good" | "warn" | "bad";
   icon?: IconName;
-  /** Draws a border around it. */
+  /** Whether it has a border. */
   chip?: boolean;
   title?: string;
   children: ReactNode;
 }
 
-/** A short fact beside a name. */
+/** A short fact in small print. */
 export function Badge({ tone, icon, chip = false, title, children }: BadgeProps) {
   return (
     <span

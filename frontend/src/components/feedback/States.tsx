@@ -7,7 +7,7 @@ import { classes } from "@/lib/classes";
 
 import styles from "./States.module.css";
 
-/** Stands where something will be, at about its size. */
+/** A placeholder of about the size of what is loading. */
 export function Loading({
   what,
   rows = 3,
@@ -28,7 +28,7 @@ export function Loading({
   );
 }
 
-/** Nothing is here yet: why, and what to do next. */
+/** An empty state: what is missing and what to do next. */
 export function Empty({
   title,
   children,
@@ -47,7 +47,7 @@ export function Empty({
   );
 }
 
-/** Something could not be loaded: why, and a way to try again. */
+/** An error state: what could not be loaded, why, and a retry button. */
 export function Failed({
   what,
   error,
@@ -72,7 +72,7 @@ export function Failed({
   );
 }
 
-/** A remark in its place on the page. */
+/** An inline message. */
 export function Notice({
   tone = "warn",
   icon = "alert",
@@ -81,7 +81,7 @@ export function Notice({
 }: {
   tone?: "warn" | "bad" | "calm";
   icon?: IconName;
-  /** Whether it appears while somebody is reading the page and should be spoken. */
+  /** Whether it appears after the page was shown and so has to be announced. */
   live?: boolean;
   children: ReactNode;
 }) {

@@ -24,11 +24,11 @@ type Show = (message: string, action?: Toast["action"]) => void;
 const ToastContext = createContext<Show | null>(null);
 
 const SHOWN_MS = 6000;
-/** Longer, so that there is time to take something back. */
+/** Longer, to leave time to undo. */
 const SHOWN_WITH_ACTION_MS = 12_000;
 const MOST = 3;
 
-/** Short messages at the bottom of the page, spoken by screen readers. */
+/** Provides `useToast` and shows toasts at the bottom of the page, announced to screen readers. */
 export function ToastProvider({ children }: { children: ReactNode }) {
   const [toasts, setToasts] = useState<readonly Toast[]>([]);
   const nextId = useRef(1);
@@ -97,7 +97,7 @@ function ToastView({ toast, onClose }: { toast: Toast; onClose: (id: number) => 
   );
 }
 
-/** Shows a message, with something to press beside it if wanted. */
+/** Returns a function that shows a message, optionally with an action button. */
 export function useToast(): Show {
   const show = useContext(ToastContext);
   if (!show) throw new Error("useToast needs a ToastProvider above it.");

@@ -17,18 +17,18 @@ import {
 import styles from "./AlienGrid.module.css";
 
 interface AlienGridProps {
-  /** Aliens shot, in order of time. */
+  /** Aliens hit, in order of time. */
   hits?: readonly Cell[];
   target?: readonly Cell[] | null;
-  /** Screen pixels per pixel of the drawing: a whole number. */
+  /** CSS pixels per pixel of the drawing. */
   scale?: 1 | 2 | 3 | 4;
-  /** What is said instead of a description of the grid; "" if the text beside it says it all. */
+  /** Accessible name instead of the generated one; "" makes the grid decorative. */
   label?: string;
 }
 
 /**
- * The six by six aliens: those left, those of the target in the accent colour; a dot where a
- * target alien was shot, a cross where another one was.
+ * The 6x6 grid of aliens: remaining aliens as sprites, those of the target in the accent colour;
+ * target hits as dots, strays as crosses.
  */
 export const AlienGrid = memo(function AlienGrid({
   hits = [],
@@ -50,7 +50,7 @@ export const AlienGrid = memo(function AlienGrid({
       {target?.map((cell) => (
         <rect
           key={cellKey(cell)}
-          className={styles.wanted}
+          className={styles.target}
           x={columnX(cell[1]) - 1}
           y={rowY(cell[0]) - 1}
           width={CELL_SIZE}
@@ -90,7 +90,7 @@ function crosses(cells: readonly Cell[]): string {
     .join("");
 }
 
-/** One alien, as on the brand mark. */
+/** A single alien sprite. */
 export function Alien({ row = 2, scale = 2 }: { row?: number; scale?: number }) {
   return (
     <svg

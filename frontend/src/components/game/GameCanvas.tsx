@@ -8,11 +8,11 @@ import styles from "./GameCanvas.module.css";
 interface GameCanvasProps extends ComponentProps<"canvas"> {
   size: ScreenSize;
   label: string;
-  /** Gets what draws on the canvas, once it is there. Must keep its identity. */
+  /** Receives the painter once the canvas is mounted. Must be a stable reference. */
   onPainter: (painter: ScreenPainter) => void;
 }
 
-/** The game's screen. Frames are painted on it directly, never through React's state. */
+/** The game's screen. Frames are painted on it directly, never through React state. */
 export function GameCanvas({ size, label, onPainter, ...rest }: GameCanvasProps) {
   const ref = useRef<HTMLCanvasElement>(null);
   useEffect(() => {

@@ -7,12 +7,12 @@ import styles from "./ThingMark.module.css";
 
 interface ThingMarkProps {
   thing: Thing;
-  /** Only the mark's outline, as a chart may show it. */
+  /** Whether only the outline is drawn. */
   hollow?: boolean;
   children?: ReactNode;
 }
 
-/** A thing's mark in its colour, with its name or other words beside it. */
+/** The mark of a thing in its colour, with its name or other text beside it. */
 export function ThingMark({ thing, hollow = false, children }: ThingMarkProps) {
   return (
     <span className={styles.mark} style={{ "--thing": thingColour(thing) } as CSSProperties}>

@@ -24,17 +24,17 @@ import { Scrubber } from "./Scrubber";
 interface RecordingPlayerProps {
   frames: RecordedFrames;
   hits: Recording["hits"];
-  /** R of each observation, one per step; drawn along time. */
+  /** R of each observation, one per step; plotted over time. */
   rewards?: readonly number[] | undefined;
-  /** Where to begin, standing still; it plays at once without it. */
+  /** The frame to begin at, paused; without it the recording plays at once. */
   startFrame?: number | undefined;
-  /** Room for the screen in a window of so many CSS pixels. Must keep its identity. */
+  /** Height available for the screen, in CSS pixels. Must be a stable reference. */
   screenHeight: (windowHeight: number) => number;
-  /** More about the present frame, below the controls. */
+  /** Rendered below the controls. */
   children?: (playback: Playback) => ReactNode;
 }
 
-/** Plays a recording, by mouse and keys: any frame, any speed. */
+/** Plays a recording back with a scrubber, speeds and single frames, by mouse and keyboard. */
 export function RecordingPlayer(props: RecordingPlayerProps) {
   const { frames, hits, rewards, startFrame, screenHeight, children } = props;
   const playback = useMemo(() => new Playback(frames.last, frames.header.frame_rate_hz), [frames]);
@@ -43,7 +43,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   const player = useRef<HTMLDivElement>(null);
 
-  // Before it stand buttons of its page or dialog; the keys are meant for the player.
+  // The keyboard controls the player, not the buttons before it.
   useEffect(() => player.current?.focus({ preventScroll: true }), []);
 
   useEffect(() => {
@@ -60,7 +60,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
   }, [frames, painter, playback, startFrame]);
 
   return (
-    // Keys reach the player from wherever in it the focus is; each has a control beside it.
+    // Handles keys wherever the focus is inside; each has a control with the same effect.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
     <div
       ref={player}
@@ -92,7 +92,7 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
           onClick={() => playback.toggle()}
         />
         <IconButton icon="stepBack" label="One frame back" onClick={() => playback.step(-1)} />
-        <IconButton icon="stepOn" label="One frame on" onClick={() => playback.step(1)} />
+        <IconButton icon="stepOn" label="One frame forward" onClick={() => playback.step(1)} />
         <label>
           <span className="visually-hidden">Speed</span>
           <select
@@ -120,7 +120,7 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
           <kbd>←</kbd> <kbd>→</kbd> one frame
         </span>
         <span>
-          <kbd>Shift</kbd> with them one step
+          with <kbd>Shift</kbd> one step
         </span>
         <span>
           <kbd>Home</kbd> <kbd>End</kbd> start and end
@@ -143,7 +143,7 @@ function onKey(event: KeyboardEvent, playback: Playback, last: number): void {
     Space: () => playback.toggle(),
   };
   const action = actions[event.code];
-  // Space on a button presses the button.
+  // Space on a focused button activates the button.
   if (!action || (event.code === "Space" && target.tagName === "BUTTON")) return;
   event.preventDefault();
   action();

@@ -13,14 +13,14 @@ import styles from "./RecordingScreen.module.css";
 
 interface RecordingScreenProps {
   recording: Recording;
-  /** Whether it plays, over and over; otherwise its thumbnail stands still. */
+  /** Whether it plays in a loop; otherwise the thumbnail is shown. */
   playing: boolean;
-  /** Room in CSS pixels. */
+  /** Available size in CSS pixels. */
   width: number;
   height: number;
 }
 
-/** A recording's picture, which plays when it is looked at. */
+/** The thumbnail of a recording, or the recording playing in a loop. */
 export function RecordingScreen({ recording, playing, width, height }: RecordingScreenProps) {
   const size = useScreenSize(width, height);
   const { data: frames } = useQuery({ ...framesQuery(recording), enabled: playing });
@@ -56,25 +56,25 @@ function Loop({ frames, size }: { frames: RecordedFrames; size: ScreenSize }) {
   return <GameCanvas size={size} label="Recording, playing" onPainter={setPainter} />;
 }
 
-/** Passing over something on the way elsewhere starts nothing. */
-const LOOK_AFTER_MS = 150;
+/** Long enough that a pointer passing over starts nothing. */
+const HOVER_DELAY_MS = 150;
 
 /**
- * Whether something is pointed at or focused, and what tells so.
+ * Whether an element is hovered or focused, and the handlers to spread on it.
  *
- * @param onLook Called whenever it begins to be.
+ * @param onStart Called when hover or focus begins.
  */
-export function useLookedAt(onLook?: () => void): [boolean, Record<string, () => void>] {
-  const [looked, setLooked] = useState(false);
+export function useHover(onStart?: () => void): [boolean, Record<string, () => void>] {
+  const [hovered, setHovered] = useState(false);
   const timer = useRef<ReturnType<typeof setTimeout> | null>(null);
   const later = (value: boolean) => {
     if (timer.current) clearTimeout(timer.current);
     timer.current = setTimeout(
       () => {
-        setLooked(value);
-        if (value) onLook?.();
+        setHovered(value);
+        if (value) onStart?.();
       },
-      value ? LOOK_AFTER_MS : 0,
+      value ? HOVER_DELAY_MS : 0,
     );
   };
   useEffect(
@@ -84,7 +84,7 @@ export function useLookedAt(onLook?: () => void): [boolean, Record<string, () =>
     [],
   );
   return [
-    looked,
+    hovered,
     {
       onMouseEnter: () => later(true),
       onMouseLeave: () => later(false),

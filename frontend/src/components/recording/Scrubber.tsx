@@ -17,11 +17,11 @@ interface ScrubberProps {
   playback: Playback;
   last: number;
   hits: readonly Hit[];
-  /** R of each observation, one per step; drawn below on the same axis. */
+  /** R of each observation, one per step; plotted below on the same axis. */
   rewards?: readonly number[] | undefined;
 }
 
-/** Where in the recording we are, with its hits as marks and R along time below. */
+/** A slider over the frames, with marks at the hits and R plotted below. */
 export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   return (
@@ -42,7 +42,7 @@ export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
   );
 }
 
-/** A hit is a bar, a stray a cross, so that they are told apart without colours. */
+/** Bars for hits and crosses for strays, distinguishable without colour. */
 const BAR = "M0 0V10";
 const CROSS = "M-3 2 3 8M3 2-3 8";
 
@@ -51,7 +51,7 @@ const HitMarks = memo(function HitMarks({ hits, last }: { hits: readonly Hit[]; 
     <svg
       className={`${styles.plot ?? ""} ${styles.marks ?? ""}`}
       role="img"
-      aria-label={hits.length === 0 ? "No hits" : `Hits: ${hits.map(spoken).join("; ")}`}
+      aria-label={hits.length === 0 ? "No hits" : `Hits: ${hits.map(describeHit).join("; ")}`}
     >
       {hits.map((hit) => (
         <svg
@@ -60,7 +60,7 @@ const HitMarks = memo(function HitMarks({ hits, last }: { hits: readonly Hit[]; 
           overflow="visible"
         >
           <path className={markClass(hit)} d={hit.on_target === false ? CROSS : BAR}>
-            <title>{spoken(hit)}</title>
+            <title>{describeHit(hit)}</title>
           </path>
         </svg>
       ))}
@@ -73,7 +73,7 @@ function markClass({ on_target: onTarget }: Hit): string | undefined {
   return onTarget ? styles.onTarget : styles.offTarget;
 }
 
-function spoken(hit: Hit): string {
+function describeHit(hit: Hit): string {
   const what = hit.on_target === false ? "stray, " : "";
   return `${what}${cellName([hit.row, hit.column])} at ${seconds(hit.frame / FRAME_RATE_HZ)}`;
 }
@@ -98,7 +98,7 @@ function RewardPlot({
         height={HEIGHT}
         preserveAspectRatio="none"
         role="img"
-        aria-label="R along time"
+        aria-label="R over time"
       >
         <RewardLine rewards={rewards} last={last} />
         <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={HEIGHT} />

@@ -8,24 +8,24 @@ import { rewardTraceQuery } from "@/api/runs";
 import type { Recording } from "@/api/types";
 import { Dialog } from "@/components/controls/Dialog";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
-import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
 
 import { RecordingPlayer } from "./RecordingPlayer";
 import styles from "./WatchDialog.module.css";
 
 interface WatchDialogProps {
   recording: Recording;
-  /** Target aliens of the behaviour, if it has a target. */
+  /** Number of target aliens; null without a target. */
   nTargets: number | null;
   title?: ReactNode;
-  /** Shows this run's R along time. */
+  /** The run whose R is plotted over time. */
   runId?: string | undefined;
-  /** Where to begin, standing still. */
+  /** The frame to begin at, paused. */
   startFrame?: number | undefined;
   onClose: () => void;
 }
 
-/** Watches a recording: play, pause, any frame, any speed. */
+/** Plays a recording back in a dialog. */
 export function WatchDialog(props: WatchDialogProps) {
   const { recording, nTargets, title, runId, startFrame, onClose } = props;
   const frames = useQuery(framesQuery(recording));
@@ -51,19 +51,19 @@ export function WatchDialog(props: WatchDialogProps) {
         )}
         {trace.error && (
           <Notice tone="calm" live>
-            <p>R along time can&rsquo;t be shown: {messageOf(trace.error)}</p>
+            <p>R over time can&rsquo;t be shown: {messageOf(trace.error)}</p>
           </Notice>
         )}
         <p className={styles.facts}>
-          <span>{scoreInWords(recording, nTargets)}</span>
-          <span>{courseInWords(recording)}</span>
-          <Link to={`/recordings/${recording.id}`}>Its page: actions, memory, downloads</Link>
+          <span>{describeScore(recording, nTargets)}</span>
+          <span>{describeCourse(recording)}</span>
+          <Link to={`/recordings/${recording.id}`}>Details: actions, memory, downloads</Link>
         </p>
       </div>
     </Dialog>
   );
 }
 
-/** The dialog's chrome takes this much of the window's height, with R and without. */
+/** The part of the window's height that the rest of the dialog needs. */
 const CHROME_PX = 300;
 const screenHeight = (windowHeight: number) => windowHeight - CHROME_PX;

@@ -18,11 +18,11 @@ interface RecordingActions {
   setNotes: (recording: Recording, notes: string) => void;
   remove: (recording: Recording) => void;
   restore: (recording: Recording) => void;
-  /** Does the same to several, to all or to none; a deletion can be taken back. */
+  /** Applies one change to several recordings, atomically; deletion can be undone. */
   changeAll: (recordings: readonly Recording[], change: RecordingsChange["change"]) => void;
 }
 
-/** What can be done to a recording; the list shows it at once and takes it back on a refusal. */
+/** Changes to recordings, applied optimistically and rolled back if the server refuses. */
 export function useRecordingActions(behaviourId: number): RecordingActions {
   const client = useQueryClient();
   const toast = useToast();

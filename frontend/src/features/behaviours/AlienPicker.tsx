@@ -17,16 +17,16 @@ import styles from "./AlienPicker.module.css";
 import { columnCells, neighbour, rowCells, toggleCell, toggleLine } from "./targets";
 
 interface AlienPickerProps {
-  /** The cells chosen, in the order chosen. */
+  /** The chosen cells, in order of choice. */
   value: readonly Cell[];
   onChange: (value: readonly Cell[]) => void;
-  /** Whether the order of choosing is shown on the aliens. */
+  /** Whether the cells are numbered in order of choice. */
   ordered: boolean;
 }
 
 const TOP_ROW_FIRST = Array.from({ length: ROWS }, (_, index) => ROWS - 1 - index);
 
-/** The game's aliens to choose from, by mouse, finger, or arrow keys and space. */
+/** Chooses target cells on the grid of aliens, by mouse, touch or keyboard. */
 export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
   const [active, setActive] = useState<Cell>([0, 0]);
   const board = useRef<HTMLDivElement>(null);
@@ -56,7 +56,7 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
             {ALL_CELLS.filter((cell) => cell[0] === row).map((cell) => {
               const place = places.get(cellKey(cell));
               const isActive = cellKey(cell) === cellKey(active);
-              const spoken = place && ordered ? `, ${ordinal(place)} in the order` : "";
+              const position = place && ordered ? `, ${ordinal(place)} in the order` : "";
               return (
                 <button
                   key={cellKey(cell)}
@@ -64,7 +64,7 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
                   className={styles.cell}
                   data-cell={cellKey(cell)}
                   aria-pressed={place !== undefined}
-                  aria-label={`Alien in ${cellName(cell)}${spoken}`}
+                  aria-label={`Alien in ${cellName(cell)}${position}`}
                   tabIndex={isActive ? 0 : -1}
                   onFocus={() => setActive(cell)}
                   onKeyDown={(event) => move(event, cell)}

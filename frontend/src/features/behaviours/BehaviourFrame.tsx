@@ -17,21 +17,18 @@ import { type PathStep, pathOf, type StepId } from "./path";
 
 interface BehaviourFrameProps {
   behaviourId: number;
-  /** Marks the last step as current on pages that aren't below it in the address. */
+  /** Marks the last step as current on a page whose address is not below it. */
   looking?: boolean;
   children: (behaviour: Behaviour) => ReactNode;
 }
 
-/** What is around everything of a behaviour: its name, and the way from playing to looking. */
+/** The header of every page of a behaviour: its name and the path through the four steps. */
 export function BehaviourFrame({ behaviourId, looking = false, children }: BehaviourFrameProps) {
   const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
   if (isNotFound(error)) {
     return (
-      <Empty
-        title="There is no such behaviour"
-        actions={<ButtonLink to="/">All behaviours</ButtonLink>}
-      >
-        <p>It was deleted, or the address is wrong.</p>
+      <Empty title="Behaviour not found" actions={<ButtonLink to="/">All behaviours</ButtonLink>}>
+        <p>The address is wrong, or it has been deleted.</p>
       </Empty>
     );
   }
@@ -125,7 +122,7 @@ function StepLink({
       </span>
     </>
   );
-  // A NavLink is current only on its own page; a run's page belongs to the last step, too.
+  // A NavLink is current only below its own address; the page of a run belongs to the last step.
   return current ? (
     <Link to={to} className={look} aria-current="page">
       {content}

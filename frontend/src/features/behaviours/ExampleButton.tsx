@@ -6,9 +6,9 @@ import { createRun, recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
-import { estimateInWords } from "@/lib/runs";
+import { describeEstimate } from "@/lib/runs";
 
-/** Starts a whole example: scripted games, ranked and trained on, so that there is a result. */
+/** Starts a run on a scripted example: generated games, ranked automatically. */
 export function ExampleButton({
   behaviour,
   large = false,
@@ -41,7 +41,7 @@ export function ExampleButton({
           recipe: recipe.name,
           steps: recipe.default_steps,
           training_seed: 0,
-          // Whoever wants to see a result has no order of their own to mend first.
+          // The user has no ranking of their own to improve first.
           go_on_anyway: true,
           example: true,
         });
@@ -49,7 +49,7 @@ export function ExampleButton({
     >
       <span>
         See a full example{" "}
-        {recipe && <small>({estimateInWords(recipe, recipe.default_steps)})</small>}
+        {recipe && <small>({describeEstimate(recipe, recipe.default_steps)})</small>}
       </span>
     </Button>
   );

@@ -10,13 +10,13 @@ import { Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import { bounds, count, fixed } from "@/lib/format";
-import { isActive, standing } from "@/lib/runs";
+import { isActive, statusLine } from "@/lib/runs";
 
 import { ExampleButton } from "./ExampleButton";
 import styles from "./HomePage.module.css";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
-/** All behaviours; before anything was done, what Tril is and where to begin. */
+/** The list of behaviours; on first use, an introduction too. */
 export function HomePage() {
   const behaviours = useQuery(behavioursQuery);
   const runs = useQuery(runsQuery());
@@ -33,14 +33,14 @@ export function HomePage() {
   }
   if (!behaviours.data) return <Loading what="the behaviours" rows={4} height="6rem" />;
   const all = behaviours.data;
-  const untouched = all.every((one) => one.n_recordings === 0 && one.n_runs === 0);
+  const isNew = all.every((one) => one.n_recordings === 0 && one.n_runs === 0);
   const first = all[0];
   return (
     <>
       <title>Tril</title>
-      {untouched && first && <Welcome first={first} all={all} />}
+      {isNew && first && <Welcome first={first} all={all} />}
       <div className={styles.bar}>
-        {untouched ? <h2>What could be taught</h2> : <h1>Behaviours</h1>}
+        {isNew ? <h2>Behaviours to teach</h2> : <h1>Behaviours</h1>}
         <Button icon="plus" onClick={() => setMaking(true)}>
           New behaviour
         </Button>
@@ -50,7 +50,7 @@ export function HomePage() {
           <li key={behaviour.id}>
             <Card
               behaviour={behaviour}
-              level={untouched ? "h3" : "h2"}
+              level={isNew ? "h3" : "h2"}
               latest={worthShowing(runs.data?.filter((run) => run.behaviour_id === behaviour.id))}
             />
           </li>
@@ -78,7 +78,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
           {example && <ExampleButton behaviour={example} large />}
         </div>
       </section>
-      <ol className={styles.how} aria-label="How it goes">
+      <ol className={styles.how} aria-label="How it works">
         <li>
           <strong>1. Play</strong>
           <span>Good games and deliberately bad ones, about a dozen.</span>
@@ -89,7 +89,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
         </li>
         <li>
           <strong>3. Train</strong>
-          <span>A reward is learned from the order, then an agent that earns it.</span>
+          <span>Tril learns a reward from the order, then an agent that earns it.</span>
         </li>
         <li>
           <strong>4. Look</strong>
@@ -100,7 +100,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
   );
 }
 
-/** The newest run that goes on or came to a result; without any the newest. */
+/** The newest run that is active or done; otherwise the newest of all. */
 function worthShowing(runs: readonly Run[] = []): Run | undefined {
   return runs.find((run) => isActive(run) || run.status === "done") ?? runs[0];
 }
@@ -144,7 +144,7 @@ function countsOf(behaviour: Behaviour): string {
 function Latest({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const targets = run.headline?.imitator?.targets;
   if (isActive(run) || !targets || !behaviour.target) {
-    return <p className={styles.result}>Latest run: {standing(run)}</p>;
+    return <p className={styles.result}>Latest run: {statusLine(run)}</p>;
   }
   const clone = run.headline?.clone?.targets;
   const of = behaviour.target.length;

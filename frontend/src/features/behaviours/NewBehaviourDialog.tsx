@@ -13,7 +13,7 @@ import type { Cell } from "@/lib/game/aliens";
 import { AlienPicker } from "./AlienPicker";
 import styles from "./NewBehaviourDialog.module.css";
 
-/** Makes a behaviour of one's own: name, description, and a target if it has one. */
+/** Creates a behaviour: name, description and optionally a target. */
 export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
   const client = useQueryClient();
   const navigate = useNavigate();
@@ -74,8 +74,8 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
         </Field>
         <div className={styles.target}>
           <Checkbox
-            label="Certain aliens are to be hit"
-            hint="Then hits and strays are counted. The agent never sees this: it learns from your ranking alone."
+            label="Target certain aliens"
+            hint="Hits and strays are then counted. The agent never sees this: it learns from your ranking alone."
             checked={hasTarget}
             onChange={setHasTarget}
           />
@@ -84,7 +84,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
               <AlienPicker value={target} onChange={setTarget} ordered={ordered} />
               <Checkbox
                 label="The order matters"
-                hint="The order in which you pick them is the order in which they are to be hit."
+                hint="They are to be hit in the order in which you pick them."
                 checked={ordered}
                 onChange={setOrdered}
               />
@@ -98,7 +98,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
         )}
         <div className={styles.actions}>
           <Button kind="primary" type="submit" disabled={create.isPending}>
-            {create.isPending ? "Making it…" : "Make behaviour"}
+            {create.isPending ? "Creating…" : "Create behaviour"}
           </Button>
           <Button kind="quiet" onClick={onClose}>
             Cancel

@@ -1,4 +1,4 @@
-/** The way from playing to looking: what of it is done, and what comes next. */
+/** The four steps from playing to looking at results, and how far a behaviour is. */
 import { type Behaviour, type Run } from "@/api/types";
 import { count, fixed } from "@/lib/format";
 import { isActive } from "@/lib/runs";
@@ -10,16 +10,16 @@ export interface PathStep {
   readonly name: string;
   readonly done: boolean;
   readonly next: boolean;
-  /** What there is so far. */
+  /** A summary of what there is so far. */
   readonly caption: string;
 }
 
 type Counts = Pick<Behaviour, "n_recordings" | "n_ranked" | "n_perfect" | "target">;
 type RunFacts = Pick<Run, "status" | "progress" | "headline">;
 
-/** The four steps; exactly one is next, unless all are done. */
+/** Returns the four steps; the first that is not done is next. */
 export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly PathStep[] {
-  const going = runs.find(isActive);
+  const active = runs.find(isActive);
   const finished = runs.find((run) => run.status === "done");
   const steps = [
     {
@@ -41,7 +41,7 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
       id: "train" as const,
       name: "Train",
       done: runs.length > 0,
-      caption: going ? `${Math.floor(going.progress * 100)} % done` : "learn the reward",
+      caption: active ? `${Math.floor(active.progress * 100)} % done` : "learn the reward",
     },
     {
       id: "look" as const,

@@ -1,14 +1,14 @@
-/** Choosing target cells: pure functions of the cells chosen so far, in the order chosen. */
+/** Pure functions that choose target cells, kept in order of choice. */
 import { type Cell, cellKey, COLUMNS, ROWS } from "@/lib/game/aliens";
 
-/** Adds a cell at the end, or takes it out. */
+/** Appends a cell, or removes it if it is chosen. */
 export function toggleCell(chosen: readonly Cell[], cell: Cell): readonly Cell[] {
   const key = cellKey(cell);
   const without = chosen.filter((other) => cellKey(other) !== key);
   return without.length < chosen.length ? without : [...chosen, cell];
 }
 
-/** Adds all missing cells of a line at the end; if none is missing, takes them all out. */
+/** Appends the missing cells of a line; if none is missing, removes the line. */
 export function toggleLine(chosen: readonly Cell[], line: readonly Cell[]): readonly Cell[] {
   const have = new Set(chosen.map(cellKey));
   const missing = line.filter((cell) => !have.has(cellKey(cell)));
@@ -17,17 +17,17 @@ export function toggleLine(chosen: readonly Cell[], line: readonly Cell[]): read
   return chosen.filter((cell) => !gone.has(cellKey(cell)));
 }
 
-/** A column's cells from the bottom up, as they are shot. */
+/** The cells of a column from the bottom up, the order in which they can be hit. */
 export function columnCells(column: number): readonly Cell[] {
   return Array.from({ length: ROWS }, (_, row) => [row, column] as const);
 }
 
-/** A row's cells from left to right. */
+/** The cells of a row from left to right. */
 export function rowCells(row: number): readonly Cell[] {
   return Array.from({ length: COLUMNS }, (_, column) => [row, column] as const);
 }
 
-/** The cell an arrow key leads to; the grid's edges hold. */
+/** The cell that a key leads to, within the grid; null if the key does not move. */
 export function neighbour([row, column]: Cell, key: string): Cell | null {
   const moves: Readonly<Record<string, Cell>> = {
     ArrowUp: [row + 1, column],

@@ -10,7 +10,7 @@ import { PaceControls } from "@/features/play/hud/PaceControls";
 import { Score } from "@/features/play/hud/Score";
 import { Tip } from "@/features/play/hud/Tip";
 import { Toggles } from "@/features/play/hud/Toggles";
-import { speedBeside, steers, type Wish } from "@/features/play/input/intents";
+import { speedBeside, steers, type Intent } from "@/features/play/input/intents";
 import { KeyHelp } from "@/features/play/input/KeyHelp";
 import { HeldKeys } from "@/features/play/input/keys";
 import { KeysDialog } from "@/features/play/input/KeysDialog";
@@ -31,7 +31,7 @@ import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 
 import styles from "./PlayPage.module.css";
 
-/** Header, path and margins take this much of the window's height. */
+/** Height of the header, the path and the margins. */
 const CHROME_PX = 250;
 const MIN_HEIGHT_PX = 210;
 function stageHeight(windowHeight: number): number {
@@ -48,25 +48,26 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const game = useGame(behaviour.id, screen);
   const size = useFittingScreenSize(stage, stageHeight);
   const [held] = useState(() => new HeldKeys());
-  const [choosesKeys, setChoosesKeys] = useState(false);
+  const [keysOpen, setKeysOpen] = useState(false);
   const [showsLatency] = useSetting(SHOW_LATENCY);
   const { target, ghost, hasGhost } = useMarks(behaviour);
   const { state, stream, start } = game;
   const phase = state?.phase;
 
-  const onWish = useRef<(wish: Wish) => void>(() => undefined);
+  const onIntent = useRef<(intent: Intent) => void>(() => undefined);
   useEffect(() => {
-    onWish.current = (wish) => {
-      if (wish === "fullscreen") toggleFullscreen(stage.current);
-      else if (wish === "start") start();
-      else if (!stream || phase === "ended" || !fulfil(wish, stream)) endCard.current?.wish(wish);
+    onIntent.current = (intent) => {
+      if (intent === "fullscreen") toggleFullscreen(stage.current);
+      else if (intent === "start") start();
+      else if (!stream || phase === "ended" || !execute(intent, stream))
+        endCard.current?.execute(intent);
     };
   }, [stream, phase, start]);
-  useKeys(stream, held, onWish);
-  useGamepad(stream, held, onWish);
+  useKeys(stream, held, onIntent);
+  useGamepad(stream, held, onIntent);
   useSounds(stream, frames);
   usePauseWhenHidden(game);
-  // Keys must reach the game, not the button that was pressed last.
+  // Otherwise keys would go to the button that was pressed last.
   const focusStage = useCallback(() => stage.current?.focus({ preventScroll: true }), []);
   useEffect(() => {
     if (phase === "countdown") focusStage();
@@ -81,7 +82,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           className={styles.stage}
           role="application"
           aria-label="Game. Arrow keys steer, space fires, Escape pauses."
-          // The game takes keys, so it has to take the focus.
+          // Focusable, since the game takes keyboard input.
           // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
           tabIndex={0}
         >
@@ -102,7 +103,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             starting={game.starting}
             error={game.error ? messageOf(game.error) : null}
             onStart={game.start}
-            onGoOn={() => stream?.command("go_on")}
+            onResume={() => stream?.command("go_on")}
             onStep={() => {
               stream?.step();
               focusStage();
@@ -117,7 +118,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
               handle={endCard}
               starting={game.starting}
               onAgain={game.start}
-              onRewind={() => state.ended && game.goOnFrom(state.ended)}
+              onRewind={() => state.ended && game.continueFrom(state.ended)}
             />
           )}
         </div>
@@ -130,14 +131,14 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           }}
         />
       </div>
-      <aside className={styles.side} aria-label="The game so far">
+      <aside className={styles.side} aria-label="Game status">
         <Clock handle={clock} />
         <Score hits={state?.hits ?? []} behaviour={behaviour} />
         {state && stream && (
           <PaceControls
             state={state}
             onPause={() => stream.command("pause")}
-            onGoOn={() => stream.command("go_on")}
+            onResume={() => stream.command("go_on")}
             onStep={() => {
               stream.step();
               focusStage();
@@ -162,13 +163,13 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           marks={{ target, ghost }}
           onChooseKeys={() => {
             stream?.command("pause");
-            setChoosesKeys(true);
+            setKeysOpen(true);
           }}
           onFullscreen={() => toggleFullscreen(stage.current)}
         />
         <Tip behaviour={behaviour} />
       </aside>
-      {choosesKeys && <KeysDialog onClose={() => setChoosesKeys(false)} />}
+      {keysOpen && <KeysDialog onClose={() => setKeysOpen(false)} />}
     </div>
   );
 }
@@ -180,12 +181,12 @@ const SWITCHES = {
   sound: SOUND,
 } as const;
 
-/** Does what a press asks of the game; returns whether it was meant for it. */
-function fulfil(wish: Wish, stream: GameStream): boolean {
-  switch (wish) {
+/** Executes an intent that concerns the game; returns false for any other. */
+function execute(intent: Intent, stream: GameStream): boolean {
+  switch (intent) {
     case "pause":
     case "go_on":
-      stream.command(wish);
+      stream.command(intent);
       return true;
     case "step":
       stream.step();
@@ -195,13 +196,13 @@ function fulfil(wish: Wish, stream: GameStream): boolean {
       return true;
     case "slower":
     case "faster":
-      stream.setSpeed(speedBeside(stream.snapshot().speed, wish));
+      stream.setSpeed(speedBeside(stream.snapshot().speed, intent));
       return true;
     case "latency":
     case "targets":
     case "ghost":
     case "sound":
-      writeSetting(SWITCHES[wish], !readSetting(SWITCHES[wish]));
+      writeSetting(SWITCHES[intent], !readSetting(SWITCHES[intent]));
       return true;
     default:
       return false;
@@ -212,11 +213,11 @@ function toggleFullscreen(stage: HTMLElement | null): void {
   const changed = document.fullscreenElement
     ? document.exitFullscreen()
     : stage?.requestFullscreen();
-  // A browser may refuse it; the game goes on as it is.
+  // The browser may refuse; the game continues as it is.
   changed?.catch(() => undefined);
 }
 
-/** A game that can't be seen stands still. */
+/** Pauses the game when its tab is hidden. */
 function usePauseWhenHidden({ stream }: PlayedGame): void {
   useEffect(() => {
     if (!stream) return undefined;

@@ -11,14 +11,14 @@ interface ConflictDialogProps {
   onSettle: (whose: "theirs" | "mine") => void;
 }
 
-/** Somebody else saved first: both orders, and which one shall stand. */
+/** Shows two conflicting orders and lets the user choose. */
 export function ConflictDialog({ theirs, mine, onSettle }: ConflictDialogProps) {
   const moved = movedBetween(theirs, mine);
   return (
     <Dialog title="The order was changed elsewhere" width="44rem">
       <p className={styles.conflictWords}>
-        Another tab or person saved an order while you changed this one. Which one shall stand? If
-        you use yours, undo still brings theirs back.
+        Another tab or person saved an order while you changed this one. Which one do you want to
+        keep? If you use yours, undo still brings theirs back.
       </p>
       <div className={styles.conflict}>
         <section aria-label="Saved elsewhere">

@@ -16,8 +16,8 @@ interface Hint {
   readonly text: string;
 }
 
-/** What training would still miss; pure, for the list and its tests. */
-export function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
+/** Returns what training needs and whether it is there. */
+function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
   const nRanked = tiers.flat().length;
   const nPerfect = recordings.filter((one) => one.perfect).length;
   const pairs = pairCount(tiers);
@@ -27,7 +27,7 @@ export function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readon
       : {
           id: "tiers",
           done: false,
-          text: "At least two tiers are needed: nothing can be learned where all are equal.",
+          text: "At least two tiers are needed: nothing can be learned from ties alone.",
         },
     nPerfect >= 1
       ? { id: "perfect", done: true, text: `${nPerfect} marked as perfect` }
@@ -46,12 +46,12 @@ export function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readon
   ];
 }
 
-/** Whether a run can be started at all. */
-export function canTrain(tiers: Tiers, recordings: readonly Recording[]): boolean {
+/** Whether a run can be started. */
+function canTrain(tiers: Tiers, recordings: readonly Recording[]): boolean {
   return hintsFor(tiers, recordings).every((hint) => hint.done || hint.id === "number");
 }
 
-/** What is there, what is missing, and the way on. */
+/** What training needs, and the link to it once that is there. */
 export function Hints({
   tiers,
   recordings,
@@ -74,7 +74,7 @@ export function Hints({
       </ul>
       {canTrain(tiers, recordings) ? (
         <ButtonLink kind="primary" to={`${at}/train`}>
-          Go on to Train
+          Continue to Train
         </ButtonLink>
       ) : (
         <Link to={`${at}/play`}>Play more games</Link>

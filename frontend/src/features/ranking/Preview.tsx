@@ -3,13 +3,13 @@ import { useState } from "react";
 import type { Behaviour, Recording } from "@/api/types";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { WatchDialog } from "@/components/recording/WatchDialog";
-import { recordingName, scoreInWords } from "@/lib/recordings";
+import { recordingName, describeScore } from "@/lib/recordings";
 
 import styles from "./Preview.module.css";
 
 const PREVIEW = { width: 352, height: 210 } as const;
 
-/** A recording beside the board; it plays when it is pointed at. */
+/** A preview of the recording that is pointed at. */
 export function Preview({
   recording,
   playing,
@@ -35,7 +35,7 @@ export function Preview({
       <p className={styles.caption}>
         <strong>{recordingName(recording)}</strong>
         <span>
-          {playing ? scoreInWords(recording, nTargets) : "Point at a recording and it plays here."}
+          {playing ? describeScore(recording, nTargets) : "Point at a recording to play it here."}
         </span>
       </p>
       {watching && (

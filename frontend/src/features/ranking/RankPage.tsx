@@ -8,7 +8,7 @@ import { rankingQuery } from "@/features/ranking/order/rankings";
 
 import { RankingDesk } from "./RankingDesk";
 
-/** Puts a behaviour's recordings into tiers from best to worst. */
+/** Ranks the recordings of a behaviour into tiers, best to worst. */
 export function RankPage({ behaviour }: { behaviour: Behaviour }) {
   const ranking = useQuery(rankingQuery(behaviour.id));
   const recordings = useQuery(recordingsQuery(behaviour.id));

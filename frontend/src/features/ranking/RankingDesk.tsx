@@ -4,7 +4,7 @@ import type { Behaviour, Ranking, Recording } from "@/api/types";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
 import { DragBoard } from "@/features/ranking/board/DragBoard";
-import { allPlaces, isGap, placeInWords, readPlace } from "@/features/ranking/board/places";
+import { allPlaces, isGap, describePlace, readPlace } from "@/features/ranking/board/places";
 import { CardBody, type Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
 import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
@@ -31,7 +31,7 @@ interface RankingDeskProps {
 /** The board with the tray, the preview and the hints beside it. */
 export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps) {
   const [state, saver] = useRankingSaver(ranking);
-  const [looked, setLooked] = useState<number | null>(null);
+  const [previewed, setPreviewed] = useState<number | null>(null);
   const [spoken, setSpoken] = useState("");
   const actions = useRecordingActions(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
@@ -42,22 +42,22 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const keepFocus = useKeptFocus(tiers);
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
-  const nameOfPlace = useCallback((to: string) => placeInWords(to, tiers), [tiers]);
+  const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
 
   function move(id: number, kind: Move) {
     const next = applyMove(tiers, id, kind);
     keepFocus(id, kind);
     saver.change(next);
-    setSpoken(`${recordingName({ id })}: ${standingInWords(next, id)}.`);
+    setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
   }
 
   const desk = {
     tiers,
     recordings: byId,
     behaviour,
-    looked,
+    previewed,
     narrow,
-    onLook: setLooked,
+    onPreview: setPreviewed,
     onMove: move,
     onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
   };
@@ -79,13 +79,13 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
           <Pairs
             pairs={openPairs(tiers, unranked, byId)}
             behaviour={behaviour}
-            onLook={setLooked}
+            onPreview={setPreviewed}
             onJudge={(pair, verdict) => {
               const next = judge(tiers, pair, verdict);
               saver.change(next);
               setSpoken(
                 [pair.after, pair.before]
-                  .map(({ id }) => `${recordingName({ id })}: ${standingInWords(next, id)}.`)
+                  .map(({ id }) => `${recordingName({ id })}: ${describePosition(next, id)}.`)
                   .join(" "),
               );
             }}
@@ -95,8 +95,8 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
         <div className={styles.side}>
           {!narrow && (
             <Preview
-              recording={byId.get(looked ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
-              playing={looked !== null}
+              recording={byId.get(previewed ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
+              playing={previewed !== null}
               behaviour={behaviour}
             />
           )}
@@ -118,13 +118,13 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   );
 }
 
-/** All recordings of the saved ranking that are in none of the tiers shown. */
+/** Returns the recordings of the saved ranking that are in none of the current tiers. */
 function unrankedOf({ saved, tiers }: SaverState): readonly number[] {
   const ranked = new Set(tiers.flat());
   return [...saved.unranked, ...saved.tiers.flat()].filter((id) => !ranked.has(id));
 }
 
-function standingInWords(tiers: Tiers, id: number): string {
+function describePosition(tiers: Tiers, id: number): string {
   const at = tierOf(tiers, id);
   if (at < 0) return "unranked";
   const others = (tiers[at]?.length ?? 1) - 1;

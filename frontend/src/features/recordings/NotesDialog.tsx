@@ -10,7 +10,7 @@ import styles from "./NotesDialog.module.css";
 
 const MOST_CHARACTERS = 4000;
 
-/** A note on a recording. */
+/** Edits the note on a recording. */
 export function NotesDialog({
   recording,
   onSave,

@@ -15,17 +15,17 @@ import { MemoryView } from "@/features/recordings/detail/MemoryView";
 import { FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
-import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
 import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingPage.module.css";
 
-/** The window's height without what stands above and below the screen. */
+/** The window's height without the rest of the page. */
 const screenHeight = (windowHeight: number) => Math.max(windowHeight - 420, 210);
 
-/** A recording, frame by frame: what was done, what was hit, where it comes from. */
+/** A recording frame by frame: its actions, hits, memory and origin. */
 export function RecordingPage({
   recording,
   behaviour,
@@ -47,7 +47,7 @@ export function RecordingPage({
       </div>
       {recording.deleted && (
         <Notice tone="calm">
-          <p>This recording was deleted. Trainings that used it keep it.</p>
+          <p>This recording was deleted. Runs that used it keep it.</p>
           <Button icon="undo" onClick={() => restore(recording)}>
             Restore
           </Button>
@@ -91,7 +91,7 @@ export function RecordingPage({
   );
 }
 
-/** The frame that an address names, by which a moment can be shown to others. */
+/** Returns the frame that an address names, so that a moment can be linked to. */
 function frameOf(search: URLSearchParams): number {
   const frame = Number(search.get("frame") ?? 0);
   return Number.isInteger(frame) && frame > 0 ? frame : 0;
@@ -140,9 +140,9 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
   return (
     <section className={styles.facts}>
       <p>
-        <strong>{scoreInWords(recording, behaviour.target?.length ?? null)}</strong>
+        <strong>{describeScore(recording, behaviour.target?.length ?? null)}</strong>
       </p>
-      <p>{courseInWords(recording)}</p>
+      <p>{describeCourse(recording)}</p>
       <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
       <p className={styles.badges}>
         <SourceBadge recording={recording} />
@@ -164,7 +164,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
   );
 }
 
-/** Each hit, to jump to. */
+/** The hits, as links into the recording. */
 function Hits({ playback, recording }: { playback: Playback; recording: Recording }) {
   if (recording.hits.length === 0) return <p className={styles.hint}>No alien was hit.</p>;
   return (
@@ -196,7 +196,7 @@ function Relatives({ course }: { course: RecordingCourse }) {
       <ul className={styles.relatives}>
         {parent && (
           <li>
-            Goes on from{" "}
+            Branches off{" "}
             <Link to={`/recordings/${parent.recording_id}?frame=${parent.frame}`}>
               recording {parent.recording_id}, frame {parent.frame}
             </Link>
@@ -207,7 +207,7 @@ function Relatives({ course }: { course: RecordingCourse }) {
             <Link to={`/recordings/${branch.recording_id}?frame=${branch.frame}`}>
               Recording {branch.recording_id}
             </Link>{" "}
-            goes on from frame {branch.frame}
+            branches off at frame {branch.frame}
           </li>
         ))}
       </ul>
@@ -215,7 +215,7 @@ function Relatives({ course }: { course: RecordingCourse }) {
   );
 }
 
-/** How it was played, as it was recorded or imported. */
+/** The conditions that were recorded or imported with it. */
 function Conditions({ course }: { course: RecordingCourse }) {
   if (Object.keys(course.conditions).length === 0) return null;
   return (

@@ -11,7 +11,7 @@ import { readFilter } from "@/features/recordings/library/filter";
 import { ImportDialog } from "@/features/recordings/library/ImportDialog";
 import { Library } from "@/features/recordings/library/Library";
 
-/** All recordings of a behaviour: watch, mark, note, delete, import, export. */
+/** The recordings of a behaviour: watch, mark, annotate, delete, import, export. */
 export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   const { data, error, refetch } = useQuery(recordingsQuery(behaviour.id));
   const [search] = useSearchParams();
@@ -31,8 +31,7 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   }
   if (!data) return <Loading what="the recordings" rows={2} height="18rem" />;
   return (
-    // Dropping a file anywhere is beside the Import button, which does the same by key.
-
+    // Dropping a file has a keyboard equivalent, the Import button.
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
       {data.length === 0 && !asksForDeleted ? (
         <NoRecordings behaviour={behaviour} onImport={() => setImporting({ dropped: null })} />

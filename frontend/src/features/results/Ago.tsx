@@ -4,7 +4,7 @@ import { ago, moment } from "@/lib/format";
 
 const REFRESH_MS = 20_000;
 
-/** The present moment, in steps so that everything on the page that shows it agrees. */
+/** The current time, in coarse steps so that all components agree. */
 function now(): number {
   return Math.floor(Date.now() / REFRESH_MS) * REFRESH_MS;
 }
@@ -14,7 +14,7 @@ function everyStep(listener: () => void): () => void {
   return () => clearInterval(timer);
 }
 
-/** How long ago something was; the exact time on hover. */
+/** A relative time; the exact one on hover. */
 export function Ago({ time }: { time: string }) {
   const present = useSyncExternalStore(everyStep, now);
   return (

@@ -22,7 +22,7 @@ import { isActive, runName } from "@/lib/runs";
 import styles from "./RunPage.module.css";
 import type { Watched } from "./watched";
 
-/** One run: how far it is while it goes, and all that came of it. */
+/** A run: its progress while it is active, and its results. */
 export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const { data: results, error, refetch } = useQuery(resultsQuery(run.id));
   const [watched, setWatched] = useState<Watched | null>(null);
@@ -88,7 +88,7 @@ function Sections(props: SectionsProps) {
   );
 }
 
-/** What there is to show so far; while a run goes, its curves come first. */
+/** Returns the sections that have content so far; curves come first while the run is active. */
 function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readonly SectionPlan[] {
   const curves = {
     id: "curves",

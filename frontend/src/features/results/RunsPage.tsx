@@ -7,13 +7,13 @@ import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { ThingMark } from "@/components/game/ThingMark";
 import { bounds, count, duration, fixed, NONE, shortCount } from "@/lib/format";
-import { isActive, runName, standing } from "@/lib/runs";
+import { isActive, runName, statusLine } from "@/lib/runs";
 
 import { Ago } from "./Ago";
 import { RunStatus } from "./RunStatus";
 import styles from "./RunsPage.module.css";
 
-/** A behaviour's runs, side by side with their parameters and results. */
+/** The runs of a behaviour in a table of parameters and results. */
 export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
   const { data: runs, error, refetch } = useQuery(runsQuery(behaviour.id));
   if (error && !runs) {
@@ -31,7 +31,7 @@ export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
           </ButtonLink>
         }
       >
-        <p>What a run learns from your ranking is shown here while it learns it.</p>
+        <p>What a run learns from your ranking appears here as it trains.</p>
       </Empty>
     );
   }
@@ -41,7 +41,7 @@ export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
         <h2>{count(runs.length, "run")}</h2>
         <ButtonLink to={train}>New run</ButtonLink>
       </div>
-      {/* Wider than a phone, so it scrolls by itself; it takes the focus to do so by key. */}
+      {/* Scrolls horizontally on a phone; focusable so that the keyboard can scroll it. */}
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex */}
       <div className={styles.scroll} role="region" aria-label="Runs" tabIndex={0}>
         <RunsTable runs={runs} behaviour={behaviour} />
@@ -72,7 +72,7 @@ function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behav
             </>
           )}
           <th scope="col" className={styles.right}>
-            Hit by a bomb
+            Death rate
           </th>
           <th scope="col" className={styles.right}>
             Tau
@@ -90,7 +90,7 @@ function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behav
           <th scope="col" className={styles.right}>
             Took
           </th>
-          <th scope="col">Begun</th>
+          <th scope="col">Created</th>
         </tr>
       </thead>
       <tbody>
@@ -113,7 +113,7 @@ function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
       </th>
       <td>
         <RunStatus run={run} />
-        {isActive(run) && <span className={styles.bounds}>{standing(run)}</span>}
+        {isActive(run) && <span className={styles.bounds}>{statusLine(run)}</span>}
       </td>
       {hasTarget && (
         <>

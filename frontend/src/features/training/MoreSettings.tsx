@@ -34,7 +34,7 @@ export function MoreSettings({ values, errors, recipe, onChange }: MoreSettingsP
           <Field
             label="Training seed"
             error={errors.trainingSeed}
-            hint="Feeds every random choice of learning."
+            hint="Seeds every random choice of learning."
           >
             {(control) => (
               <input

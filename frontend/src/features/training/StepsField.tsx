@@ -2,7 +2,7 @@ import type { Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
 import { shortCount, whole } from "@/lib/format";
-import { estimateInWords } from "@/lib/runs";
+import { describeEstimate } from "@/lib/runs";
 
 import { readWhole } from "./form";
 import styles from "./StepsField.module.css";
@@ -40,7 +40,7 @@ export function StepsField({ value, error, recipe, onChange }: StepsFieldProps) 
           <Button
             key={steps}
             aria-pressed={readWhole(value) === steps}
-            title={estimateInWords(recipe, steps)}
+            title={describeEstimate(recipe, steps)}
             onClick={() => onChange(whole(steps))}
           >
             {shortCount(steps)}

@@ -9,7 +9,7 @@ import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import { whole } from "@/lib/format";
-import { estimateInWords } from "@/lib/runs";
+import { describeEstimate } from "@/lib/runs";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
@@ -28,7 +28,7 @@ export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
   const client = useQueryClient();
   const navigate = useNavigate();
   const [chosen, setChosen] = useState(first.name);
-  /** What the person has set; it outlives a change of the recipe. */
+  /** What the user has edited; kept when the recipe changes. */
   const [edits, setEdits] = useState<Partial<FormValues>>({});
   const [tried, setTried] = useState(false);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
@@ -102,10 +102,10 @@ export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
         </Button>
         {steps > 0 && (
           <p className={styles.estimate}>
-            <strong>{estimateInWords(recipe, steps)}</strong> on this machine
+            <strong>{describeEstimate(recipe, steps)}</strong> on this machine
             <br />
             {whole(Math.round(recipe.steps_per_s))} steps/s,{" "}
-            {recipe.steps_per_s_measured ? "as measured in earlier runs" : "a first guess"}
+            {recipe.steps_per_s_measured ? "as measured in earlier runs" : "an initial estimate"}
           </p>
         )}
       </div>

@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { Failed, Loading } from "@/components/feedback/States";
-import { stageInWords, stageName } from "@/lib/runs";
+import { describeStage, stageName } from "@/lib/runs";
 
 import { TrainForm } from "./TrainForm";
 import styles from "./TrainPage.module.css";
@@ -36,7 +36,7 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
               <span>{index + 1}</span>
               <span>
                 <strong>{stageName(stage)}</strong>
-                {stageInWords(stage)}
+                {describeStage(stage)}
               </span>
             </li>
           ))}

@@ -1,8 +1,8 @@
-/** The training form's values, and what is wrong with them. Pure. */
+/** The values of the training form and their validation. */
 import type { Recipe, RunNew } from "@/api/types";
 import { whole } from "@/lib/format";
 
-/** As typed, so that half-typed numbers stay as they are. */
+/** As text, so that incomplete numbers stay as typed. */
 export interface FormValues {
   readonly recipe: string;
   readonly steps: string;
@@ -20,7 +20,7 @@ export interface FormErrors {
 const MOST_STEPS = 100_000_000;
 const MOST_SEED = 2 ** 31 - 1;
 
-/** A recipe's own values. */
+/** Returns the values of a recipe. */
 export function defaultsOf(recipe: Recipe): FormValues {
   return {
     recipe: recipe.name,
@@ -31,13 +31,13 @@ export function defaultsOf(recipe: Recipe): FormValues {
   };
 }
 
-/** A whole number as people write it: "300,000", "300 000"; NaN if it is none. */
+/** Parses a whole number with or without separators: "300,000", "300 000"; NaN if invalid. */
 export function readWhole(text: string): number {
   const digits = text.replace(/[\s,_']/g, "");
   return /^\d+$/.test(digits) ? Number(digits) : NaN;
 }
 
-/** What can't be sent as it is. */
+/** Returns the fields that are invalid, with a message. */
 export function errorsIn(values: FormValues): FormErrors {
   const steps = readWhole(values.steps);
   const rate = Number(values.learningRate);
@@ -55,7 +55,7 @@ export function errorsIn(values: FormValues): FormErrors {
   };
 }
 
-/** What is sent; null while something is wrong. */
+/** Returns the request of a run; null while a field is invalid. */
 export function runOf(values: FormValues, behaviourId: number, example: boolean): RunNew | null {
   if (Object.keys(errorsIn(values)).length > 0) return null;
   return {

@@ -1,4 +1,4 @@
-/** The six kinds of alien, drawn for this page, and the shapes made of them. */
+/** The 6x6 grid of aliens: its cells, its sprites and its state. */
 
 export const ROWS = 6;
 export const COLUMNS = 6;
@@ -6,7 +6,7 @@ export const COLUMNS = 6;
 /** [row from the bottom, column from the left], from 0. */
 export type Cell = readonly [row: number, column: number];
 
-/** One sprite per row of the game, bottom row first; 8 by 8 pixels. */
+/** One sprite per row, bottom row first; 8x8 pixels, drawn for this page. */
 // prettier-ignore
 const SPRITES: readonly (readonly string[])[] = [
   [
@@ -71,24 +71,28 @@ const SPRITES: readonly (readonly string[])[] = [
   ],
 ];
 
-/** Pixels per sprite and side. */
+/** Side of a sprite in pixels. */
 export const SPRITE_SIZE = 8;
-/** Pixels from one sprite's left (or top) edge to the next one's. */
+/** Distance between the same edges of adjacent sprites, in pixels. */
 export const CELL_SIZE = 10;
-/** Pixels of the whole grid and side. */
+/** Side of the grid in pixels. */
 export const GRID_SIZE = CELL_SIZE * (COLUMNS - 1) + SPRITE_SIZE;
 
-/** Left edge of a column in the grid's pixels. */
+/** Left edge of a column, in pixels. */
 export function columnX(column: number): number {
   return column * CELL_SIZE;
 }
 
-/** Top edge of a row in the grid's pixels; row 0 is the bottom one. */
+/** Top edge of a row, in pixels; row 0 is the bottom row. */
 export function rowY(row: number): number {
   return (ROWS - 1 - row) * CELL_SIZE;
 }
 
-/** An SVG path of unit squares, joined along each line, for the sprite of a row at (x, y). */
+/**
+ * Returns the sprite of a row at (x, y) as an SVG path, one rectangle per run of pixels.
+ *
+ * @throws {RangeError} There is no such row.
+ */
 export function spritePath(row: number, x: number, y: number): string {
   const sprite = SPRITES[row];
   if (!sprite) throw new RangeError(`Expected a row from 0 to ${ROWS - 1}, got ${row}.`);
@@ -102,58 +106,58 @@ export function spritePath(row: number, x: number, y: number): string {
   return path;
 }
 
-/** One SVG path with the sprites of all cells at their places in the grid. */
+/** Returns the sprites of cells, in their places, as one SVG path. */
 export function gridPath(cells: readonly Cell[]): string {
   return cells.map(([row, column]) => spritePath(row, columnX(column), rowY(row))).join("");
 }
 
-/** The cells of the grid, top row first, from left to right. */
+/** All cells, top row first, from left to right. */
 export const ALL_CELLS: readonly Cell[] = Array.from(
   { length: ROWS * COLUMNS },
   (_, index) => [ROWS - 1 - Math.floor(index / COLUMNS), index % COLUMNS] as const,
 );
 
-/** A key by which sets and maps can hold a cell. */
+/** Key of a cell for sets and maps. */
 export function cellKey([row, column]: Cell): string {
   return `${row},${column}`;
 }
 
-/** "row 1, column 5": people count from 1, from the bottom and from the left. */
+/** Names a cell for people, who count from 1: "row 1, column 5". */
 export function cellName([row, column]: Cell): string {
   return `row ${row + 1}, column ${column + 1}`;
 }
 
-export interface GridState {
-  /** Aliens still there, outside the target (or all, without a target). */
+interface GridState {
+  /** Remaining aliens outside the target; all that remain if there is no target. */
   readonly standing: readonly Cell[];
-  /** Target aliens still there. */
+  /** Remaining target aliens. */
   readonly missing: readonly Cell[];
-  /** Target aliens shot, in order of time. */
+  /** Target aliens hit, in order of time. */
   readonly hit: readonly Cell[];
-  /** Aliens shot outside the target, in order of time. */
+  /** Strays, in order of time. */
   readonly stray: readonly Cell[];
-  /** Aliens shot where there is no target to judge them by, in order of time. */
+  /** Aliens hit where there is no target, in order of time. */
   readonly gone: readonly Cell[];
 }
 
-/** Sorts the grid's cells by what became of them. */
+/** Sorts the cells of the grid by their state. */
 export function gridState(
   hits: readonly Cell[],
   target: readonly Cell[] | null | undefined,
 ): GridState {
-  const wanted = new Set((target ?? []).map(cellKey));
+  const targets = new Set((target ?? []).map(cellKey));
   const shot = new Set(hits.map(cellKey));
   const left = ALL_CELLS.filter((cell) => !shot.has(cellKey(cell)));
   return {
-    standing: left.filter((cell) => !wanted.has(cellKey(cell))),
-    missing: left.filter((cell) => wanted.has(cellKey(cell))),
-    hit: target ? hits.filter((cell) => wanted.has(cellKey(cell))) : [],
-    stray: target ? hits.filter((cell) => !wanted.has(cellKey(cell))) : [],
+    standing: left.filter((cell) => !targets.has(cellKey(cell))),
+    missing: left.filter((cell) => targets.has(cellKey(cell))),
+    hit: target ? hits.filter((cell) => targets.has(cellKey(cell))) : [],
+    stray: target ? hits.filter((cell) => !targets.has(cellKey(cell))) : [],
     gone: target ? [] : hits,
   };
 }
 
-/** What a grid shows, in words. */
+/** Describes the state of the grid in a sentence. */
 export function describeGrid(
   hits: readonly Cell[],
   target: readonly Cell[] | null | undefined,

@@ -1,4 +1,4 @@
-/** Decodes screens: palette values, each screen XORed with the one before it, zlib packed. */
+/** Decodes screens: palette indices, XORed with the previous screen, compressed with zlib. */
 import { unzlibSync } from "fflate";
 
 export const SCREEN_WIDTH = 160;
@@ -10,14 +10,18 @@ export class CodecError extends Error {
   override name = "CodecError";
 }
 
-/** Holds the current screen and applies the differences that arrive. */
+/** Holds the current screen and applies the differences to it. */
 export class ScreenDecoder {
   private readonly words = new Uint32Array(SCREEN_BYTES / 4);
   private readonly packed = new Uint32Array(SCREEN_BYTES / 4);
-  /** Palette values, row by row from the top; changed in place by `apply`. */
+  /** Palette indices, row by row from the top; updated in place by `apply`. */
   readonly pixels = new Uint8Array(this.words.buffer);
 
-  /** Unpacks one screen; a key frame stands on its own. */
+  /**
+   * Applies one frame; a key frame replaces the screen.
+   *
+   * @throws {CodecError} The payload is corrupt or has another size.
+   */
   apply(payload: Uint8Array, isKey: boolean): void {
     const out = new Uint8Array(this.packed.buffer);
     let unpacked: Uint8Array;
@@ -52,7 +56,7 @@ interface FramesHeader {
   readonly key_every: number;
 }
 
-/** All screens of a recording; `show` unpacks any of them. */
+/** The screens of a recording, decoded on demand. */
 export class RecordedFrames {
   readonly header: FramesHeader;
   private readonly frames: { readonly payload: Uint8Array; readonly isKey: boolean }[] = [];
@@ -83,22 +87,22 @@ export class RecordedFrames {
     }
   }
 
-  /** The last frame's number; frame 0 is the start's screen. */
+  /** Number of the last frame; frame 0 is the screen at the start. */
   get last(): number {
     return this.frames.length - 1;
   }
 
-  /** Unpacks a frame (clamped to those there are) and returns its palette values. */
+  /** Decodes a frame, clamped to the recording, and returns its palette indices. */
   show(frame: number): Uint8Array {
-    const wanted = Math.min(Math.max(Math.trunc(frame), 0), this.last);
-    let from = wanted;
+    const target = Math.min(Math.max(Math.trunc(frame), 0), this.last);
+    let from = target;
     while (from > 0 && !this.frames[from]?.isKey) from -= 1;
-    const next = this.at <= wanted && this.at >= from ? this.at + 1 : from;
-    for (let i = next; i <= wanted; i += 1) {
+    const next = this.at <= target && this.at >= from ? this.at + 1 : from;
+    for (let i = next; i <= target; i += 1) {
       const one = this.frames[i];
       if (one) this.decoder.apply(one.payload, one.isKey);
     }
-    this.at = wanted;
+    this.at = target;
     return this.decoder.pixels;
   }
 }

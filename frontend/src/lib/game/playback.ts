@@ -1,8 +1,8 @@
-/** Plays a recording's frames against the clock; knows neither React nor the canvas. */
+/** Playback of a recording against the clock, independent of React and the canvas. */
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4] as const;
 
-export interface PlaybackState {
+interface PlaybackState {
   readonly frame: number;
   readonly playing: boolean;
   readonly speed: number;
@@ -21,7 +21,7 @@ const browserClock: Clock = {
   cancel: (id) => cancelAnimationFrame(id),
 };
 
-/** Where in a recording we are, and whether it moves. */
+/** The position in a recording and whether it is playing. */
 export class Playback {
   private state: PlaybackState = { frame: 0, playing: false, speed: 1 };
   private readonly listeners = new Set<() => void>();
@@ -30,7 +30,7 @@ export class Playback {
   private readonly loop: boolean;
   private readonly clock: Clock;
   private ticket: number | null = null;
-  /** The frame and time from which the present frame is counted. */
+  /** The frame and time from which the current frame is computed. */
   private origin = { frame: 0, time: 0 };
 
   constructor(last: number, rateHz: number, { loop = false, clock = browserClock } = {}) {
@@ -47,7 +47,7 @@ export class Playback {
 
   readonly snapshot = (): PlaybackState => this.state;
 
-  /** Starts moving, from the beginning again where the end was reached. */
+  /** Starts playing, from the beginning if the end was reached. */
   play(): void {
     const frame = this.state.frame >= this.last ? 0 : this.state.frame;
     this.origin = { frame, time: this.clock.now() };
@@ -66,14 +66,14 @@ export class Playback {
     else this.play();
   }
 
-  /** Goes to a frame (clamped), and goes on from there if it was moving. */
+  /** Jumps to a frame, clamped, without changing whether it plays. */
   seek(frame: number): void {
     const to = Math.min(Math.max(Math.round(frame), 0), this.last);
     this.origin = { frame: to, time: this.clock.now() };
     this.update({ frame: to });
   }
 
-  /** Stops and goes some frames on or back. */
+  /** Pauses and moves by some frames. */
   step(frames: number): void {
     this.pause();
     this.seek(this.state.frame + frames);
@@ -84,7 +84,7 @@ export class Playback {
     this.update({ speed });
   }
 
-  /** Ends all movement for good. */
+  /** Stops playback and drops the listeners. */
   dispose(): void {
     if (this.ticket !== null) this.clock.cancel(this.ticket);
     this.ticket = null;

@@ -1,11 +1,11 @@
-/** Paints palette values on a canvas, and how large the game's pixels may be. */
+/** Paints screens on a canvas and computes their scale. */
 import { SCREEN_HEIGHT, SCREEN_WIDTH } from "./codec";
 
 export type Palette = readonly (readonly [red: number, green: number, blue: number])[];
 
 const LITTLE_ENDIAN = new Uint8Array(new Uint32Array([1]).buffer)[0] === 1;
 
-/** The palette as one 32-bit RGBA word per value, in this machine's byte order. */
+/** Converts a palette to one 32-bit RGBA word per index, in native byte order. */
 export function paletteWords(palette: Palette): Uint32Array {
   const words = new Uint32Array(256);
   palette.forEach(([red, green, blue], value) => {
@@ -16,7 +16,7 @@ export function paletteWords(palette: Palette): Uint32Array {
   return words;
 }
 
-/** Draws screens on one canvas of 160 by 210 pixels; enlarging is left to the browser. */
+/** Draws screens on a canvas of 160x210 pixels, which CSS enlarges. */
 export class ScreenPainter {
   private readonly context: CanvasRenderingContext2D;
   private readonly image: ImageData;
@@ -37,7 +37,7 @@ export class ScreenPainter {
     this.palette = paletteWords(palette);
   }
 
-  /** Paints palette values (160 * 210, row by row). */
+  /** Draws palette indices (210 x 160, row by row). */
   draw(pixels: Uint8Array): void {
     const { words, palette } = this;
     for (let i = 0; i < words.length; i += 1) words[i] = palette[pixels[i] ?? 0] ?? 0;
@@ -45,22 +45,22 @@ export class ScreenPainter {
   }
 }
 
-/** How many of the display's own pixels one pixel of the game takes. */
-export interface Scale {
+/** Device pixels per pixel of the game. */
+interface Scale {
   readonly x: number;
   readonly y: number;
 }
 
-/** Width of one of the console's pixels by its height, on the televisions it was made for. */
+/** Aspect ratio of the console's pixels on a television, width by height. */
 const PIXEL_ASPECT = 12 / 7;
 const NARROWEST = 1.5;
 const WIDEST = 2;
 
 /**
- * The largest whole multiples of the game's pixels that fit, near the console's own pixel shape.
+ * Returns the largest integer scale that fits, close to the console's pixel aspect ratio.
  *
- * @param width Room in the display's own pixels.
- * @param height Room in the display's own pixels.
+ * @param width Available device pixels.
+ * @param height Available device pixels.
  */
 export function screenScale(width: number, height: number): Scale {
   const mostY = Math.max(1, Math.floor(height / SCREEN_HEIGHT));

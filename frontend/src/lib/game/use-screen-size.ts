@@ -4,7 +4,7 @@ import { SCREEN_HEIGHT, SCREEN_WIDTH } from "./codec";
 import { screenScale } from "./screen";
 
 export interface ScreenSize {
-  /** CSS pixels, such that each pixel of the game is a whole number of the display's own. */
+  /** In CSS pixels, so that each pixel of the game covers a whole number of device pixels. */
   readonly width: number;
   readonly height: number;
 }
@@ -24,32 +24,30 @@ function usePixelRatio(): number {
 }
 
 function sizeIn(width: number, height: number, ratio: number): ScreenSize {
-  // A hundredth of a pixel of tolerance: browsers report rounded sizes at fractional zoom.
+  // Tolerance: at fractional zoom, browsers report rounded sizes.
   const scale = screenScale(width * ratio + 0.01, height * ratio + 0.01);
   return { width: (SCREEN_WIDTH * scale.x) / ratio, height: (SCREEN_HEIGHT * scale.y) / ratio };
 }
 
-/** The game's size in a box of fixed CSS pixels. */
+/** Returns the size of the game's screen in a box of CSS pixels. */
 export function useScreenSize(width: number, height: number): ScreenSize {
   return sizeIn(width, height, usePixelRatio());
 }
 
-/** The game's size in an element's width and a height from the window's. */
+/** Returns the size of the game's screen in an element's width and a height from the window's. */
 export function useFittingScreenSize(
   ref: RefObject<HTMLElement | null>,
   heightFor: (windowHeight: number) => number,
 ): ScreenSize {
   const ratio = usePixelRatio();
-  const [room, setRoom] = useState({ width: SCREEN_WIDTH * 2, height: SCREEN_HEIGHT * 2 });
+  const [box, setBox] = useState({ width: SCREEN_WIDTH * 2, height: SCREEN_HEIGHT * 2 });
   useLayoutEffect(() => {
     const element = ref.current;
     if (!element) return undefined;
     const measure = () => {
       const width = element.clientWidth;
       const height = heightFor(window.innerHeight);
-      setRoom((room) =>
-        room.width === width && room.height === height ? room : { width, height },
-      );
+      setBox((box) => (box.width === width && box.height === height ? box : { width, height }));
     };
     measure();
     const observer = new ResizeObserver(measure);
@@ -60,5 +58,5 @@ export function useFittingScreenSize(
       window.removeEventListener("resize", measure);
     };
   }, [ref, heightFor]);
-  return sizeIn(room.width, room.height, ratio);
+  return sizeIn(box.width, box.height, ratio);
 }

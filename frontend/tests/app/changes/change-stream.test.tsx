@@ -58,7 +58,7 @@ function tab() {
   const heard: string[] = [];
   const stop = listenToChanges({
     onChange: ({ topic, key }) => heard.push(`${topic} ${key}`),
-    onAgain: () => heard.push("again"),
+    onReconnect: () => heard.push("again"),
   });
   return { heard, stop };
 }

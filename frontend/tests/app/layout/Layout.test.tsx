@@ -55,7 +55,7 @@ describe("every page", () => {
     expect(screen.getByText("Worker ready")).toBeVisible();
   });
 
-  it("tells which processes run and what the disk holds", async () => {
+  it("shows the processes and the disk usage", async () => {
     serve(CALM);
     open("/");
     await userEvent.click(
@@ -64,12 +64,12 @@ describe("every page", () => {
     const dialog = within(screen.getByRole("dialog", { name: "Processes and disk" }));
     const rows = dialog.getAllByRole("row").map((row) => row.textContent);
     expect(rows).toEqual([
-      "Workerruns",
+      "Workerrunning",
       "Recordings, rankings and curves200 kB",
-      "Files of trainings500 kB",
+      "Files of runs500 kB",
       "Cache of frames and clips300 kB, at most 500 MB",
       "Everything else0 B",
-      "Together1.0 MB",
+      "Total1.0 MB",
       "Free on the disk1.0 GB",
     ]);
   });
@@ -88,7 +88,7 @@ describe("every page", () => {
     expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ name: "Grace" });
   });
 
-  it("goes round the themes and remembers", async () => {
+  it("cycles through the themes and stores the choice", async () => {
     serve(CALM);
     open("/");
     const button = await screen.findByRole("button", { name: /^Theme/ });
@@ -100,17 +100,17 @@ describe("every page", () => {
     expect(document.documentElement.dataset.theme).toBeUndefined();
   });
 
-  it("says what to open when the browser isn't let in", async () => {
+  it("says what to open when the browser isn't signed in", async () => {
     const refusal = () => new Refusal(401, { detail: "No cookie." });
     serve({ ...CALM, "GET /api/behaviours": refusal });
     open("/");
     expect(
-      await screen.findByRole("heading", { name: "This browser isn’t let in yet" }),
+      await screen.findByRole("heading", { name: "This browser isn’t signed in yet" }),
     ).toBeVisible();
     expect(screen.getByText(/Open that address once in this browser/)).toBeVisible();
   });
 
-  it("says that the server is gone, and goes on when it is back", async () => {
+  it("reports an unreachable server and recovers when it is back", async () => {
     vi.stubGlobal("fetch", () => Promise.reject(new TypeError("Failed to fetch")));
     open("/");
     expect(await screen.findByText("Tril’s server doesn’t answer.")).toBeVisible();
@@ -121,10 +121,10 @@ describe("every page", () => {
     await waitFor(() => expect(screen.queryByText("Tril’s server doesn’t answer.")).toBeNull());
   });
 
-  it("says so when there is nothing at an address", async () => {
+  it("reports an unknown address", async () => {
     serve(CALM);
     open("/nowhere");
-    expect(await screen.findByRole("heading", { name: "There is no such page" })).toBeVisible();
+    expect(await screen.findByRole("heading", { name: "Page not found" })).toBeVisible();
   });
 });
 
@@ -146,12 +146,10 @@ describe("a behaviour's pages", () => {
     expect(screen.getByRole("link", { name: /Train/, current: "page" })).toBeVisible();
   });
 
-  it("say so when there is no such behaviour", async () => {
+  it("report an unknown behaviour", async () => {
     serve({ ...CALM, "GET /api/behaviours/7": () => new Refusal(404, { detail: "Gone." }) });
     open("/behaviours/7/play");
-    expect(
-      await screen.findByRole("heading", { name: "There is no such behaviour" }),
-    ).toBeVisible();
+    expect(await screen.findByRole("heading", { name: "Behaviour not found" })).toBeVisible();
   });
 
   it("include those of its runs", async () => {
@@ -165,7 +163,9 @@ describe("a behaviour's pages", () => {
     });
     open("/runs/r1");
     expect(await screen.findByRole("link", { name: /Look/, current: "page" })).toBeVisible();
-    expect(await screen.findByText(/The worker isn’t running, so nothing happens/)).toBeVisible();
+    expect(
+      await screen.findByText(/The worker isn’t running, so this run makes no progress/),
+    ).toBeVisible();
     expect(screen.getByRole("button", { name: "Cancel run" })).toBeEnabled();
     expect(await screen.findByText(/Curves appear as soon as learning begins/)).toBeVisible();
   });

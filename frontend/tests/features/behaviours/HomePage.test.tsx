@@ -115,17 +115,17 @@ describe("a new behaviour", () => {
 
   it("needs a name", async () => {
     const { dialog, sent } = await open(() => behaviour());
-    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    await userEvent.click(dialog.getByRole("button", { name: "Create behaviour" }));
     expect(dialog.getByLabelText("Name")).toBeInvalid();
     expect(dialog.getByLabelText("Name")).toHaveAccessibleDescription("Give the behaviour a name.");
     expect(sent()).toBeUndefined();
   });
 
-  it("is made of a name and a description alone", async () => {
+  it("needs only a name and a description", async () => {
     const { dialog, router, sent } = await open(() => behaviour({ id: 9 }));
     await userEvent.type(dialog.getByLabelText("Name"), "Stay on the left");
     await userEvent.type(dialog.getByLabelText("Description"), "Never cross the middle.");
-    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    await userEvent.click(dialog.getByRole("button", { name: "Create behaviour" }));
     await screen.findByText("Another page");
     expect(router.state.location.pathname).toBe("/behaviours/9/play");
     expect(sent()).toEqual({
@@ -139,7 +139,7 @@ describe("a new behaviour", () => {
   it("takes its target and order from the keyboard as from the mouse", async () => {
     const { dialog, sent } = await open(() => behaviour());
     await userEvent.type(dialog.getByLabelText("Name"), "Three");
-    await userEvent.click(dialog.getByLabelText("Certain aliens are to be hit"));
+    await userEvent.click(dialog.getByLabelText("Target certain aliens"));
     await userEvent.click(dialog.getByLabelText("The order matters"));
     await userEvent.click(dialog.getByRole("button", { name: "Alien in row 2, column 1" }));
     await userEvent.keyboard("{ArrowRight} {ArrowDown}{Enter}");
@@ -147,7 +147,7 @@ describe("a new behaviour", () => {
       dialog.getByRole("button", { pressed: true, name: /row 1, column 2, 3rd/ }),
     ).toHaveFocus();
     expect(dialog.getByText("3 aliens chosen")).toBeVisible();
-    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    await userEvent.click(dialog.getByRole("button", { name: "Create behaviour" }));
     expect(sent()).toMatchObject({
       target: [
         [1, 0],
@@ -160,7 +160,7 @@ describe("a new behaviour", () => {
 
   it("picks whole lines", async () => {
     const { dialog } = await open(() => behaviour());
-    await userEvent.click(dialog.getByLabelText("Certain aliens are to be hit"));
+    await userEvent.click(dialog.getByLabelText("Target certain aliens"));
     await userEvent.click(dialog.getByRole("button", { name: "All of column 5" }));
     expect(dialog.getByText("6 aliens chosen")).toBeVisible();
     await userEvent.click(dialog.getByRole("button", { name: "Clear" }));
@@ -171,7 +171,7 @@ describe("a new behaviour", () => {
     const refusal = new Refusal(409, { detail: "There is a behaviour of this name already." });
     const { dialog } = await open(() => refusal);
     await userEvent.type(dialog.getByLabelText("Name"), "Column 1");
-    await userEvent.click(dialog.getByRole("button", { name: "Make behaviour" }));
+    await userEvent.click(dialog.getByRole("button", { name: "Create behaviour" }));
     expect(await dialog.findByRole("alert")).toHaveTextContent("of this name already");
   });
 });

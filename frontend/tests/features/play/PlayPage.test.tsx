@@ -12,7 +12,7 @@ import { behaviour, recording } from "../../support/data";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
-/** The server's end of the stream, in a test's hands. */
+/** The server's end of the stream, controlled by the test. */
 class FakeSocket extends EventTarget {
   static readonly OPEN = 1;
   static last: FakeSocket | null = null;
@@ -187,7 +187,7 @@ describe("playing", () => {
     expect(inputs()).toEqual([2, 6, 4, 0]);
   });
 
-  it("lets go of all keys when the window loses the keyboard", async () => {
+  it("releases all keys when the window loses the focus", async () => {
     await start();
     await userEvent.keyboard("{a>}");
     act(() => {
@@ -238,11 +238,11 @@ describe("playing", () => {
     expect(inputs()).toEqual([1]);
   });
 
-  it("runs back while the key is held and the page has the keyboard", async () => {
+  it("rewinds while the key is held and the window has the focus", async () => {
     await start();
     const user = userEvent.setup();
     await user.keyboard("{Backspace>}");
-    expect(screen.getByText(/Running back/)).toBeVisible();
+    expect(screen.getByText(/Rewinding/)).toBeVisible();
     await user.keyboard("{/Backspace}");
     tell({ type: "rewound", frame: 0, hits: [], recording_id: 6 });
     tell({ type: "countdown", seconds: 0 });
@@ -259,13 +259,13 @@ describe("playing", () => {
     ]);
   });
 
-  it("plays with keys of one's own, also after a reload", async () => {
+  it("plays with reassigned keys and stores them", async () => {
     await start();
     await userEvent.click(screen.getByRole("button", { name: "Change the keys" }));
     const left = within(screen.getByRole("listitem", { name: "Left" }));
     await userEvent.click(left.getByRole("button", { name: "Add a key" }));
     await userEvent.keyboard("j");
-    await userEvent.click(left.getByRole("button", { name: "Take A away from Left" }));
+    await userEvent.click(left.getByRole("button", { name: "Remove A from Left" }));
     expect(inputs()).toEqual([]);
     await userEvent.click(screen.getByRole("button", { name: "Close" }));
     await userEvent.keyboard("{j>}{a>}");
@@ -322,7 +322,7 @@ describe("playing", () => {
     await userEvent.keyboard("t");
     expect(strokeRect).toHaveBeenCalledTimes(2);
     const legend = screen.getByRole("list", { name: "Drawn over the game, and not recorded" });
-    expect(legend).toHaveTextContent("target aliens that are left");
+    expect(legend).toHaveTextContent("remaining target aliens");
     frame(2);
     tell({ type: "hit", row: 0, column: 0, frame: 3, on_target: true, targets: 1, strays: 0 });
     frame(3);
@@ -363,7 +363,7 @@ describe("playing", () => {
     await waitFor(() => expect(screen.queryByRole("button", { name: /^Ghost/ })).toBeNull());
   });
 
-  it("lets shots, hits and the end be heard if that is wanted", async () => {
+  it("plays sounds for shots, hits and the end if sound is on", async () => {
     const heard: string[] = [];
     vi.spyOn(Sounds.prototype, "play").mockImplementation((name) => void heard.push(name));
     const close = vi.spyOn(Sounds.prototype, "close").mockReturnValue(undefined);
@@ -394,15 +394,15 @@ describe("playing", () => {
     expect(localStorage.getItem("tril.play.latency")).toBe("false");
   });
 
-  it("says when another tab has taken the game over, and takes it back", async () => {
+  it("says when another tab has taken the game over, and can take it back", async () => {
     await start();
     tell({ type: "taken_over" });
-    expect(screen.getByText("Another tab plays this game now")).toBeVisible();
+    expect(screen.getByText("This game is open in another tab now")).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Play here" }));
     expect(FakeSocket.opened).toBe(2);
   });
 
-  it("says why a game can't be begun", async () => {
+  it("says why a game can't be started", async () => {
     serve({ "POST /api/games": () => new Refusal(503, { detail: "The disk is full." }) });
     show(<PlayPage behaviour={behaviour()} />);
     await userEvent.click(screen.getByRole("button", { name: "Start game" }));

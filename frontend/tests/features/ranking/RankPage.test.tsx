@@ -9,7 +9,7 @@ import { behaviour, ranking, recording } from "../../support/data";
 import { show } from "../../support/page";
 import { type Asked, Refusal, serve } from "../../support/server";
 
-/** A server that keeps one ranking as the real one does. */
+/** A fake server with one ranking and its revisions. */
 function rankingServer(begin: Partial<Ranking>) {
   const all = [1, 2, 3, 4].map((id) =>
     recording({
@@ -68,11 +68,11 @@ function board(): string[][] {
 
 const press = (name: string) => userEvent.click(screen.getByRole("button", { name }));
 
-describe("a game that was run back", () => {
-  it("is offered with its other way as a pair, and ranked beside it", async () => {
+describe("a game that was rewound", () => {
+  it("is offered as a pair with its other branch, and ranked next to it", async () => {
     const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });
     const pair = within(screen.getByRole("region", { name: "Pairs to compare" }));
-    expect(pair.getByText("Recording 4 goes on from Recording 3 at 5.0 s.")).toBeVisible();
+    expect(pair.getByText("Recording 4 branches off Recording 3 at 5.0 s.")).toBeVisible();
     await userEvent.click(pair.getByRole("button", { name: "4 is better" }));
     expect(board()).toEqual([["1"], ["4"], ["3"], ["2"]]);
     expect(screen.queryByRole("region", { name: "Pairs to compare" })).toBeNull();
@@ -147,7 +147,7 @@ describe("ranking by keyboard", () => {
     expect(server.now().revision).toBe(1);
   });
 
-  it("undoes and makes again", async () => {
+  it("undoes and redoes", async () => {
     const server = await open({ tiers: [[1], [2]], unranked: [3, 4], can_undo: true });
     await press("Up: Recording 2");
     await waitFor(() => expect(server.now().tiers).toEqual([[2], [1]]));
@@ -182,14 +182,14 @@ describe("two tabs", () => {
 });
 
 describe("what training needs", () => {
-  it("is named as long as it is missing", async () => {
+  it("is listed while it is missing", async () => {
     await open({ tiers: [[1, 2]], unranked: [3, 4] });
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
     expect(hints.getByText(/At least two tiers are needed/)).toBeVisible();
-    expect(hints.queryByRole("link", { name: "Go on to Train" })).toBeNull();
+    expect(hints.queryByRole("link", { name: "Continue to Train" })).toBeNull();
     await press("Own tier: Recording 2");
     expect(hints.getByText("1 preference pair to learn from")).toBeVisible();
-    expect(hints.getByRole("link", { name: "Go on to Train" })).toBeVisible();
+    expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
 
   it("begins with a game", async () => {

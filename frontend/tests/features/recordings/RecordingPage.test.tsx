@@ -24,7 +24,7 @@ function course(change: Partial<RecordingCourse> = {}): RecordingCourse {
   };
 }
 
-/** RAM in which the cannon's place is the frame's number. */
+/** RAM in which the cannon's position is the frame number. */
 function memory(): ArrayBuffer {
   const bytes = new Uint8Array((N_FRAMES + 1) * 128);
   for (let frame = 0; frame <= N_FRAMES; frame += 1) bytes[frame * 128 + 28] = frame;
@@ -115,12 +115,12 @@ describe("the page of a recording", () => {
     const asked = page();
     await position();
     expect(asked.some(({ path }) => path.endsWith("/memory"))).toBe(false);
-    await userEvent.click(await screen.findByText("Memory of the console"));
+    await userEvent.click(await screen.findByText("Console memory"));
     await screen.findByRole("table", { name: "Memory at frame 0" });
-    await userEvent.click(screen.getByRole("button", { name: "One frame on" }));
+    await userEvent.click(screen.getByRole("button", { name: "One frame forward" }));
     const bytes = within(screen.getByRole("table", { name: "Memory at frame 1" }));
     expect(bytes.getByTitle("28: cannon, x, 1")).toHaveTextContent("01");
-    const names = within(screen.getByRole("table", { name: "Known places in the memory" }));
+    const names = within(screen.getByRole("table", { name: "Known addresses" }));
     expect(names.getByRole("row", { name: "28 cannon, x 1" })).toBeVisible();
   });
 

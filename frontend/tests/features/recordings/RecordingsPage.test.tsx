@@ -195,7 +195,7 @@ describe("the library", () => {
     await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
     const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
     await userEvent.click(bar.getByRole("button", { name: "Mark as perfect" }));
-    await userEvent.click(await bar.findByRole("button", { name: "Take the perfect marks off" }));
+    await userEvent.click(await bar.findByRole("button", { name: "Remove the perfect marks" }));
     await waitFor(() =>
       expect(
         asked
@@ -220,7 +220,7 @@ describe("the library", () => {
     fireEvent.click(screen.getByText("Select the first 500"));
     expect(some).toEqual([500]);
     show(bar(many));
-    expect(screen.getByText("At most 500 are changed at once.")).toBeVisible();
+    expect(screen.getByText("At most 500 can be changed at once.")).toBeVisible();
     expect(screen.queryByText("Delete")).toBeNull();
   });
 

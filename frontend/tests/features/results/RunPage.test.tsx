@@ -10,7 +10,7 @@ import { behaviour, game, recording, results, run, system } from "../../support/
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
-// Curves are drawn on a canvas, which jsdom has none of; the browser test sees them.
+// Charts need a canvas, which jsdom lacks; the browser tests cover them.
 vi.mock("@/features/results/curves/Chart", () => ({
   Chart: ({ title }: { title: string }) => <figure aria-label={title} />,
 }));
@@ -178,14 +178,12 @@ describe("the results", () => {
     ],
   };
 
-  it("carry their intervals", async () => {
+  it("have intervals", async () => {
     open(one, results);
     const table = within(await screen.findByRole("table", { name: "Imitator and clone" }));
     const row = table.getByRole("row", { name: /Targets hit, of 2/ });
     expect(row).toHaveTextContent("4.73.9 to 5.4–");
-    expect(table.getByRole("row", { name: /ended by a bomb/ })).toHaveTextContent(
-      "13 %0 % to 30 %",
-    );
+    expect(table.getByRole("row", { name: /Death rate/ })).toHaveTextContent("13 %0 % to 30 %");
     expect(screen.getByText(/Means of 23 games/)).toBeVisible();
   });
 
@@ -199,7 +197,7 @@ describe("the results", () => {
       ],
     });
     await userEvent.click(await screen.findByText("With sticky actions"));
-    expect(screen.getByText(/a chance of 25 % that the last frame’s action/)).toBeVisible();
+    expect(screen.getByText(/repeated with a probability of 25 %/)).toBeVisible();
     const table = within(
       screen.getByRole("table", { name: "Imitator and clone, with sticky actions" }),
     );
@@ -207,7 +205,7 @@ describe("the results", () => {
       "3.12.5 to 3.7",
     );
     // An earlier version's run may lack some.
-    expect(screen.queryByText("With actions drawn by chance instead")).not.toBeInTheDocument();
+    expect(screen.queryByText("With sampled actions")).not.toBeInTheDocument();
   });
 
   it("set the games of a start side by side, with the winner", async () => {
@@ -233,7 +231,7 @@ describe("the results", () => {
     expect(screen.getByText("0.92")).toBeVisible();
     expect(screen.getByText("98.4 %")).toBeVisible();
     expect(
-      screen.getByText(/isn’t always put above the worse tier 2 .*: 0 of 1 comparison in order/),
+      screen.getByText(/isn’t always ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
     ).toBeVisible();
   });
 
@@ -291,7 +289,7 @@ describe("the results", () => {
     expect(screen.getByRole("button", { name: "Watch Recording 12 from step 248" })).toBeVisible();
   });
 
-  it("can be taken away", async () => {
+  it("can be downloaded", async () => {
     open(one, results);
     const file = await screen.findByRole("link", { name: "imitator.zip" });
     expect(file).toHaveAttribute("href", "/api/artifacts/1");

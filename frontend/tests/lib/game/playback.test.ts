@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 
 import { Playback } from "@/lib/game/playback";
 
-/** A clock that stands still until it is told otherwise. */
+/** A clock that advances only when told to. */
 class HandClock {
   time = 0;
   private callbacks = new Map<number, () => void>();
@@ -47,7 +47,7 @@ describe("playing a recording", () => {
     expect(playback.snapshot().frame).toBe(180);
   });
 
-  it("stops at the end, and begins again from there", () => {
+  it("stops at the end, and restarts from the beginning", () => {
     const { clock, playback } = playing(60);
     clock.pass(5000);
     expect(playback.snapshot()).toMatchObject({ frame: 60, playing: false });
@@ -56,7 +56,7 @@ describe("playing a recording", () => {
     expect(playback.snapshot()).toMatchObject({ frame: 0, playing: true });
   });
 
-  it("goes round when it is told to", () => {
+  it("loops if asked to", () => {
     const { clock, playback } = playing(60, true);
     clock.pass(5000);
     expect(playback.snapshot()).toMatchObject({ frame: 0, playing: true });
@@ -73,7 +73,7 @@ describe("playing a recording", () => {
     expect(playback.snapshot().frame).toBe(90);
   });
 
-  it("steps frame by frame and stands still then", () => {
+  it("steps frame by frame and pauses", () => {
     const { clock, playback } = playing();
     clock.pass(1000);
     playback.step(-1);
@@ -83,7 +83,7 @@ describe("playing a recording", () => {
     expect(playback.snapshot().frame).toBe(0);
   });
 
-  it("goes on from where it was put", () => {
+  it("continues from where it was sought", () => {
     const { clock, playback } = playing();
     playback.seek(300);
     clock.pass(100);

@@ -8,7 +8,7 @@ import { recordingName } from "@/lib/recordings";
 
 import styles from "./Checklist.module.css";
 
-/** Which demonstrations an agent would learn well from are there, and which are missing. */
+/** The demonstrations that an agent learns well from, done and missing. */
 export function Checklist({ behaviour }: { behaviour: Behaviour }) {
   const { data } = useQuery(checklistQuery(behaviour.id));
   if (!data || data.planned.length === 0) return null;
@@ -22,7 +22,7 @@ export function Checklist({ behaviour }: { behaviour: Behaviour }) {
         {next && <span> Next: {next.description}</span>}
       </summary>
       <p className={styles.checklistRule}>
-        A game counts that is survived to its end; one that was stopped or lost does not.
+        Only games that you survive to the end count, not those that were stopped or lost.
       </p>
       <ol aria-label="Demonstrations, best first">
         {planned.map(({ number, description, recording_id: id }) => (

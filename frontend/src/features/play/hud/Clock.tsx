@@ -4,12 +4,12 @@ import { FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
 
 import styles from "./Clock.module.css";
 
-/** Shows the time without React: it changes sixty times a second. */
+/** Updates the clock without rendering: it changes 60 times a second. */
 export interface ClockHandle {
   show: (frame: number, maxFrames: number) => void;
 }
 
-/** Time left of the 300 steps. */
+/** The time left of the game's 300 steps. */
 export function Clock({ handle }: { handle: RefObject<ClockHandle | null> }) {
   const left = useRef<HTMLSpanElement>(null);
   const step = useRef<HTMLSpanElement>(null);

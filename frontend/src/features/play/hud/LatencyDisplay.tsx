@@ -8,11 +8,10 @@ import styles from "./LatencyDisplay.module.css";
 
 const REFRESH_MS = 500;
 
-/** In a corner of the screen: how late this game is seen, and how many frames were left out. */
+/** Input latency and dropped frames, in a corner of the screen. */
 export function LatencyDisplay({ stream }: { stream: GameStream }) {
   const [shown, setShown] = useState(() => stream.latencySummary());
   useEffect(() => {
-    // Often enough to be read, too seldom to cost a frame.
     const timer = setInterval(() => setShown(stream.latencySummary()), REFRESH_MS);
     return () => clearInterval(timer);
   }, [stream]);

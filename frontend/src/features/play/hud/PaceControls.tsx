@@ -1,6 +1,6 @@
 import { Button } from "@/components/controls/Button";
 import { steers } from "@/features/play/input/intents";
-import type { GameState } from "@/features/play/stream/game-stream";
+import type { GameState } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
 
 import styles from "./PaceControls.module.css";
@@ -8,7 +8,7 @@ import styles from "./PaceControls.module.css";
 interface PaceControlsProps {
   state: GameState;
   onPause: () => void;
-  onGoOn: () => void;
+  onResume: () => void;
   onStep: () => void;
   onStop: () => void;
   onSpeed: (percent: number) => void;
@@ -16,18 +16,18 @@ interface PaceControlsProps {
   onRelease: () => void;
 }
 
-/** How fast the game goes: as it is, slower, frame by frame, or not at all. */
+/** Pause, single frames, rewind and slow motion. */
 export function PaceControls(props: PaceControlsProps) {
   const { phase, speed } = props.state;
-  const stands = phase === "paused" || phase === "stepping";
+  const isPaused = phase === "paused" || phase === "stepping";
   if (!steers(phase)) return null;
   return (
     <div className={styles.pace}>
       <div className={styles.stop}>
-        {stands ? (
+        {isPaused ? (
           <>
-            <Button icon="play" onClick={props.onGoOn}>
-              Go on
+            <Button icon="play" onClick={props.onResume}>
+              Resume
             </Button>
             <Button icon="stepOn" onClick={props.onStep}>
               One frame <kbd>.</kbd>
@@ -40,7 +40,7 @@ export function PaceControls(props: PaceControlsProps) {
         )}
         <Button
           icon="undo"
-          title="Hold to run the game back; let go to play on from there"
+          title="Hold to rewind; release to play on from there"
           onPointerDown={(event) => {
             event.currentTarget.setPointerCapture(event.pointerId);
             props.onRewind();

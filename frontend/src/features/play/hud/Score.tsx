@@ -5,7 +5,7 @@ import { gridState } from "@/lib/game/aliens";
 
 import styles from "./Score.module.css";
 
-/** What was hit so far, on and off target. */
+/** The hits so far, on and off target. */
 export function Score({ hits, behaviour }: { hits: readonly HitAt[]; behaviour: Behaviour }) {
   const cells = hits.map(({ row, column }) => [row, column] as const);
   const { hit, stray } = gridState(cells, behaviour.target);

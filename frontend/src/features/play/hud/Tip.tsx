@@ -4,14 +4,14 @@ import type { Behaviour } from "@/api/types";
 
 import styles from "./Tip.module.css";
 
-/** What to do with the recordings that are there. */
+/** A hint on what to do next. */
 export function Tip({ behaviour }: { behaviour: Behaviour }) {
   const { n_recordings: n, id } = behaviour;
   if (n < 2) {
     return (
       <p className={styles.tip}>
-        Two recordings are the least that can be ranked; about a dozen, from perfect to hopeless, is
-        what an agent learns well from.
+        Ranking takes at least two recordings; an agent learns well from about a dozen, from perfect
+        to hopeless.
       </p>
     );
   }

@@ -19,27 +19,27 @@ interface TogglesProps {
   onFullscreen: () => void;
 }
 
-/** What a player can choose to see and hear beside the game; kept in this browser. */
+/** Switches for the marks, the sound and the latency display, and the marks' legend. */
 export function Toggles({ hasTarget, hasGhost, marks, onChooseKeys, onFullscreen }: TogglesProps) {
   return (
     <div>
       <div className={styles.toggles}>
         {hasTarget && (
-          <Toggle choice={SHOW_TARGETS} name="T">
+          <Toggle setting={SHOW_TARGETS} keyName="T">
             Outline targets
           </Toggle>
         )}
         {hasGhost && (
-          <Toggle choice={SHOW_GHOST} name="G">
+          <Toggle setting={SHOW_GHOST} keyName="G">
             Ghost
           </Toggle>
         )}
         {canSound() && (
-          <Toggle choice={SOUND} name="M">
+          <Toggle setting={SOUND} keyName="M">
             Sound
           </Toggle>
         )}
-        <Toggle choice={SHOW_LATENCY} name="L">
+        <Toggle setting={SHOW_LATENCY} keyName="L">
           Latency
         </Toggle>
         <Button kind="quiet" onClick={onFullscreen}>
@@ -55,24 +55,24 @@ export function Toggles({ hasTarget, hasGhost, marks, onChooseKeys, onFullscreen
 }
 
 function Toggle({
-  choice,
-  name,
+  setting,
+  keyName,
   children,
 }: {
-  choice: Setting<boolean>;
-  /** Of its key. */
-  name: string;
+  setting: Setting<boolean>;
+  /** The key that toggles it. */
+  keyName: string;
   children: ReactNode;
 }) {
-  const [isOn, turn] = useSetting(choice);
+  const [isOn, turn] = useSetting(setting);
   return (
     <Button kind="quiet" aria-pressed={isOn} onClick={() => turn(!isOn)}>
-      {children} <kbd>{name}</kbd>
+      {children} <kbd>{keyName}</kbd>
     </Button>
   );
 }
 
-/** What is drawn over the game means this. */
+/** Explains the marks drawn over the game. */
 function Legend({ target, ghost }: Marks) {
   if (!target && !ghost) return null;
   return (
@@ -82,7 +82,7 @@ function Legend({ target, ghost }: Marks) {
           <svg className={styles.swatch} viewBox="0 0 14 14" aria-hidden="true">
             <path d="M2.5 1.5h9v11h-9z" fill="none" stroke="var(--accent)" />
           </svg>
-          <span>target aliens that are left</span>
+          <span>remaining target aliens</span>
         </li>
       )}
       {ghost && (

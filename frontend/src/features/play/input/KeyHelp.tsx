@@ -5,7 +5,7 @@ import { useSetting } from "@/features/play/settings/stored";
 import styles from "./KeyHelp.module.css";
 import { type Control, keyName, KEYS } from "./keys";
 
-/** Which keys do what. */
+/** The keys in use. */
 export function KeyHelp() {
   const [keys] = useSetting(KEYS);
   const names = (control: Control) =>

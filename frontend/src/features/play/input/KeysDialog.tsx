@@ -7,7 +7,7 @@ import { useSetting } from "@/features/play/settings/stored";
 import { addKey, type Control, CONTROLS, DEFAULT_KEYS, keyName, KEYS, withoutKey } from "./keys";
 import styles from "./KeysDialog.module.css";
 
-export const CONTROL_NAMES: Readonly<Record<Control, string>> = {
+const CONTROL_NAMES: Readonly<Record<Control, string>> = {
   left: "Left",
   right: "Right",
   fire: "Fire",
@@ -15,7 +15,7 @@ export const CONTROL_NAMES: Readonly<Record<Control, string>> = {
   pause: "Pause",
 };
 
-/** Chooses keys, by their place on the keyboard. */
+/** Assigns keys to the controls. */
 export function KeysDialog({ onClose }: { onClose: () => void }) {
   const [keys, setKeys] = useSetting(KEYS);
   const [waiting, setWaiting] = useState<Control | null>(null);
@@ -23,7 +23,7 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
   useEffect(() => {
     if (!waiting) return undefined;
     const take = (event: KeyboardEvent) => {
-      // Neither the dialog nor its buttons hear of it.
+      // Keep it from the dialog and its buttons.
       event.preventDefault();
       event.stopPropagation();
       if (event.code !== "") setKeys(addKey(keys, waiting, event.code));
@@ -46,8 +46,8 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
                   <Button
                     key={code}
                     kind="quiet"
-                    aria-label={`Take ${keyName(code)} away from ${name}`}
-                    title="Take it away"
+                    aria-label={`Remove ${keyName(code)} from ${name}`}
+                    title="Remove"
                     onClick={() => setKeys(withoutKey(keys, code))}
                   >
                     <kbd>{keyName(code)}</kbd>
@@ -67,11 +67,11 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
       </ul>
       <p className={styles.tip}>
         Either hand can play alone: the arrows with ↑ to fire, or A and D with W. Left and right
-        together cancel out. A gamepad works as well: stick or cross, any of the four buttons to
-        fire, those at its back to rewind, start to begin, to pause and to play again.
+        together cancel out. A gamepad works too: stick or D-pad to move, any face button to fire,
+        the shoulder buttons to rewind, Start to begin, pause and play again.
       </p>
       <div>
-        <Button onClick={() => setKeys(DEFAULT_KEYS)}>Back to the usual keys</Button>
+        <Button onClick={() => setKeys(DEFAULT_KEYS)}>Restore the default keys</Button>
       </div>
     </Dialog>
   );

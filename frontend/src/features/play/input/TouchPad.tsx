@@ -9,7 +9,7 @@ const BUTTONS = [
   { name: "Fire", sign: "Fire", bit: FIRE },
 ] as const;
 
-/** Buttons for fingers; several can be held at a time. */
+/** Touch buttons; several can be held at once. */
 export function TouchPad({
   onHold,
   onRelease,

@@ -1,4 +1,4 @@
-/** Whether a modal dialog takes what is pressed now. */
+/** Whether a modal dialog is open, which takes the keyboard. */
 export function dialogIsOpen(): boolean {
   return document.querySelector("dialog[open]") !== null;
 }

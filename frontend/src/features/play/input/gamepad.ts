@@ -1,23 +1,23 @@
-/** What a gamepad in the standard layout asks for. Pure. */
+/** Reads gamepads in the standard layout. */
 import { FIRE, LEFT, RIGHT } from "./keys";
 
-/** The part of a `Gamepad` that is looked at. */
+/** The part of a `Gamepad` that is read. */
 export interface Pad {
   readonly axes: readonly number[];
   readonly buttons: readonly { readonly pressed: boolean }[];
 }
 
-/** Buttons by their number in the standard layout (https://w3c.github.io/gamepad/#remapping). */
+/** Button numbers of the standard layout (https://w3c.github.io/gamepad/#remapping). */
 export const PAD = { bottom: 0, right: 1, left: 2, top: 3, start: 9 } as const;
 const FIRES = [PAD.bottom, PAD.right, PAD.left, PAD.top];
 const REWINDS = [4, 5, 6, 7];
 const D_PAD_LEFT = 14;
 const D_PAD_RIGHT = 15;
-/** A stick that is let go of rarely rests at exactly 0. */
+/** A released stick rarely rests at exactly 0. */
 const DEAD_ZONE = 0.4;
 
 export interface PadState {
-  /** The keys of the game that it holds. */
+  /** The game's keys held. */
   readonly bits: number;
   readonly rewind: boolean;
   /** Numbers of the buttons pressed. */
@@ -26,7 +26,7 @@ export interface PadState {
 
 export const NO_PAD: PadState = { bits: 0, rewind: false, pressed: new Set() };
 
-/** What is held on all gamepads together. */
+/** Combines the state of all gamepads. */
 export function padState(pads: readonly (Pad | null)[]): PadState {
   let bits = 0;
   const pressed = new Set<number>();
@@ -44,7 +44,7 @@ export function padState(pads: readonly (Pad | null)[]): PadState {
   return { bits, rewind: REWINDS.some((number) => pressed.has(number)), pressed };
 }
 
-/** The buttons that went down between two looks. */
+/** Returns the buttons that were pressed between two readings. */
 export function newlyPressed(before: PadState, now: PadState): readonly number[] {
   return [...now.pressed].filter((number) => !before.pressed.has(number));
 }

@@ -1,11 +1,11 @@
-/** What a key press asks of the play page besides steering. Pure. */
-import type { Phase } from "@/features/play/stream/game-stream";
+/** What a key or gamepad button asks of the play page, besides steering. */
+import type { Phase } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
 
 import { PAD } from "./gamepad";
 import { type Control, controlOf, DEFAULT_KEYS, type KeyMap } from "./keys";
 
-export type Wish =
+export type Intent =
   | "start"
   | "keep"
   | "discard"
@@ -23,10 +23,10 @@ export type Wish =
   | "sound"
   | "fullscreen";
 
-/** Time after the end in which presses are still meant for the game. */
+/** Time after the end of a game in which presses are taken as meant for the game. */
 export const GRACE_MS = 700;
 
-const AFTER_END: Readonly<Record<string, Wish>> = {
+const AFTER_END: Readonly<Record<string, Intent>> = {
   KeyK: "keep",
   Enter: "keep",
   NumpadEnter: "keep",
@@ -36,12 +36,12 @@ const AFTER_END: Readonly<Record<string, Wish>> = {
   KeyR: "again",
 };
 
-const AFTER_END_BY_CONTROL: Readonly<Partial<Record<Control, Wish>>> = {
+const AFTER_END_BY_CONTROL: Readonly<Partial<Record<Control, Intent>>> = {
   fire: "again",
   rewind: "rewind",
 };
 
-const PAD_AFTER_END: Readonly<Record<number, Wish>> = {
+const PAD_AFTER_END: Readonly<Record<number, Intent>> = {
   [PAD.bottom]: "again",
   [PAD.start]: "again",
   [PAD.right]: "discard",
@@ -49,8 +49,8 @@ const PAD_AFTER_END: Readonly<Record<number, Wish>> = {
   [PAD.top]: "perfect",
 };
 
-/** At any time of a game, unless the key was chosen for something else. */
-const BESIDE: Readonly<Record<string, Wish>> = {
+/** At any time during a game, unless the key is assigned to a control. */
+const ANYTIME: Readonly<Record<string, Intent>> = {
   KeyF: "fullscreen",
   KeyL: "latency",
   KeyT: "targets",
@@ -62,9 +62,9 @@ const BESIDE: Readonly<Record<string, Wish>> = {
   NumpadAdd: "faster",
 };
 
-const RUNNING: Readonly<Record<string, Wish>> = { Escape: "pause", Period: "pause" };
+const RUNNING: Readonly<Record<string, Intent>> = { Escape: "pause", Period: "pause" };
 
-const STANDING: Readonly<Record<string, Wish>> = {
+const PAUSED: Readonly<Record<string, Intent>> = {
   Period: "step",
   Enter: "go_on",
   NumpadEnter: "go_on",
@@ -77,33 +77,33 @@ interface Press {
 }
 
 /**
- * What a press means in a phase.
+ * Returns the intent of a key press in a phase; null for none.
  *
  * @param sinceEndMs Milliseconds since the game ended.
  */
-export function wishOf(
+export function intentOf(
   press: Press,
   phase: Phase,
   sinceEndMs: number,
   keys: KeyMap = DEFAULT_KEYS,
-): Wish | null {
-  const wish = meaning(press.code, phase, sinceEndMs, keys);
-  // A held key runs a paused game on, frame by frame; nothing else is meant to happen twice.
-  return press.repeat && wish !== "step" ? null : wish;
+): Intent | null {
+  const intent = intentIn(press.code, phase, sinceEndMs, keys);
+  // A held key steps frame by frame; no other intent repeats.
+  return press.repeat && intent !== "step" ? null : intent;
 }
 
-function meaning(code: string, phase: Phase, sinceEndMs: number, keys: KeyMap): Wish | null {
+function intentIn(code: string, phase: Phase, sinceEndMs: number, keys: KeyMap): Intent | null {
   const control = controlOf(keys, code);
   switch (phase) {
     case "playing":
     case "countdown":
-      return control ? chosen(control, "pause") : (RUNNING[code] ?? BESIDE[code] ?? null);
+      return control ? controlIntent(control, "pause") : (RUNNING[code] ?? ANYTIME[code] ?? null);
     case "paused":
       if (control === "fire") return "go_on";
-      return control ? chosen(control, "go_on") : (STANDING[code] ?? BESIDE[code] ?? null);
+      return control ? controlIntent(control, "go_on") : (PAUSED[code] ?? ANYTIME[code] ?? null);
     case "stepping":
-      // Who plays frame by frame may fire.
-      return control ? chosen(control, "go_on") : (STANDING[code] ?? BESIDE[code] ?? null);
+      // The fire key fires here, unlike in a pause.
+      return control ? controlIntent(control, "go_on") : (PAUSED[code] ?? ANYTIME[code] ?? null);
     case "ended":
       if (sinceEndMs < GRACE_MS) return null;
       return AFTER_END[code] ?? AFTER_END_BY_CONTROL[control ?? "left"] ?? null;
@@ -112,17 +112,21 @@ function meaning(code: string, phase: Phase, sinceEndMs: number, keys: KeyMap): 
   }
 }
 
-function chosen(control: Control, pausing: Wish): Wish | null {
+function controlIntent(control: Control, pausing: Intent): Intent | null {
   if (control === "pause") return pausing;
   return control === "rewind" ? "rewind" : null;
 }
 
 /**
- * What a button of a gamepad asks for when it goes down, besides steering and rewinding.
+ * Returns the intent of pressing a gamepad button, besides steering and rewinding; null for none.
  *
  * @param phase Null before the first game.
  */
-export function padWishOf(button: number, phase: Phase | null, sinceEndMs: number): Wish | null {
+export function gamepadIntentOf(
+  button: number,
+  phase: Phase | null,
+  sinceEndMs: number,
+): Intent | null {
   switch (phase) {
     case null:
     case "gone":
@@ -140,12 +144,12 @@ export function padWishOf(button: number, phase: Phase | null, sinceEndMs: numbe
   }
 }
 
-/** Whether keys steer the game in this phase. */
+/** Whether keys steer the game in a phase. */
 export function steers(phase: Phase): boolean {
   return ["playing", "countdown", "paused", "stepping", "rewinding"].includes(phase);
 }
 
-/** The next speed in a direction; the same at the end. */
+/** Returns the next slower or faster speed; the same one at either end. */
 export function speedBeside(percent: number, way: "slower" | "faster"): number {
   const at = SPEEDS.findIndex((speed) => speed <= percent);
   return SPEEDS[at + (way === "slower" ? 1 : -1)] ?? percent;

@@ -1,18 +1,18 @@
-/** Which keys steer the game, by their place on the keyboard (`KeyboardEvent.code`). */
+/** The keys that control the game, by their position on the keyboard (`KeyboardEvent.code`). */
 import type { Setting } from "@/features/play/settings/stored";
 
-/** Bits of the keys held, as the play protocol sends them. */
+/** Bits of the play protocol's held keys. */
 export const LEFT = 1;
 export const RIGHT = 2;
 export const FIRE = 4;
 
 export const CONTROLS = ["left", "right", "fire", "rewind", "pause"] as const;
-/** What a key can be chosen for. */
+/** What a key can be assigned to. */
 export type Control = (typeof CONTROLS)[number];
-/** The codes of the keys for each control; no code stands for two. */
+/** The key codes of each control; no code is assigned twice. */
 export type KeyMap = Readonly<Record<Control, readonly string[]>>;
 
-/** Either hand alone can steer and fire: the arrows, or A, D and W. */
+/** Either hand can steer and fire alone: the arrows, or A, D and W. */
 export const DEFAULT_KEYS: KeyMap = {
   left: ["ArrowLeft", "KeyA"],
   right: ["ArrowRight", "KeyD"],
@@ -29,29 +29,29 @@ const BITS: Readonly<Record<Control, number>> = {
   pause: 0,
 };
 
-/** What a key is for; null if for nothing. */
+/** Returns the control of a key; null if it has none. */
 export function controlOf(keys: KeyMap, code: string): Control | null {
   return CONTROLS.find((control) => keys[control].includes(code)) ?? null;
 }
 
-/** The bit of the game's key that a key holds; 0 for none. */
+/** Returns the protocol bit of a key; 0 for none. */
 export function bitOf(keys: KeyMap, code: string): number {
   const control = controlOf(keys, code);
   return control === null ? 0 : BITS[control];
 }
 
-/** Whether the page must not scroll by a key, because it steers or lies beside those that do. */
+/** Whether a key must not scroll the page: it steers, or lies among those that do. */
 export function isGameKey(keys: KeyMap, code: string): boolean {
   return bitOf(keys, code) !== 0 || code === "ArrowDown";
 }
 
-/** Gives a control one more key, which it is taken from another one for. */
+/** Assigns a key to a control, removing it from any other. */
 export function addKey(keys: KeyMap, control: Control, code: string): KeyMap {
   const without = withoutKey(keys, code);
   return { ...without, [control]: [...without[control], code] };
 }
 
-/** Takes a key from whatever it was for. */
+/** Removes a key from its control. */
 export function withoutKey(keys: KeyMap, code: string): KeyMap {
   const entries = CONTROLS.map((control) => [
     control,
@@ -60,7 +60,7 @@ export function withoutKey(keys: KeyMap, code: string): KeyMap {
   return Object.fromEntries(entries) as KeyMap;
 }
 
-/** Reads a stored choice of keys; null if it is none. */
+/** Validates a stored key map; null if it is invalid. */
 export function readKeyMap(stored: unknown): KeyMap | null {
   if (typeof stored !== "object" || stored === null) return null;
   const all = CONTROLS.map((control) => (stored as Record<string, unknown>)[control]);
@@ -87,16 +87,16 @@ const NAMES: Readonly<Record<string, string>> = {
   Escape: "Esc",
 };
 
-/** What is written on a key, on most keyboards: "A" of "KeyA". */
+/** The label of a key on most keyboards: "A" for "KeyA". */
 export function keyName(code: string): string {
   return NAMES[code] ?? code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num ");
 }
 
-/** The keys (and touch buttons) held at the moment. */
+/** The keys, touch buttons and gamepad buttons currently held. */
 export class HeldKeys {
   private readonly held = new Map<string, number>();
 
-  /** Something named `name` holds keys of the game, such as a key or a finger on a button. */
+  /** Sets the bits that a source, such as a key or a finger, holds; returns whether `bits` changed. */
   hold(name: string, bits: number): boolean {
     const before = this.bits;
     if (bits === 0) this.held.delete(name);
@@ -108,7 +108,7 @@ export class HeldKeys {
     return this.hold(name, 0);
   }
 
-  /** Everything is let go, as when the window loses the keyboard. */
+  /** Releases everything, as when the window loses the focus; returns whether `bits` changed. */
   releaseAll(): boolean {
     const before = this.bits;
     this.held.clear();

@@ -4,23 +4,23 @@ import type { GameStream } from "@/features/play/stream/game-stream";
 
 import { dialogIsOpen } from "./dialogs";
 import { newlyPressed, type PadState, padState } from "./gamepad";
-import { padWishOf, steers, type Wish } from "./intents";
+import { gamepadIntentOf, steers, type Intent } from "./intents";
 import type { HeldKeys } from "./keys";
 
 const NAME = "gamepad";
 
 /**
- * Plays with gamepads, and starts the first game with one. They can only be looked at: once for
- * every frame of the display.
+ * Plays with gamepads, and starts the first game with one. The Gamepad API has no events for
+ * buttons, so they are polled once per display frame.
  *
  * @param stream Null before the first game.
  */
 export function useGamepad(
   stream: GameStream | null,
   held: HeldKeys,
-  onWish: RefObject<(wish: Wish) => void>,
+  onIntent: RefObject<(intent: Intent) => void>,
 ): void {
-  // What is held when a game begins was not pressed in it.
+  // A button held since before the game does not count as pressed in it.
   const before = useRef<PadState | null>(null);
   useEffect(() => {
     if (!("getGamepads" in navigator)) return undefined;
@@ -37,8 +37,8 @@ export function useGamepad(
         if (!now.rewind && last.rewind) stream.release();
       }
       for (const button of newlyPressed(last, now)) {
-        const wish = padWishOf(button, phase, performance.now() - endedAt);
-        if (wish && !dialogIsOpen()) onWish.current(wish);
+        const intent = gamepadIntentOf(button, phase, performance.now() - endedAt);
+        if (intent && !dialogIsOpen()) onIntent.current(intent);
       }
     };
     look();
@@ -46,5 +46,5 @@ export function useGamepad(
       cancelAnimationFrame(request);
       if (held.release(NAME)) stream?.hold(held.bits);
     };
-  }, [stream, held, onWish]);
+  }, [stream, held, onIntent]);
 }

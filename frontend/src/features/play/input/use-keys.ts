@@ -4,14 +4,14 @@ import { readSetting } from "@/features/play/settings/stored";
 import type { GameStream } from "@/features/play/stream/game-stream";
 
 import { dialogIsOpen } from "./dialogs";
-import { steers, type Wish, wishOf } from "./intents";
+import { steers, type Intent, intentOf } from "./intents";
 import { bitOf, controlOf, type HeldKeys, isGameKey, KEYS } from "./keys";
 
-/** Passes keys on to the game, and what else they ask for to where it is done. */
+/** Sends steering keys to the game and reports every other intent. */
 export function useKeys(
   stream: GameStream | null,
   held: HeldKeys,
-  onWish: RefObject<(wish: Wish) => void>,
+  onIntent: RefObject<(intent: Intent) => void>,
 ): void {
   useEffect(() => {
     if (!stream) return undefined;
@@ -19,17 +19,17 @@ export function useKeys(
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream.snapshot();
       const keys = readSetting(KEYS);
-      const wish = wishOf(event, phase, performance.now() - endedAt, keys);
-      if (wish && !(isButton(event.target) && pressesButton(event.code))) {
+      const intent = intentOf(event, phase, performance.now() - endedAt, keys);
+      if (intent && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
-        onWish.current(wish);
+        onIntent.current(intent);
       } else if (steers(phase) && isGameKey(keys, event.code)) {
         event.preventDefault();
         if (held.hold(event.code, bitOf(keys, event.code))) {
           stream.hold(held.bits, event.timeStamp);
         }
       } else if (phase === "ended" && event.repeat && isGameKey(keys, event.code)) {
-        // Still held from the game: it must neither scroll the page nor press a button.
+        // Still held from the game: it must neither scroll the page nor activate a button.
         event.preventDefault();
       }
     };
@@ -37,23 +37,23 @@ export function useKeys(
       if (controlOf(readSetting(KEYS), event.code) === "rewind") stream.release();
       if (held.release(event.code)) stream.hold(held.bits);
     };
-    const letGo = () => {
+    const releaseAll = () => {
       stream.release();
       if (held.releaseAll()) stream.hold(0);
     };
     window.addEventListener("keydown", down);
     window.addEventListener("keyup", up);
-    window.addEventListener("blur", letGo);
+    window.addEventListener("blur", releaseAll);
     return () => {
-      letGo();
+      releaseAll();
       window.removeEventListener("keydown", down);
       window.removeEventListener("keyup", up);
-      window.removeEventListener("blur", letGo);
+      window.removeEventListener("blur", releaseAll);
     };
-  }, [stream, held, onWish]);
+  }, [stream, held, onIntent]);
 }
 
-/** Whether keys are meant for something else: a field, or an open dialog. */
+/** Whether the keyboard belongs to a form control or an open dialog. */
 function isElsewhere(target: EventTarget | null): boolean {
   if (dialogIsOpen()) return true;
   return target instanceof HTMLElement && target.matches("input, textarea, select");

@@ -1,31 +1,31 @@
-/** Small sounds made by the browser itself; not the game's own. */
+/** Sound effects, synthesized in the browser; not the game's own. */
 
-export type SoundName = "shot" | "target" | "stray" | "end";
+type SoundName = "shot" | "target" | "stray" | "end";
 
 /** A tone that glides from one frequency to another. */
 interface Tone {
   readonly wave: OscillatorType;
   readonly fromHz: number;
   readonly toHz: number;
-  readonly afterS: number;
-  readonly lastsS: number;
+  readonly delayS: number;
+  readonly durationS: number;
 }
 
 export const SOUNDS: Readonly<Record<SoundName, readonly Tone[]>> = {
-  shot: [{ wave: "square", fromHz: 900, toHz: 220, afterS: 0, lastsS: 0.09 }],
+  shot: [{ wave: "square", fromHz: 900, toHz: 220, delayS: 0, durationS: 0.09 }],
   target: [
-    { wave: "triangle", fromHz: 660, toHz: 660, afterS: 0, lastsS: 0.08 },
-    { wave: "triangle", fromHz: 990, toHz: 990, afterS: 0.08, lastsS: 0.14 },
+    { wave: "triangle", fromHz: 660, toHz: 660, delayS: 0, durationS: 0.08 },
+    { wave: "triangle", fromHz: 990, toHz: 990, delayS: 0.08, durationS: 0.14 },
   ],
-  stray: [{ wave: "sawtooth", fromHz: 180, toHz: 90, afterS: 0, lastsS: 0.18 }],
-  end: [{ wave: "triangle", fromHz: 440, toHz: 110, afterS: 0, lastsS: 0.5 }],
+  stray: [{ wave: "sawtooth", fromHz: 180, toHz: 90, delayS: 0, durationS: 0.18 }],
+  end: [{ wave: "triangle", fromHz: 440, toHz: 110, delayS: 0, durationS: 0.5 }],
 };
 
 const LOUDNESS = 0.07;
-/** A gain can't fall to nothing exponentially. */
+/** An exponential ramp cannot end at 0. */
 const SILENCE = 0.0001;
 
-/** Plays the sounds, if the browser lets it: before a person has done anything, none does. */
+/** Plays sounds once the browser allows it: audio needs a user gesture first. */
 export class Sounds {
   private readonly context: AudioContext;
 
@@ -35,7 +35,7 @@ export class Sounds {
 
   play(name: SoundName): void {
     if (this.context.state !== "running") {
-      // Played later it would be wrong; the next one may come through.
+      // A late sound would be wrong: skip this one and resume for the next.
       this.context.resume().catch(() => undefined);
       return;
     }
@@ -46,19 +46,19 @@ export class Sounds {
     this.context.close().catch(() => undefined);
   }
 
-  private playTone({ wave, fromHz, toHz, afterS, lastsS }: Tone): void {
+  private playTone({ wave, fromHz, toHz, delayS, durationS }: Tone): void {
     const { context } = this;
-    const begins = context.currentTime + afterS;
-    const ends = begins + lastsS;
+    const start = context.currentTime + delayS;
+    const end = start + durationS;
     const oscillator = context.createOscillator();
     oscillator.type = wave;
-    oscillator.frequency.setValueAtTime(fromHz, begins);
-    oscillator.frequency.exponentialRampToValueAtTime(toHz, ends);
+    oscillator.frequency.setValueAtTime(fromHz, start);
+    oscillator.frequency.exponentialRampToValueAtTime(toHz, end);
     const gain = context.createGain();
-    gain.gain.setValueAtTime(LOUDNESS, begins);
-    gain.gain.exponentialRampToValueAtTime(SILENCE, ends);
+    gain.gain.setValueAtTime(LOUDNESS, start);
+    gain.gain.exponentialRampToValueAtTime(SILENCE, end);
     oscillator.connect(gain).connect(context.destination);
-    oscillator.start(begins);
-    oscillator.stop(ends);
+    oscillator.start(start);
+    oscillator.stop(end);
   }
 }

@@ -2,24 +2,24 @@ import { useEffect } from "react";
 
 import { SOUND } from "@/features/play/settings/settings";
 import { useSetting } from "@/features/play/settings/stored";
-import type { Frames } from "@/features/play/stage/use-screen";
+import type { FrameSource } from "@/features/play/stage/use-screen";
 import type { GameStream } from "@/features/play/stream/game-stream";
 
 import { Sounds } from "./sounds";
 
-/** Whether this browser can make sounds. */
+/** Whether this browser supports Web Audio. */
 export function canSound(): boolean {
   return "AudioContext" in globalThis;
 }
 
-/** Lets shots, hits and the end of a game be heard, if that is wanted. */
-export function useSounds(stream: GameStream | null, frames: Frames): void {
-  const [wanted] = useSetting(SOUND);
+/** Plays a sound for shots, hits and the end of a game, if sound is on. */
+export function useSounds(stream: GameStream | null, frames: FrameSource): void {
+  const [enabled] = useSetting(SOUND);
   useEffect(() => {
-    if (!wanted || !stream || !canSound()) return undefined;
+    if (!enabled || !stream || !canSound()) return undefined;
     const sounds = new Sounds(new AudioContext());
     let before = stream.snapshot();
-    const stopHearing = stream.subscribe(() => {
+    const unsubscribe = stream.subscribe(() => {
       const now = stream.snapshot();
       const hit = now.hits.at(-1);
       const isOn = before.phase === "playing" || before.phase === "stepping";
@@ -30,15 +30,15 @@ export function useSounds(stream: GameStream | null, frames: Frames): void {
       before = now;
     });
     let isLive = false;
-    const stopWatching = frames.watch(({ isShot }) => {
-      // Not before the frame has been acknowledged: a sound may be late, a frame not.
+    const unwatch = frames.watch(({ isShot }) => {
+      // After the frame is acknowledged: a sound may be late, a frame may not.
       if (isLive && isShot) queueMicrotask(() => sounds.play("shot"));
     });
     isLive = true;
     return () => {
-      stopHearing();
-      stopWatching();
+      unsubscribe();
+      unwatch();
       sounds.close();
     };
-  }, [wanted, stream, frames]);
+  }, [enabled, stream, frames]);
 }

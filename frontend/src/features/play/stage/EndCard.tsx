@@ -2,7 +2,7 @@ import { type RefObject, useImperativeHandle } from "react";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
-import type { Wish } from "@/features/play/input/intents";
+import type { Intent } from "@/features/play/input/intents";
 import type { Ended } from "@/features/play/stream/text-messages";
 import { count, FRAME_RATE_HZ, seconds } from "@/lib/format";
 
@@ -10,9 +10,9 @@ import { Overlay } from "./Overlay";
 import styles from "./Overlay.module.css";
 import { useDecision } from "./use-decision";
 
-/** Lets key presses reach the card. */
+/** Executes intents on the card. */
 export interface EndCardHandle {
-  wish: (wish: Wish) => void;
+  execute: (intent: Intent) => void;
 }
 
 interface EndCardProps {
@@ -21,34 +21,34 @@ interface EndCardProps {
   handle: RefObject<EndCardHandle | null>;
   starting: boolean;
   onAgain: () => void;
-  /** Plays on from shortly before the end. */
+  /** Continues from shortly before the end. */
   onRewind: () => void;
 }
 
-/** How a game ended, and what becomes of it. */
+/** How a game ended, with the choice to keep, mark, discard or replay it. */
 export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind }: EndCardProps) {
-  const choice = useDecision(behaviour.id, ended.recording_id);
+  const result = useDecision(behaviour.id, ended.recording_id);
   const failed = ended.verification === "failed";
-  const { decision, perfect, busy } = choice;
+  const { decision, perfect, busy } = result;
 
   function again() {
-    // What is good enough to be played on from is kept: bad games teach, too.
-    choice.keep();
+    // Undecided games are kept: bad games are useful, too.
+    result.keep();
     onAgain();
   }
 
   function rewind() {
-    choice.keep();
+    result.keep();
     onRewind();
   }
 
   useImperativeHandle(handle, () => ({
-    wish: (wish) => {
-      if (wish === "keep") choice.keep();
-      else if (wish === "discard") choice.discard();
-      else if (wish === "perfect") choice.togglePerfect();
-      else if (wish === "again") again();
-      else if (wish === "rewind" && !failed) rewind();
+    execute: (intent) => {
+      if (intent === "keep") result.keep();
+      else if (intent === "discard") result.discard();
+      else if (intent === "perfect") result.togglePerfect();
+      else if (intent === "again") again();
+      else if (intent === "rewind" && !failed) rewind();
     },
   }));
 
@@ -61,15 +61,15 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
         <p>{scoreSentence(ended, behaviour)}</p>
         {failed && (
           <p>
-            A replay didn&rsquo;t give what was recorded: {ended.verification_note} It can&rsquo;t
-            be ranked.
+            A replay didn&rsquo;t reproduce the game: {ended.verification_note} It can&rsquo;t be
+            ranked.
           </p>
         )}
         <p>{decisionSentence(decision, perfect, ended.recording_id)}</p>
       </div>
       <div className={styles.actions}>
         {decision === "open" && (
-          <Button kind="primary" onClick={choice.keep} disabled={busy}>
+          <Button kind="primary" onClick={result.keep} disabled={busy}>
             Keep <kbd>K</kbd>
           </Button>
         )}
@@ -78,12 +78,12 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             <Button
               icon="star"
               aria-pressed={perfect}
-              onClick={choice.togglePerfect}
+              onClick={result.togglePerfect}
               disabled={busy || failed}
             >
               Perfect <kbd>P</kbd>
             </Button>
-            <Button onClick={choice.discard} disabled={busy}>
+            <Button onClick={result.discard} disabled={busy}>
               Discard <kbd>D</kbd>
             </Button>
           </>

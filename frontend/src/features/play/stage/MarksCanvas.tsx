@@ -7,15 +7,15 @@ import { playedBy, thingColour } from "@/lib/things";
 
 import { type Marks, MarksPainter } from "./marks";
 import styles from "./MarksCanvas.module.css";
-import type { Frames } from "./use-screen";
+import type { FrameSource } from "./use-screen";
 
 interface MarksCanvasProps extends Marks {
   size: ScreenSize;
   stream: GameStream;
-  frames: Frames;
+  frames: FrameSource;
 }
 
-/** What is drawn over the game's screen, frame by frame and past React. Its legend says it all. */
+/** Draws the marks over the game's screen, frame by frame and outside React. Decorative. */
 export function MarksCanvas({ size, stream, frames, target, ghost }: MarksCanvasProps) {
   const ref = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -30,8 +30,8 @@ export function MarksCanvas({ size, stream, frames, target, ghost }: MarksCanvas
         ghost: resolveColour(thingColour(playedBy(ghost?.source ?? "person")), stage),
       },
     );
-    return frames.watch((seen) => {
-      if (stream.aliens) painter.show(seen, stream.snapshot().hits, stream.aliens);
+    return frames.watch((info) => {
+      if (stream.aliens) painter.show(info, stream.snapshot().hits, stream.aliens);
     });
   }, [stream, frames, target, ghost]);
   return (

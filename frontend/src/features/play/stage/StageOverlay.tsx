@@ -1,7 +1,7 @@
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { AlienGrid } from "@/components/game/AlienGrid";
-import type { GameState } from "@/features/play/stream/game-stream";
+import type { GameState } from "@/features/play/stream/game-state";
 
 import { Overlay } from "./Overlay";
 import styles from "./Overlay.module.css";
@@ -12,14 +12,14 @@ interface StageOverlayProps {
   starting: boolean;
   error: string | null;
   onStart: () => void;
-  onGoOn: () => void;
+  onResume: () => void;
   onStep: () => void;
   onTakeBack: () => void;
 }
 
-/** What lies over the screen while nobody is playing on it. The end has its own card. */
+/** The overlay on the screen while the game is not being played; for the end see EndCard. */
 export function StageOverlay(props: StageOverlayProps) {
-  const { state, target, starting, error, onStart, onGoOn, onStep, onTakeBack } = props;
+  const { state, target, starting, error, onStart, onResume, onStep, onTakeBack } = props;
   if (!state || state.phase === "gone") {
     const gone = state?.phase === "gone";
     return (
@@ -31,8 +31,8 @@ export function StageOverlay(props: StageOverlayProps) {
         <p>
           {error ??
             (gone
-              ? "Nobody played on for a while, so it ended. What was played of it is kept."
-              : "Everything you do is recorded. Play well, or badly on purpose: both teach.")}
+              ? "It was idle for a while, so it ended. What you played is kept."
+              : "Everything you do is recorded. Play well, or badly on purpose: both are useful.")}
         </p>
         <Button kind="primary" large disabled={starting} onClick={onStart}>
           {starting ? "Starting…" : error ? "Try again" : "Start game"}
@@ -61,8 +61,8 @@ export function StageOverlay(props: StageOverlayProps) {
           <span className={styles.big}>Paused</span>
           <p>{state.why}</p>
           <div className={styles.actions}>
-            <Button kind="primary" large onClick={onGoOn}>
-              Go on
+            <Button kind="primary" large onClick={onResume}>
+              Resume
             </Button>
             <Button large onClick={onStep}>
               One frame <kbd>.</kbd>
@@ -73,22 +73,22 @@ export function StageOverlay(props: StageOverlayProps) {
     case "stepping":
       return (
         <p className={styles.bottomLine} role="status">
-          Frame by frame: <kbd>.</kbd> plays one, <kbd>Enter</kbd> goes on
+          Frame by frame: <kbd>.</kbd> plays one, <kbd>Enter</kbd> resumes
         </p>
       );
     case "rewinding":
       return (
         <p className={styles.bottomLine} role="status">
-          Running back. Let go to play on from here; both ways are kept.
+          Rewinding. Release to play on from here; both versions are kept.
         </p>
       );
     case "lost":
       return (
         <Overlay>
           <span className={styles.big} role="alert">
-            The connection broke
+            Connection lost
           </span>
-          <p>Your game is saved and waits. It goes on as soon as the server answers again.</p>
+          <p>Your game is saved. It continues as soon as the server answers again.</p>
         </Overlay>
       );
     case "full":
@@ -98,8 +98,8 @@ export function StageOverlay(props: StageOverlayProps) {
             All places are taken
           </span>
           <p>
-            Too many games are being played. Stay on this page: yours goes on as soon as one of them
-            ends.
+            Too many games are being played. Stay on this page: yours continues as soon as one of
+            them ends.
           </p>
         </Overlay>
       );
@@ -107,9 +107,9 @@ export function StageOverlay(props: StageOverlayProps) {
       return (
         <Overlay>
           <span className={styles.big} role="alert">
-            Another tab plays this game now
+            This game is open in another tab now
           </span>
-          <p>Each game is played in one place: the newest tab has it.</p>
+          <p>A game can be played in one tab at a time, the newest.</p>
           <Button kind="primary" large onClick={onTakeBack}>
             Play here
           </Button>
@@ -119,9 +119,9 @@ export function StageOverlay(props: StageOverlayProps) {
       return (
         <Overlay>
           <span className={styles.big} role="alert">
-            This browser isn&rsquo;t let in any more
+            This browser is no longer signed in
           </span>
-          <p>Open the address that Tril printed when it started, then come back to go on.</p>
+          <p>Open the address that Tril printed when it started, then come back to continue.</p>
         </Overlay>
       );
     case "playing":

@@ -1,4 +1,4 @@
-/** Draws over the game what helps to play it well; nothing of it is streamed or recorded. */
+/** Visual aids drawn over the game: outlines of the targets and a ghost. Never recorded. */
 import type { Ghost } from "@/api/types";
 import {
   type AlienGeometry,
@@ -6,31 +6,31 @@ import {
   cellsLeft,
   hitsUntil,
 } from "@/features/play/stream/formation";
-import type { SeenFrame } from "@/features/play/stream/game-stream";
+import type { FrameInfo } from "@/features/play/stream/game-stream";
 import type { HitAt } from "@/features/play/stream/text-messages";
 import type { Cell } from "@/lib/game/aliens";
 import { SCREEN_HEIGHT, SCREEN_WIDTH } from "@/lib/game/codec";
 
-/** What is to be drawn; null for nothing. */
+/** The marks to draw; null for none. */
 export interface Marks {
   readonly target: readonly Cell[] | null;
   readonly ghost: Ghost | null;
 }
 
-/** CSS colours. */
-export interface MarkColours {
+/** As CSS colours. */
+interface MarkColours {
   readonly target: string;
   readonly ghost: string;
 }
 
-/** The ghost must not hide the cannon that stands where it does. */
+/** Translucent, so that the ghost does not hide the cannon. */
 const GHOST_ALPHA = 0.5;
 /** The barrel takes the middle three of a cannon's seven parts, above its base of four rows. */
 const BARREL_FROM = 2 / 7;
 const BARREL_WIDTH = 3 / 7;
 const BASE_HEIGHT = 4;
 
-/** Marks on one canvas of the game's own pixels; drawn anew only when something moves. */
+/** Draws marks on a canvas of the game's resolution, redrawn only when something moves. */
 export class MarksPainter {
   private readonly context: CanvasRenderingContext2D;
   private readonly marks: Marks;
@@ -50,28 +50,28 @@ export class MarksPainter {
     this.colours = colours;
   }
 
-  /** Shows the marks of a frame. */
-  show({ frame, formation }: SeenFrame, hits: readonly HitAt[], aliens: AlienGeometry): void {
+  /** Draws the marks of a frame. */
+  show({ frame, formation }: FrameInfo, hits: readonly HitAt[], aliens: AlienGeometry): void {
     const { left, top } = formation;
     const nHits = hitsUntil(hits, frame);
     const cannon = this.marks.ghost?.lefts[frame] ?? null;
-    const stays =
+    const unchanged =
       left === this.left && top === this.top && nHits === this.nHits && cannon === this.cannon;
-    if (stays) return;
+    if (unchanged) return;
     this.left = left;
     this.top = top;
     this.nHits = nHits;
     this.cannon = cannon;
     this.context.clearRect(0, 0, SCREEN_WIDTH, SCREEN_HEIGHT);
     const { target } = this.marks;
-    if (target) this.outline(cellsLeft(target, hits, nHits), formation, aliens);
-    if (cannon !== null) this.haunt(cannon);
+    if (target) this.drawOutlines(cellsLeft(target, hits, nHits), formation, aliens);
+    if (cannon !== null) this.drawGhost(cannon);
   }
 
-  /** Frames aliens, a pixel away from them. */
-  private outline(
+  /** Outlines aliens at a distance of one pixel. */
+  private drawOutlines(
     cells: readonly Cell[],
-    formation: SeenFrame["formation"],
+    formation: FrameInfo["formation"],
     aliens: AlienGeometry,
   ): void {
     const { context } = this;
@@ -83,8 +83,7 @@ export class MarksPainter {
     }
   }
 
-  /** Draws the ghost's cannon. */
-  private haunt(left: number): void {
+  private drawGhost(left: number): void {
     const { context } = this;
     const { ghost } = this.marks;
     if (!ghost) return;

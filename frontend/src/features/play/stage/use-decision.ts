@@ -10,19 +10,19 @@ import {
 } from "@/api/recordings";
 import { useToast } from "@/components/feedback/Toasts";
 
-export type Decision = "open" | "kept" | "discarded";
+type Decision = "open" | "kept" | "discarded";
 
-export interface GameDecision {
+interface GameDecision {
   readonly decision: Decision;
   readonly perfect: boolean;
   readonly busy: boolean;
   keep: () => void;
   discard: () => void;
-  /** Keeps it and marks it as perfect, or takes the mark off again. */
+  /** Marks the game as perfect, keeping it, or removes the mark. */
   togglePerfect: () => void;
 }
 
-/** What becomes of one ended game. */
+/** Whether an ended game is kept, discarded or marked as perfect. */
 export function useDecision(behaviourId: number, recordingId: number): GameDecision {
   const client = useQueryClient();
   const toast = useToast();
@@ -55,11 +55,11 @@ export function useDecision(behaviourId: number, recordingId: number): GameDecis
     change.mutate(async () => {
       await discardRecording(recordingId);
       setDecision("discarded");
-      toast(`Recording ${recordingId} discarded.`, { label: "Undo", run: takeBack });
+      toast(`Recording ${recordingId} discarded.`, { label: "Undo", run: undo });
     });
   }
 
-  function takeBack() {
+  function undo() {
     change.mutate(async () => {
       await restoreRecording(recordingId);
       setDecision("kept");

@@ -7,18 +7,18 @@ import { useSetting } from "@/features/play/settings/stored";
 
 import type { Marks } from "./marks";
 
-/** What is wanted over the game, and whether there is a recording whose ghost could be shown. */
+/** The marks that are switched on, and whether there is a recording to show as a ghost. */
 export function useMarks(behaviour: Behaviour): Marks & { readonly hasGhost: boolean } {
-  const [wantsTargets] = useSetting(SHOW_TARGETS);
-  const [wantsGhost] = useSetting(SHOW_GHOST);
+  const [showTargets] = useSetting(SHOW_TARGETS);
+  const [showGhost] = useSetting(SHOW_GHOST);
   const mayHaveGhost = behaviour.n_ranked > 0 || behaviour.n_perfect > 0;
   const { data: ghost } = useQuery({
     ...ghostQuery(behaviour.id),
-    enabled: wantsGhost && mayHaveGhost,
+    enabled: showGhost && mayHaveGhost,
   });
   return {
-    target: wantsTargets ? behaviour.target : null,
-    ghost: wantsGhost && mayHaveGhost ? (ghost ?? null) : null,
+    target: showTargets ? behaviour.target : null,
+    ghost: showGhost && mayHaveGhost ? (ghost ?? null) : null,
     hasGhost: mayHaveGhost && ghost !== null,
   };
 }

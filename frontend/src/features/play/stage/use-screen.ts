@@ -1,22 +1,22 @@
 import { type RefObject, useCallback, useMemo, useRef } from "react";
 
 import type { ClockHandle } from "@/features/play/hud/Clock";
-import type { GameScreen, SeenFrame } from "@/features/play/stream/game-stream";
+import type { GameScreen, FrameInfo } from "@/features/play/stream/game-stream";
 import type { Palette, ScreenPainter } from "@/lib/game/screen";
 
-type Watcher = (seen: SeenFrame) => void;
+type Watcher = (info: FrameInfo) => void;
 
-/** Tells of the frames as they are shown, past React. */
-export interface Frames {
-  /** Calls back for the frame that is shown now and for each one after it; returns how to stop. */
+/** Notifies of frames as they are shown, outside React. */
+export interface FrameSource {
+  /** Calls back for the current frame and each later one; returns a function that stops. */
   watch: (watcher: Watcher) => () => void;
 }
 
-/** The screen that frames are shown on: the canvas, the clock, and who else watches. */
+/** Shows frames on the canvas and the clock, and notifies watchers. */
 export function useScreen(clock: RefObject<ClockHandle | null>) {
   const painter = useRef<ScreenPainter | null>(null);
   const palette = useRef<Palette | null>(null);
-  const last = useRef<SeenFrame | null>(null);
+  const last = useRef<FrameInfo | null>(null);
   const watchers = useRef(new Set<Watcher>());
   const screen = useMemo<GameScreen>(
     () => ({
@@ -24,16 +24,16 @@ export function useScreen(clock: RefObject<ClockHandle | null>) {
         palette.current = colours;
         painter.current?.setPalette(colours);
       },
-      show: (pixels, seen, maxFrames) => {
+      show: (pixels, info, maxFrames) => {
         painter.current?.draw(pixels);
-        clock.current?.show(seen.frame, maxFrames);
-        last.current = seen;
-        for (const watcher of watchers.current) watcher(seen);
+        clock.current?.show(info.frame, maxFrames);
+        last.current = info;
+        for (const watcher of watchers.current) watcher(info);
       },
     }),
     [clock],
   );
-  const frames = useMemo<Frames>(
+  const frames = useMemo<FrameSource>(
     () => ({
       watch: (watcher) => {
         watchers.current.add(watcher);

@@ -14,20 +14,24 @@ const ACK_TYPE = 2;
 
 export interface FrameMessage {
   readonly isKey: boolean;
-  /** Counts from 1 in each connection. */
+  /** Counts from 1 within a connection. */
   readonly sequence: number;
   /** The game's frame; 0 is the start's screen. */
   readonly frame: number;
-  /** The newest input that a frame of the game was executed with. */
+  /** The newest input that the game had executed by this frame. */
   readonly inputSequence: number;
-  /** Where the aliens stand on this screen. */
+  /** The position of the aliens on this screen. */
   readonly formation: Formation;
-  /** Whether a missile has left the cannon since the screen before. */
+  /** Whether a missile was fired since the previous screen. */
   readonly isShot: boolean;
   readonly payload: Uint8Array;
 }
 
-/** Reads a FRAME message. */
+/**
+ * Reads a FRAME message.
+ *
+ * @throws {CodecError} It is too short, or of another type.
+ */
 export function readFrame(message: ArrayBuffer): FrameMessage {
   if (message.byteLength <= FRAME_HEADER_BYTES) {
     throw new CodecError(`A frame of ${message.byteLength} bytes is too short.`);
@@ -47,7 +51,7 @@ export function readFrame(message: ArrayBuffer): FrameMessage {
   };
 }
 
-/** Writes an INPUT message: the keys held now. */
+/** Writes an INPUT message: the keys currently held. */
 export function writeInput(keys: number, inputSequence: number): ArrayBuffer {
   const message = new ArrayBuffer(8);
   const view = new DataView(message);
@@ -61,7 +65,7 @@ const LATENCY_UNITS_PER_MS = 10;
 const LONGEST_LATENCY = 0xffff;
 
 /**
- * Writes an ACK message: this frame has been drawn.
+ * Writes an ACK message: a frame has been drawn.
  *
  * @param latencyMs Time since the key's event, if it is the first frame drawn with a key pressed.
  */

@@ -1,13 +1,13 @@
-/** Where the aliens of a game stand on its screen, in its pixels. Pure. */
+/** The positions of the aliens on the game's screen, in its pixels. */
 import { type Cell, cellKey, ROWS } from "@/lib/game/aliens";
 
-/** Left edge of the first column and top edge of the top row, of the full grid of 6 by 6. */
+/** Left edge of the first column and top edge of the top row of the full 6x6 grid. */
 export interface Formation {
   readonly left: number;
   readonly top: number;
 }
 
-/** How the server says that the grid is laid out (docs/protocol.md). */
+/** The layout of the grid, as the server sends it (docs/protocol.md). */
 export interface AlienGeometry {
   readonly width: number;
   readonly height: number;
@@ -17,14 +17,14 @@ export interface AlienGeometry {
   readonly row_px: number;
 }
 
-export interface Box {
+interface Box {
   readonly left: number;
   readonly top: number;
   readonly width: number;
   readonly height: number;
 }
 
-/** The box of an alien. */
+/** Returns the bounding box of an alien. */
 export function alienBox([row, column]: Cell, at: Formation, aliens: AlienGeometry): Box {
   return {
     left: at.left + column * aliens.column_px,
@@ -40,14 +40,14 @@ interface TimedHit {
   readonly frame: number;
 }
 
-/** How many of the hits, in order of time, had happened by a frame. */
+/** Counts the hits up to a frame. */
 export function hitsUntil(hits: readonly TimedHit[], frame: number): number {
   let n = 0;
   while (n < hits.length && (hits[n]?.frame ?? 0) <= frame) n += 1;
   return n;
 }
 
-/** The cells that are still there after the first so many hits. */
+/** Returns the cells that remain after the first `nHits` hits. */
 export function cellsLeft(
   cells: readonly Cell[],
   hits: readonly TimedHit[],

@@ -1,62 +1,21 @@
-/** One game as this tab plays it: the connection, its state, and the frames that come. */
+/** The connection of one game: its state, its frames, and what is sent to the server. */
 import { ScreenDecoder } from "@/lib/game/codec";
 import type { Palette } from "@/lib/game/screen";
 
 import { type FrameMessage, readFrame, writeAck, writeInput } from "./binary-messages";
 import type { AlienGeometry } from "./formation";
+import type { GameState, Phase } from "./game-state";
 import { LatencyMeter, type LatencySummary } from "./latency";
-import {
-  CLOSE,
-  type Command,
-  type Ended,
-  type HitAt,
-  type ServerMessage,
-  SPEEDS,
-} from "./text-messages";
+import { CLOSE, type Command, type ServerMessage, SPEEDS } from "./text-messages";
 
-/**
- * connecting: nothing was heard yet. countdown, playing, paused, ended: what the game does.
- * stepping: it is paused and played frame by frame. rewinding: it is run back.
- * lost: the connection broke; it is tried again. full: too many games are open; it is tried again.
- * elsewhere: another tab plays. gone: no such game.
- * refused: this browser isn't let in any more.
- */
-export type Phase =
-  | "connecting"
-  | "countdown"
-  | "playing"
-  | "paused"
-  | "stepping"
-  | "rewinding"
-  | "ended"
-  | "lost"
-  | "full"
-  | "elsewhere"
-  | "gone"
-  | "refused";
+/** What a frame carries besides its screen. */
+export type FrameInfo = Pick<FrameMessage, "frame" | "formation" | "isShot">;
 
-export interface GameState {
-  readonly phase: Phase;
-  /** Whole seconds until it goes on, in the countdown. */
-  readonly seconds: number;
-  readonly hits: readonly HitAt[];
-  /** Why it is paused. */
-  readonly why: string;
-  readonly ended: Ended | null;
-  /** When it ended, by performance.now(). */
-  readonly endedAt: number;
-  /** Percent of 60 frames a second. */
-  readonly speed: number;
-}
-
-/** What is known of a frame besides its picture. */
-export type SeenFrame = Pick<FrameMessage, "frame" | "formation" | "isShot">;
-
-/** What shows the frames; called for each one, outside React. */
+/** Shows the frames; called for each of them, outside React. */
 export interface GameScreen {
   setPalette(palette: Palette): void;
-  /** Palette values, valid during the call; the frame, and how many there are at most. */
-  show(pixels: Uint8Array, seen: SeenFrame, maxFrames: number): void;
+  /** @param pixels Palette values, valid only during the call. */
+  show(pixels: Uint8Array, info: FrameInfo, maxFrames: number): void;
 }
 
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
@@ -79,7 +38,7 @@ export class GameStream {
   private failures = 0;
   private timer: ReturnType<typeof setTimeout> | null = null;
 
-  /** @param speed Percent of 60 frames a second at which a new game is played. */
+  /** @param speed Percent of 60 frames per second to start a new game at. */
   constructor(url: string, screen: GameScreen, speed = FULL_SPEED) {
     this.url = url;
     this.screen = screen;
@@ -101,7 +60,7 @@ export class GameStream {
 
   readonly snapshot = (): GameState => this.state;
 
-  /** Connects, or connects anew (as when another tab had taken the game over). */
+  /** Connects or reconnects, for example to take the game back from another tab. */
   connect(): void {
     this.detach();
     const socket = new WebSocket(this.url);
@@ -110,19 +69,19 @@ export class GameStream {
     this.decoder = new ScreenDecoder();
     socket.addEventListener("message", ({ data }: MessageEvent<ArrayBuffer | string>) => {
       try {
-        if (typeof data === "string") this.hear(JSON.parse(data) as ServerMessage);
-        else this.see(socket, data);
+        if (typeof data === "string") this.onMessage(JSON.parse(data) as ServerMessage);
+        else this.onFrame(socket, data);
       } catch {
-        // What can't be read breaks the chain of differences: a new connection starts a new one.
+        // Each frame builds on the last, so an unreadable one takes a new connection.
         socket.close();
       }
     });
     socket.addEventListener("close", ({ code }) => {
-      if (this.socket === socket) this.closed(code);
+      if (this.socket === socket) this.onClose(code);
     });
   }
 
-  /** Sets the keys held now, since an event at a time by performance.now(). */
+  /** Sets the keys held, as of an event at a time by `performance.now()`. */
   hold(keys: number, atMs = performance.now()): void {
     if (keys === this.keys) return;
     const pressed = (keys & ~this.keys) !== 0;
@@ -133,26 +92,26 @@ export class GameStream {
     if (pressed && timed) this.latency.press(this.inputSequence, atMs);
   }
 
-  /** How the aliens are laid out on the screen; null before the server has said it. */
+  /** The layout of the grid of aliens; null until the server has sent it. */
   get aliens(): AlienGeometry | null {
     return this.geometry;
   }
 
-  /** How late this game was seen so far. */
+  /** Input latency and dropped frames so far. */
   latencySummary(): LatencySummary {
     return this.latency.summary();
   }
 
   command(type: Command): void {
-    this.say({ type });
+    this.send({ type });
   }
 
-  /** Plays on at another speed. */
+  /** Changes the speed. */
   setSpeed(percent: number): void {
     if (percent === this.state.speed) return;
     this.latency.forget();
     this.update({ speed: percent });
-    this.say({ type: "speed", percent });
+    this.send({ type: "speed", percent });
   }
 
   /** Plays one frame of a paused game. */
@@ -162,17 +121,7 @@ export class GameStream {
     this.command("step");
   }
 
-  /** Leaves the game; the server keeps it as it stands. */
-  leave(): void {
-    this.detach();
-    this.listeners.clear();
-  }
-
-  private say(message: object): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
-  }
-
-  /** Runs the game back until `release`, or as long as the connection holds. */
+  /** Rewinds the game until `release` or a disconnection. */
   rewind(): void {
     if (!REWINDABLE.has(this.state.phase)) return;
     this.latency.forget();
@@ -180,9 +129,19 @@ export class GameStream {
     this.command("rewind");
   }
 
-  /** The game goes on from where it was run back to. */
+  /** Ends rewinding; the game continues from there. */
   release(): void {
     if (this.state.phase === "rewinding") this.command("release");
+  }
+
+  /** Disconnects; the server keeps the game. */
+  leave(): void {
+    this.detach();
+    this.listeners.clear();
+  }
+
+  private send(message: object): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
   private sendKeys(): void {
@@ -191,7 +150,7 @@ export class GameStream {
     this.socket.send(writeInput(this.keys, this.inputSequence));
   }
 
-  private see(socket: WebSocket, data: ArrayBuffer): void {
+  private onFrame(socket: WebSocket, data: ArrayBuffer): void {
     const message = readFrame(data);
     this.decoder.apply(message.payload, message.isKey);
     this.screen.show(this.decoder.pixels, message, this.maxFrames);
@@ -202,7 +161,7 @@ export class GameStream {
     socket.send(writeAck(message.sequence, latency));
   }
 
-  private hear(message: ServerMessage): void {
+  private onMessage(message: ServerMessage): void {
     switch (message.type) {
       case "hello":
         this.failures = 0;
@@ -247,12 +206,12 @@ export class GameStream {
     }
   }
 
-  /** Asks for this page's speed, if the game has another one. */
+  /** Requests this page's speed if the game has another. */
   private keepSpeed(percent: number): void {
-    if (percent !== this.state.speed) this.say({ type: "speed", percent: this.state.speed });
+    if (percent !== this.state.speed) this.send({ type: "speed", percent: this.state.speed });
   }
 
-  private closed(code: number): void {
+  private onClose(code: number): void {
     this.socket = null;
     if (this.state.phase === "ended") return;
     switch (code) {
@@ -290,21 +249,4 @@ export class GameStream {
     this.state = { ...this.state, ...change };
     this.listeners.forEach((listener) => listener());
   }
-}
-
-/** The address of a game's stream. The id is new with every load: a copied tab is another tab. */
-export function streamUrl(streamPath: string, tab: string): string {
-  const url = new URL(streamPath, location.href);
-  url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
-  url.searchParams.set("tab", tab);
-  return url.href;
-}
-
-/** A random id of a tab. `crypto.randomUUID` exists only on secure origins. */
-export function newTabId(): string {
-  const bytes = crypto.getRandomValues(new Uint8Array(16));
-  bytes[6] = ((bytes[6] ?? 0) & 0x0f) | 0x40;
-  bytes[8] = ((bytes[8] ?? 0) & 0x3f) | 0x80;
-  const hex = Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
-  return hex.replace(/^(.{8})(.{4})(.{4})(.{4})(.{12})$/, "$1-$2-$3-$4-$5");
 }

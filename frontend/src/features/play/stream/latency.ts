@@ -1,14 +1,13 @@
-/** How late a person sees what their keys do. Pure. */
+/** Measures input latency and dropped frames. */
 
-/** How a game was seen so far. */
 export interface LatencySummary {
-  /** How many presses were timed. */
+  /** Number of presses timed. */
   readonly presses: number;
-  /** From a key's event to the drawing of the first frame with it, in ms; null without presses. */
+  /** From a key event to drawing the first frame that shows it, in ms; null without presses. */
   readonly p50Ms: number | null;
   readonly p95Ms: number | null;
   readonly drawn: number;
-  /** Frames of the game that were never drawn. */
+  /** Number of frames that were never drawn. */
   readonly dropped: number;
 }
 
@@ -17,32 +16,32 @@ interface Press {
   readonly atMs: number;
 }
 
-/** Times presses, and counts the frames that were drawn and left out. */
+/** Times key presses and counts drawn and dropped frames. */
 export class LatencyMeter {
   private readonly samples: number[] = [];
-  private waiting: Press[] = [];
+  private pending: Press[] = [];
   private lastFrame: number | null = null;
   private drawn = 0;
   private dropped = 0;
 
-  /** A key went down at a time by performance.now(), and was sent as this input. */
+  /** Records a key press, by `performance.now()`, that was sent as an input. */
   press(sequence: number, atMs: number): void {
-    this.waiting.push({ sequence, atMs });
+    this.pending.push({ sequence, atMs });
   }
 
-  /** The game stands still or the connection is new: what waits is not timed. */
+  /** Drops pending presses: the game is paused or the connection new. */
   forget(): void {
-    this.waiting = [];
+    this.pending = [];
     this.lastFrame = null;
   }
 
   /**
-   * A frame was drawn.
+   * Records that a frame was drawn.
    *
    * @param frame Its number in the game.
-   * @param inputSequence The newest input that it was executed with.
+   * @param inputSequence The newest input executed by then.
    * @param nowMs The time by performance.now().
-   * @returns The milliseconds since the earliest press that it is the first to show, or null.
+   * @returns Milliseconds since the earliest press that it is the first to show; null if none.
    */
   show(frame: number, inputSequence: number, nowMs: number): number | null {
     if (this.lastFrame !== null) {
@@ -50,9 +49,9 @@ export class LatencyMeter {
       this.dropped += Math.max(0, frame - this.lastFrame - 1);
     }
     this.lastFrame = frame;
-    const [first] = this.waiting;
+    const [first] = this.pending;
     if (!first || first.sequence > inputSequence) return null;
-    this.waiting = this.waiting.filter(({ sequence }) => sequence > inputSequence);
+    this.pending = this.pending.filter(({ sequence }) => sequence > inputSequence);
     const latency = Math.max(0, nowMs - first.atMs);
     this.samples.push(latency);
     return latency;
@@ -70,7 +69,7 @@ export class LatencyMeter {
   }
 }
 
-/** The smallest value that so large a share of the sorted values does not exceed. */
+/** Returns the nearest-rank percentile of sorted values. */
 function nearestRank(sorted: readonly number[], share: number): number | null {
   return sorted[Math.max(0, Math.ceil(share * sorted.length) - 1)] ?? null;
 }

@@ -35,7 +35,7 @@ interface Paused {
   readonly why: string;
 }
 
-/** The game goes on from an earlier frame; `recording_id` is the game as it was before. */
+/** The game continues from an earlier frame; `recording_id` is the abandoned version. */
 interface Rewound {
   readonly type: "rewound";
   readonly frame: number;
@@ -63,10 +63,10 @@ interface TakenOver {
 export type ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver;
 export type Command = "ready" | "stop" | "pause" | "go_on" | "step" | "rewind" | "release";
 
-/** Percent of 60 frames a second, the fastest first. */
+/** Percent of 60 frames per second, fastest first. */
 export const SPEEDS = [100, 75, 50, 25] as const;
 
-/** Codes with which the server closes a stream. */
+/** Close codes of the server. */
 export const CLOSE = {
   tryAgainLater: 1013,
   takenOver: 4001,

@@ -4,15 +4,17 @@ import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from "
 import { isNotFound } from "@/api/client";
 import { FRAME_RATE_HZ } from "@/lib/format";
 
-import { type GameScreen, type GameState, GameStream, newTabId, streamUrl } from "./game-stream";
+import type { GameState } from "./game-state";
+import { type GameScreen, GameStream } from "./game-stream";
 import { createGame, createGameFrom, getGame } from "./games";
+import { newTabId, streamUrl } from "./tab";
 import type { Ended } from "./text-messages";
 
 const TAB = newTabId();
 const NO_GAME = () => () => undefined;
 
-/** Where this tab remembers the game it plays, so that a reload goes on with it. */
-function memoryKey(behaviourId: number): string {
+/** The session storage key of the tab's game, which a reload rejoins. */
+function storageKey(behaviourId: number): string {
   return `tril.game.${behaviourId}`;
 }
 
@@ -22,15 +24,13 @@ export interface PlayedGame {
   readonly stream: GameStream | null;
   readonly starting: boolean;
   readonly error: unknown;
-  /** Begins a new game. */
+  /** Starts a new game. */
   start: () => void;
-  /** Begins a game that goes on from shortly before the end of another one. */
-  goOnFrom: (ended: Ended) => void;
-  /** Back to before the first game. */
-  clear: () => void;
+  /** Starts a game that continues another from shortly before its end. */
+  continueFrom: (ended: Ended) => void;
 }
 
-/** Plays games of a behaviour, one after the other, on one screen. */
+/** Plays games of a behaviour on one screen, one after the other. */
 export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
   const [stream, setStream] = useState<GameStream | null>(null);
   const current = useRef<GameStream | null>(null);
@@ -50,13 +50,13 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
 
   const create = useMutation({
     mutationFn: (from: Ended | null) =>
-      from ? createGameFrom(from.recording_id, lastChanceOf(from)) : createGame(behaviourId),
+      from ? createGameFrom(from.recording_id, resumeFrameOf(from)) : createGame(behaviourId),
     onSuccess: (game) => play(game.id, game.stream_path),
   });
 
-  // A game that a reload interrupted goes on.
+  // Rejoin the game that a reload interrupted.
   useEffect(() => {
-    const gameId = sessionStorage.getItem(memoryKey(behaviourId));
+    const gameId = sessionStorage.getItem(storageKey(behaviourId));
     let stale = false;
     if (gameId) {
       getGame(gameId).then(
@@ -84,12 +84,6 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
     if (phase === "ended" || phase === "gone") forget(behaviourId);
   }, [behaviourId, phase]);
 
-  const clear = useCallback(() => {
-    current.current?.leave();
-    current.current = null;
-    setStream(null);
-  }, []);
-
   return {
     state,
     stream,
@@ -98,32 +92,31 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
     start: () => {
       if (!create.isPending) create.mutate(null);
     },
-    goOnFrom: (ended) => {
+    continueFrom: (ended) => {
       if (!create.isPending) create.mutate(ended);
     },
-    clear,
   };
 }
 
-const CHANCE_FRAMES = 2 * FRAME_RATE_HZ;
+const RESUME_FRAMES = 2 * FRAME_RATE_HZ;
 
-/** From which frame an ended game can be played on, in time to do something else. */
-export function lastChanceOf({ frame }: Pick<Ended, "frame">): number {
-  return Math.max(0, frame - CHANCE_FRAMES);
+/** Returns the frame to resume an ended game from, early enough to act differently. */
+export function resumeFrameOf({ frame }: Pick<Ended, "frame">): number {
+  return Math.max(0, frame - RESUME_FRAMES);
 }
 
 function remember(behaviourId: number, gameId: string): void {
   try {
-    sessionStorage.setItem(memoryKey(behaviourId), gameId);
+    sessionStorage.setItem(storageKey(behaviourId), gameId);
   } catch {
-    // Storage is closed: a reload begins anew, and the interrupted game stays on the server.
+    // Without storage a reload starts over; the interrupted game stays on the server.
   }
 }
 
 function forget(behaviourId: number): void {
   try {
-    sessionStorage.removeItem(memoryKey(behaviourId));
+    sessionStorage.removeItem(storageKey(behaviourId));
   } catch {
-    // Storage is closed, so there is nothing to forget.
+    // Without storage there is nothing to forget.
   }
 }

@@ -19,19 +19,19 @@ import { useDropPlace } from "./DragBoard";
 import { gapPlace, tierPlace, TRAY } from "./places";
 import { type Move, RankCard } from "./RankCard";
 
-export interface BoardProps {
+interface BoardProps {
   tiers: Tiers;
   recordings: ReadonlyMap<number, Recording>;
   behaviour: Behaviour;
-  looked: number | null;
-  /** Whether there is no room for a preview beside the board. */
+  previewed: number | null;
+  /** Whether the page is too narrow for a preview beside the board. */
   narrow: boolean;
-  onLook: (id: number) => void;
+  onPreview: (id: number) => void;
   onMove: (id: number, move: Move) => void;
   onPerfect: (recording: Recording) => void;
 }
 
-/** What a button on a card does to the order. */
+/** Applies a card's button to the order. */
 export function applyMove(tiers: Tiers, id: number, move: Move): Tiers {
   switch (move) {
     case "up":
@@ -49,7 +49,7 @@ export function applyMove(tiers: Tiers, id: number, move: Move): Tiers {
   }
 }
 
-/** The moves that would change something for a recording. */
+/** Returns the moves that would change something for a recording. */
 function possibleMoves(tiers: Tiers, id: number): ReadonlySet<Move> {
   const at = tierOf(tiers, id);
   if (at < 0) return new Set<Move>(["up", "new"]);
@@ -62,7 +62,7 @@ function possibleMoves(tiers: Tiers, id: number): ReadonlySet<Move> {
   return new Set(moves);
 }
 
-/** The tiers from best to worst. */
+/** The tiers, best first. */
 export function Board(props: BoardProps) {
   const { tiers } = props;
   if (tiers.length === 0) return <EmptyBoard />;
@@ -71,7 +71,7 @@ export function Board(props: BoardProps) {
       <ol className={styles.tiers} aria-label="Tiers, best first">
         {tiers.map((tier, index) => (
           <li
-            // A tier is known by what is in it, so that cards keep their focus when it moves.
+            // Keyed by its content, so that cards keep the focus when the tier moves.
             key={`of-${Math.min(...tier)}`}
             aria-label={`Tier ${index + 1} of ${tiers.length}, ${count(tier.length, "recording")}`}
           >
@@ -118,7 +118,7 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
   );
 }
 
-/** The recordings in no tier. */
+/** The unranked recordings. */
 export function Tray(props: BoardProps & { unranked: readonly number[] }) {
   const { unranked } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
@@ -139,7 +139,7 @@ export function Tray(props: BoardProps & { unranked: readonly number[] }) {
 }
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
-  const { tiers, recordings, behaviour, looked, narrow, onLook, onMove, onPerfect } = props;
+  const { tiers, recordings, behaviour, previewed, narrow, onPreview, onMove, onPerfect } = props;
   const recording = recordings.get(id);
   if (!recording) return null;
   return (
@@ -149,12 +149,12 @@ function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
         behaviour={behaviour}
         place={placeName}
         ranked={placeName !== TRAY}
-        looked={looked === id}
-        unfolded={looked === id && narrow}
+        previewed={previewed === id}
+        unfolded={previewed === id && narrow}
         possible={possibleMoves(tiers, id)}
         onMove={(move) => onMove(id, move)}
         onPerfect={() => onPerfect(recording)}
-        onLook={() => onLook(id)}
+        onPreview={() => onPreview(id)}
       />
     </div>
   );

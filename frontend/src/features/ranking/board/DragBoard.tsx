@@ -1,4 +1,4 @@
-/** Dragging things into places, by mouse, finger and keyboard: all that touches dnd-kit. */
+/** Drag and drop by mouse, touch and keyboard; the only module that uses dnd-kit. */
 import {
   type Announcements,
   closestCenter,
@@ -22,19 +22,19 @@ import { type ReactNode, useMemo, useRef, useState } from "react";
 import styles from "./DragBoard.module.css";
 
 const MOUSE = { activationConstraint: { distance: 5 } };
-// A short hold, so that a finger can still scroll the page.
+// A short delay, so that touch can still scroll the page.
 const TOUCH = { activationConstraint: { delay: 180, tolerance: 8 } };
 const MEASURING = { droppable: { strategy: MeasuringStrategy.Always } };
 const INSTRUCTIONS = {
   draggable:
-    "Press space to pick it up, the up and down arrow keys to choose a place, space to drop it " +
-    "there, Escape to leave it where it was.",
+    "Press space to pick it up, the up and down arrow keys to choose a place, space to drop it, " +
+    "Escape to cancel.",
 };
 
 interface DragBoardProps {
-  /** All places, in the order in which the arrow keys go through them. */
+  /** All drop targets, in the order of the arrow keys. */
   places: readonly string[];
-  /** Places that reach a little over their neighbours, such as the gaps between tiers. */
+  /** Whether a place, such as the gap between two tiers, extends over its neighbours. */
   isThin: (place: string) => boolean;
   nameOfItem: (item: string) => string;
   nameOfPlace: (place: string) => string;
@@ -43,11 +43,11 @@ interface DragBoardProps {
   children: ReactNode;
 }
 
-/** What things are dragged in. */
+/** Context for draggable items and drop places. */
 export function DragBoard(props: DragBoardProps) {
   const { places, isThin, nameOfItem, nameOfPlace, onDrop, renderDragged, children } = props;
   const [dragged, setDragged] = useState<string | null>(null);
-  /** The place chosen by arrow keys; it decides, wherever the thing is drawn. */
+  /** The place chosen by arrow key, which takes precedence over where the item is drawn. */
   const chosen = useRef<string | null>(null);
   const hasMoved = useRef(false);
 
@@ -85,9 +85,9 @@ export function DragBoard(props: DragBoardProps) {
       onDragOver: ({ active, over }) => {
         const first = !hasMoved.current;
         hasMoved.current = true;
-        // That it is still where it was picked up would drown that it was picked up.
+        // Announcing its own place at once would interrupt the announcement of the pick-up.
         if (first && over?.id === placeOf(active.data.current)) return undefined;
-        return over ? `Over ${nameOfPlace(String(over.id))}.` : "Over no place.";
+        return over ? `Over ${nameOfPlace(String(over.id))}.` : "Not over a place.";
       },
       onDragEnd: ({ active, over }) =>
         over
@@ -112,7 +112,7 @@ export function DragBoard(props: DragBoardProps) {
       onDragStart={({ active, activatorEvent }) => {
         setDragged(String(active.id));
         hasMoved.current = false;
-        // The arrow keys begin at the place that the thing comes from.
+        // The arrow keys start from the item's own place.
         chosen.current =
           activatorEvent instanceof KeyboardEvent ? placeOf(active.data.current) : null;
       }}
@@ -134,7 +134,7 @@ function placeOf(data: Record<string, unknown> | undefined): string | null {
   return typeof data?.place === "string" ? data.place : null;
 }
 
-/** How far a thin place reaches over its neighbours. */
+/** How far a thin place extends over its neighbours. */
 const REACH_PX = 13;
 
 function thinUnder(
@@ -153,7 +153,7 @@ function thinUnder(
   return null;
 }
 
-/** Something that can be dragged: from anywhere on it by mouse or finger, by key at its handle. */
+/** Makes an item draggable: anywhere by mouse or touch, by keyboard at its handle. */
 export function useDragItem(item: string, place: string) {
   const { attributes, listeners, setNodeRef, setActivatorNodeRef, isDragging } = useDraggable({
     id: item,
@@ -168,7 +168,7 @@ export function useDragItem(item: string, place: string) {
   };
 }
 
-/** A place where things can be dropped. */
+/** Makes an element a drop place. */
 export function useDropPlace(place: string) {
   const { setNodeRef, isOver } = useDroppable({ id: place });
   return { setPlace: setNodeRef, isOver };

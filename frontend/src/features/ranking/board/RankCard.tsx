@@ -4,10 +4,10 @@ import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { AlienGrid } from "@/components/game/AlienGrid";
-import { RecordingScreen, useLookedAt } from "@/components/recording/RecordingScreen";
+import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { classes } from "@/lib/classes";
-import { courseInWords, hitCells, recordingName, scoreInWords } from "@/lib/recordings";
+import { describeCourse, hitCells, recordingName, describeScore } from "@/lib/recordings";
 
 import { useDragItem } from "./DragBoard";
 import styles from "./RankCard.module.css";
@@ -17,40 +17,40 @@ export type Move = "up" | "down" | "join" | "new" | "tray";
 interface RankCardProps {
   recording: Recording;
   behaviour: Behaviour;
-  /** The place it is in, for the arrow keys to begin at. */
+  /** The place it is in, where the arrow keys start. */
   place: string;
   ranked: boolean;
-  looked: boolean;
-  /** Whether it plays in the card itself, where there is no room for a preview beside. */
+  previewed: boolean;
+  /** Whether it plays inside the card, for want of a preview beside the board. */
   unfolded: boolean;
   /** Moves that would change something. */
   possible: ReadonlySet<Move>;
   onMove: (move: Move) => void;
   onPerfect: () => void;
-  onLook: () => void;
+  onPreview: () => void;
 }
 
 const SCREEN = { width: 320, height: 210 } as const;
 
 /** A recording on the board: dragged, or moved by its buttons. */
 export function RankCard(props: RankCardProps) {
-  const { recording, behaviour, place, looked, unfolded, onLook } = props;
+  const { recording, behaviour, place, previewed, unfolded, onPreview } = props;
   const { setItem, setHandle, listeners, descriptionId, isDragging } = useDragItem(
     String(recording.id),
     place,
   );
-  const [, look] = useLookedAt(onLook);
+  const [, hover] = useHover(onPreview);
   const name = recordingName(recording);
   return (
-    // A finger's tap shows it in the preview, as the focus of its buttons does by key.
+    // A tap shows it in the preview; focusing its buttons does the same by keyboard.
     // eslint-disable-next-line jsx-a11y/click-events-have-key-events, jsx-a11y/no-noninteractive-element-interactions
     <article
       ref={setItem}
       aria-label={name}
       data-recording={recording.id}
-      className={classes(styles.card, looked && styles.looked, isDragging && styles.lifted)}
-      onClick={onLook}
-      {...look}
+      className={classes(styles.card, previewed && styles.previewed, isDragging && styles.lifted)}
+      onClick={onPreview}
+      {...hover}
       {...listeners}
     >
       <button
@@ -75,7 +75,7 @@ export function RankCard(props: RankCardProps) {
   );
 }
 
-/** What a card says, also while it is dragged. */
+/** The card as it is shown while dragged. */
 export function CardBody({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }) {
   return (
     <div className={styles.card}>
@@ -102,8 +102,8 @@ function Facts({
           <h3>{recordingName(recording)}</h3>
           <SourceBadge recording={recording} />
         </div>
-        <span>{scoreInWords(recording, behaviour.target?.length ?? null)}</span>
-        <span className={styles.quiet}>{courseInWords(recording)}</span>
+        <span>{describeScore(recording, behaviour.target?.length ?? null)}</span>
+        <span className={styles.quiet}>{describeCourse(recording)}</span>
       </div>
     </>
   );
@@ -136,7 +136,7 @@ function Buttons({
         filled={recording.perfect}
         className={styles.star}
         label={
-          recording.perfect ? `${name} is perfect. Take the mark off` : `Mark ${name} as perfect`
+          recording.perfect ? `${name} is perfect. Remove the mark` : `Mark ${name} as perfect`
         }
         aria-pressed={recording.perfect}
         onClick={onPerfect}
@@ -147,7 +147,7 @@ function Buttons({
           icon={icon}
           data-move={move}
           label={`${label}: ${name}`}
-          // Stays focusable when it has nothing more to do: the focus must not get lost.
+          // Not `disabled`, which would lose the focus.
           aria-disabled={!possible.has(move)}
           onClick={() => {
             if (possible.has(move)) onMove(move);

@@ -1,4 +1,4 @@
-/** Names of the board's places, as dragging knows them. */
+/** Names of the board's drop places. */
 import type { Place, Tiers } from "@/features/ranking/order/order";
 
 export const TRAY = "tray";
@@ -11,7 +11,7 @@ export function gapPlace(before: number): string {
   return `gap-${before}`;
 }
 
-/** All places, from best to worst and then the tray: the order of the arrow keys. */
+/** Returns all places from best to worst, then the tray: the order of the arrow keys. */
 export function allPlaces(tiers: Tiers): readonly string[] {
   const places = tiers.flatMap((_, tier) => [gapPlace(tier), tierPlace(tier)]);
   return [...places, gapPlace(tiers.length), TRAY];
@@ -21,15 +21,15 @@ export function isGap(place: string): boolean {
   return place.startsWith("gap-");
 }
 
-/** What a place's name means. */
+/** Parses the name of a place. */
 export function readPlace(place: string): Place {
   if (place === TRAY) return { kind: "tray" };
   const number = Number(place.slice(place.indexOf("-") + 1));
   return isGap(place) ? { kind: "gap", before: number } : { kind: "tier", tier: number };
 }
 
-/** A place in words, for announcements. */
-export function placeInWords(place: string, tiers: Tiers): string {
+/** Describes a place, for announcements. */
+export function describePlace(place: string, tiers: Tiers): string {
   const to = readPlace(place);
   if (to.kind === "tray") return "unranked";
   if (to.kind === "tier") {

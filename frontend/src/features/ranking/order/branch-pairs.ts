@@ -1,19 +1,19 @@
-/** Pairs of recordings of which one goes on from the other. Pure. */
+/** Pairs of recordings of which one branches off the other. */
 import type { Recording } from "@/api/types";
 
 import { place, tierOf, type Tiers } from "./order";
 
-/** Two ways to go on from the same moment of a game. */
+/** Two continuations of a game from the same frame. */
 export interface BranchPair {
   readonly before: Recording;
   readonly after: Recording;
-  /** The frame up to which they are the same. */
+  /** The frame up to which they are identical. */
   readonly frame: number;
 }
 
 export type Verdict = "after" | "before" | "equal";
 
-/** The pairs that can be ranked and of which at least one isn't yet, the newest first. */
+/** Returns the rankable pairs with at least one unranked recording, newest first. */
 export function openPairs(
   tiers: Tiers,
   unranked: readonly number[],
@@ -31,8 +31,8 @@ export function openPairs(
 }
 
 /**
- * Puts a pair in order. What is ranked already stays where it is, and the other one goes right
- * beside it; if neither is, both go to the end.
+ * Ranks a pair. A recording that is ranked already stays where it is and the other goes next to
+ * it; if neither is, both go to the end.
  */
 export function judge(tiers: Tiers, { before, after }: BranchPair, verdict: Verdict): Tiers {
   const [better, worse] = verdict === "before" ? [before.id, after.id] : [after.id, before.id];

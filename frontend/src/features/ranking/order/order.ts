@@ -1,29 +1,29 @@
 /**
- * Changes of an order. Pure: tiers go in, tiers come out, best tier first; no tier is ever empty
- * and no recording is in two of them. Recordings in no tier are unranked.
+ * Pure functions that change an order. Tiers are listed best first; none is empty, and no recording
+ * is in two of them. Recordings in no tier are unranked.
  */
 
 export type Tiers = readonly (readonly number[])[];
 
-/** Where a recording can be put; numbers refer to the tiers as they are before. */
+/** Where to put a recording; indices refer to the tiers before the change. */
 export type Place =
-  /** Into a tier, tied with those in it. */
+  /** Into a tier, tied with its recordings. */
   | { readonly kind: "tier"; readonly tier: number }
-  /** Into a new tier before this one; the number of tiers means: at the end. */
+  /** Into a new tier before this index; the number of tiers means at the end. */
   | { readonly kind: "gap"; readonly before: number }
   | { readonly kind: "tray" };
 
-/** The tier a recording is in; -1 if it is unranked. */
+/** Returns the index of a recording's tier; -1 if it is unranked. */
 export function tierOf(tiers: Tiers, id: number): number {
   return tiers.findIndex((tier) => tier.includes(id));
 }
 
-/** Puts a recording into a place, wherever it was. */
+/** Moves a recording to a place. */
 export function place(tiers: Tiers, id: number, to: Place): Tiers {
   const without = tiers.map((tier) => tier.filter((other) => other !== id));
   if (to.kind === "tier") {
     const changed = without.map((tier, index) => (index === to.tier ? [...tier, id] : tier));
-    // Where it already was, nothing moves.
+    // Its own tier: no change.
     return tierOf(tiers, id) === to.tier ? tiers : withoutEmpty(changed);
   }
   if (to.kind === "gap") {
@@ -36,7 +36,7 @@ function withoutEmpty(tiers: Tiers): Tiers {
   return tiers.filter((tier) => tier.length > 0);
 }
 
-/** One up: out of a tie to just above it, or past the tier above. */
+/** Moves a recording up: out of a tie to just above it, or past the tier above. */
 export function moveUp(tiers: Tiers, id: number): Tiers {
   const at = tierOf(tiers, id);
   if (at < 0) return tiers;
@@ -44,7 +44,7 @@ export function moveUp(tiers: Tiers, id: number): Tiers {
   return at === 0 ? tiers : place(tiers, id, { kind: "gap", before: at - 1 });
 }
 
-/** One down: out of a tie to just below it, or past the tier below. */
+/** Moves a recording down: out of a tie to just below it, or past the tier below. */
 export function moveDown(tiers: Tiers, id: number): Tiers {
   const at = tierOf(tiers, id);
   if (at < 0) return tiers;
@@ -52,25 +52,25 @@ export function moveDown(tiers: Tiers, id: number): Tiers {
   return at === tiers.length - 1 ? tiers : place(tiers, id, { kind: "gap", before: at + 2 });
 }
 
-/** Into the tier above, tied with those in it. */
+/** Ties a recording with the tier above. */
 export function joinAbove(tiers: Tiers, id: number): Tiers {
   const at = tierOf(tiers, id);
   return at <= 0 ? tiers : place(tiers, id, { kind: "tier", tier: at - 1 });
 }
 
-/** Into a tier of its own, just below those it was tied with; an unranked one at the end. */
+/** Gives a recording a tier of its own: below those it was tied with, or last if unranked. */
 export function newTier(tiers: Tiers, id: number): Tiers {
   const at = tierOf(tiers, id);
   if (at < 0) return place(tiers, id, { kind: "gap", before: tiers.length });
   return isTied(tiers, id) ? place(tiers, id, { kind: "gap", before: at + 1 }) : tiers;
 }
 
-/** Whether others are in the same tier. */
+/** Whether a recording shares its tier. */
 export function isTied(tiers: Tiers, id: number): boolean {
   return (tiers[tierOf(tiers, id)]?.length ?? 0) > 1;
 }
 
-/** How many pairs (better, worse) an order implies. */
+/** Counts the preference pairs that an order implies. */
 export function pairCount(tiers: Tiers): number {
   let above = 0;
   let pairs = 0;
@@ -81,7 +81,7 @@ export function pairCount(tiers: Tiers): number {
   return pairs;
 }
 
-/** Whether two orders put the same recordings into the same tiers. */
+/** Whether two orders have the same tiers. */
 export function sameOrder(a: Tiers, b: Tiers): boolean {
   return (
     a.length === b.length &&
@@ -93,8 +93,8 @@ export function sameOrder(a: Tiers, b: Tiers): boolean {
 }
 
 /**
- * The recordings that were moved between two orders: the few without which both orders agree
- * about all the others, and those that only one of them ranks.
+ * Returns the recordings that moved between two orders: those that only one of them ranks, and,
+ * greedily, the few without which the orders agree on all others.
  */
 export function movedBetween(a: Tiers, b: Tiers): ReadonlySet<number> {
   const all = new Set([...a.flat(), ...b.flat()]);

@@ -3,7 +3,7 @@ import { queryOptions } from "@tanstack/react-query";
 import { api, ProblemError, unwrap } from "@/api/client";
 import type { Ranking } from "@/api/types";
 
-export type Tiers = readonly (readonly number[])[];
+import type { Tiers } from "./order";
 
 function at(behaviourId: number) {
   return { params: { path: { behaviour_id: behaviourId } } };
@@ -17,7 +17,11 @@ export function rankingQuery(behaviourId: number) {
   });
 }
 
-/** Saves an order that was made from a revision; throws RankingConflictError if it is old. */
+/**
+ * Saves an order based on a revision.
+ *
+ * @throws {RankingConflictError} The revision is outdated.
+ */
 export async function saveRanking(
   behaviourId: number,
   baseRevision: number,
@@ -35,7 +39,7 @@ export async function saveRanking(
   }
 }
 
-/** Takes the last change back, or makes it again. */
+/** Undoes or redoes the last change. */
 export async function stepRanking(
   behaviourId: number,
   baseRevision: number,
@@ -53,7 +57,7 @@ export async function stepRanking(
   }
 }
 
-/** Somebody else saved first. */
+/** Another tab or person saved first. */
 export class RankingConflictError extends Error {
   override name = "RankingConflictError";
   readonly current: Ranking;

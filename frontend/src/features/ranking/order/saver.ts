@@ -1,8 +1,7 @@
 /**
- * Saves an order as it is changed: shown at once, sent one after the other, each on the revision
- * that it was made from. However slow saving is, each change becomes a revision of its own, so that
- * undo takes back one change at a time; only where saving fails, the last one alone is sent again.
- * Knows neither React nor HTTP.
+ * Saves an order as it changes: shown at once, saved in sequence, each change on the revision
+ * before it. However slow saving is, each change becomes its own revision, so that undo reverts one
+ * at a time; only if saving fails is the last one alone sent again. Independent of React and HTTP.
  */
 import { sameOrder, type Tiers } from "./order";
 
@@ -16,32 +15,32 @@ export interface Revision {
 
 export interface SaverState {
   readonly saved: Revision;
-  /** What is shown: what was last done, saved or not. */
+  /** The order shown, saved or not. */
   readonly tiers: Tiers;
   readonly saving: boolean;
-  /** Why the last save failed; what was done is still shown and can be sent again. */
+  /** Why the last save failed; the order is still shown and can be saved again. */
   readonly error: unknown;
-  /** What somebody else saved meanwhile. */
+  /** What was saved elsewhere in the meantime. */
   readonly conflict: Revision | null;
 }
 
-export interface SaverDoors {
+export interface RankingBackend {
   save(baseRevision: number, tiers: Tiers): Promise<Revision>;
   step(baseRevision: number, step: "undo" | "redo"): Promise<Revision>;
-  /** What stands instead, if the error says that somebody else saved first. */
+  /** Returns the current revision if an error is a conflict, else null. */
   conflictOf(error: unknown): Revision | null;
 }
 
 export class RankingSaver {
   private state: SaverState;
-  private readonly doors: SaverDoors;
+  private readonly backend: RankingBackend;
   private readonly listeners = new Set<() => void>();
-  /** The orders that are not saved yet, the newest last. */
-  private wanted: Tiers[] = [];
+  /** Orders not saved yet, newest last. */
+  private pending: Tiers[] = [];
   private work: Promise<void> | null = null;
 
-  constructor(saved: Revision, doors: SaverDoors) {
-    this.doors = doors;
+  constructor(saved: Revision, backend: RankingBackend) {
+    this.backend = backend;
     this.state = { saved, tiers: saved.tiers, saving: false, error: null, conflict: null };
   }
 
@@ -52,49 +51,49 @@ export class RankingSaver {
 
   readonly snapshot = (): SaverState => this.state;
 
-  /** Shows an order and saves it. Until a conflict is settled, nothing is changed. */
+  /** Shows an order and saves it; ignored while a conflict is unresolved. */
   change(tiers: Tiers): void {
     if (this.state.conflict || sameOrder(tiers, this.state.tiers)) return;
-    // What was refused may never be taken: what is done about it takes its place.
-    if (this.state.error !== null) this.wanted = [tiers];
-    else this.wanted.push(tiers);
+    // A refused order may never be accepted, so the new one replaces it.
+    if (this.state.error !== null) this.pending = [tiers];
+    else this.pending.push(tiers);
     this.update({ tiers, error: null });
     this.run();
   }
 
-  /** Sends again what could not be saved. */
+  /** Saves again after an error. */
   retry(): void {
     this.update({ error: null });
     this.run();
   }
 
-  /** Takes the last change back or makes it again, after all that is still to be saved. */
+  /** Undoes or redoes the last change, after saving what is pending. */
   async step(step: "undo" | "redo"): Promise<void> {
     while (this.work) await this.work;
-    if (this.state.conflict || this.wanted.length > 0) return;
+    if (this.state.conflict || this.pending.length > 0) return;
     this.work = this.saveStep(step).finally(() => {
       this.work = null;
-      if (this.wanted.length > 0 && !this.state.conflict) this.run();
+      if (this.pending.length > 0 && !this.state.conflict) this.run();
     });
     await this.work;
   }
 
-  /** The server's ranking was read again: shown unless something is still to be saved. */
+  /** Takes over the server's ranking, unless a save is pending. */
   receive(saved: Revision): void {
-    if (this.wanted.length > 0 || this.work || this.state.conflict) return;
+    if (this.pending.length > 0 || this.work || this.state.conflict) return;
     if (saved.revision < this.state.saved.revision) return;
     this.update({ saved, tiers: saved.tiers });
   }
 
-  /** Settles a conflict: the other order stays, or this one replaces it. */
+  /** Resolves a conflict: keeps the other order, or replaces it by this one. */
   settle(whose: "theirs" | "mine"): void {
     const { conflict, tiers } = this.state;
     if (!conflict) return;
     if (whose === "theirs") {
-      this.wanted = [];
+      this.pending = [];
       this.update({ saved: conflict, tiers: conflict.tiers, conflict: null });
     } else {
-      this.wanted = [tiers];
+      this.pending = [tiers];
       this.update({ saved: conflict, conflict: null });
       this.run();
     }
@@ -109,10 +108,10 @@ export class RankingSaver {
 
   private async saveAll(): Promise<void> {
     this.update({ saving: true });
-    for (let sent = this.wanted[0]; sent; sent = this.wanted[0]) {
+    for (let sent = this.pending[0]; sent; sent = this.pending[0]) {
       try {
-        const saved = await this.doors.save(this.state.saved.revision, sent);
-        this.wanted.shift();
+        const saved = await this.backend.save(this.state.saved.revision, sent);
+        this.pending.shift();
         this.update({ saved });
       } catch (error) {
         this.refused(error);
@@ -125,13 +124,13 @@ export class RankingSaver {
   private async saveStep(step: "undo" | "redo"): Promise<void> {
     this.update({ saving: true, error: null });
     try {
-      const saved = await this.doors.step(this.state.saved.revision, step);
-      if (this.wanted.length > 0) this.update({ saved });
+      const saved = await this.backend.step(this.state.saved.revision, step);
+      if (this.pending.length > 0) this.update({ saved });
       else this.update({ saved, tiers: saved.tiers });
     } catch (error) {
-      const conflict = this.doors.conflictOf(error);
-      // There is nothing of one's own to lose: what stands is shown.
-      if (conflict && this.wanted.length === 0)
+      const conflict = this.backend.conflictOf(error);
+      // No local change is lost, so show the current revision.
+      if (conflict && this.pending.length === 0)
         this.update({ saved: conflict, tiers: conflict.tiers });
       else this.refused(error);
     }
@@ -139,13 +138,13 @@ export class RankingSaver {
   }
 
   private refused(error: unknown): void {
-    const conflict = this.doors.conflictOf(error);
+    const conflict = this.backend.conflictOf(error);
     if (!conflict) {
-      // What was refused may never be taken; what is shown has to be.
-      this.wanted = this.wanted.slice(-1);
+      // Refused orders may never be accepted; keep only the one shown.
+      this.pending = this.pending.slice(-1);
       this.update({ error });
     } else if (sameOrder(conflict.tiers, this.state.tiers)) {
-      this.wanted = [];
+      this.pending = [];
       this.update({ saved: conflict });
     } else {
       this.update({ conflict });

@@ -6,14 +6,14 @@ import type { Ranking } from "@/api/types";
 import { RankingConflictError, rankingQuery, saveRanking, stepRanking } from "./rankings";
 import { RankingSaver, type SaverState } from "./saver";
 
-/** The ranking as it is shown, and what changes it. */
+/** Returns the state of the ranking and its saver. */
 export function useRankingSaver(ranking: Ranking): [SaverState, RankingSaver] {
   const client = useQueryClient();
   const behaviourId = ranking.behaviour_id;
   const [saver] = useState(() => {
     const { queryKey } = rankingQuery(behaviourId);
-    const noted = async (answer: Promise<Ranking>): Promise<Ranking> => {
-      // An answer that is still on its way could be older than this one.
+    const cached = async (answer: Promise<Ranking>): Promise<Ranking> => {
+      // A response still in flight could be older than this one.
       await client.cancelQueries({ queryKey });
       const saved = await answer;
       client.setQueryData(queryKey, saved);
@@ -21,8 +21,8 @@ export function useRankingSaver(ranking: Ranking): [SaverState, RankingSaver] {
       return saved;
     };
     return new RankingSaver(ranking, {
-      save: (base, tiers) => noted(saveRanking(behaviourId, base, tiers)),
-      step: (base, step) => noted(stepRanking(behaviourId, base, step)),
+      save: (base, tiers) => cached(saveRanking(behaviourId, base, tiers)),
+      step: (base, step) => cached(stepRanking(behaviourId, base, step)),
       conflictOf: (error) => (error instanceof RankingConflictError ? error.current : null),
     });
   });

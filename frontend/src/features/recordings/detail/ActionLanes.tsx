@@ -3,12 +3,12 @@ import { memo, useSyncExternalStore } from "react";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./ActionLanes.module.css";
-import { actionInWords, lanesOf } from "./actions";
+import { describeAction, lanesOf } from "./actions";
 
 const LANE_HEIGHT = 8;
 const LANE_GAP = 3;
 
-/** Which keys were held along time, and the action that led to the present frame. */
+/** The keys held over time, and the action that led to the current frame. */
 export function ActionLanes({
   playback,
   actions,
@@ -27,7 +27,7 @@ export function ActionLanes({
         height={height}
         preserveAspectRatio="none"
         role="img"
-        aria-label="Keys held along time: left, right and fire from top to bottom"
+        aria-label="Keys held over time: left, right and fire from top to bottom"
       >
         <Lanes actions={actions} last={last} />
         <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={height} />
@@ -35,7 +35,7 @@ export function ActionLanes({
       <p className={styles.legend}>
         <span>Held: left, right, fire from top to bottom</span>
         <span>
-          Action of frame {frame}: <strong>{actionInWords(actions, frame)}</strong>
+          Action of frame {frame}: <strong>{describeAction(actions, frame)}</strong>
         </span>
       </p>
     </div>

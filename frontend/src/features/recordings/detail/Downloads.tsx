@@ -17,7 +17,7 @@ const CLIPS: readonly (readonly [kind: ClipKind, name: string, hint: string])[] 
   ["webp", "WebP", "20 pictures a second, smaller"],
 ];
 
-/** What a recording can be taken away as. */
+/** Downloads a recording as a clip or as data. */
 export function Downloads({ recording }: { recording: Recording }) {
   const [making, setMaking] = useState<ClipKind | null>(null);
   const [error, setError] = useState<unknown>(null);
@@ -54,7 +54,7 @@ export function Downloads({ recording }: { recording: Recording }) {
         </a>
       </div>
       <p className={styles.hint} role="status">
-        {making !== null && "The game is played again and encoded; this takes some seconds."}
+        {making !== null && "The game is replayed and encoded; this takes some seconds."}
       </p>
       {error !== null && (
         <Notice tone="bad" live>

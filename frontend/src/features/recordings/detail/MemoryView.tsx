@@ -12,7 +12,7 @@ import styles from "./MemoryView.module.css";
 
 const BYTES_PER_LINE = 16;
 
-/** The console's memory at the present frame, folded away until it is asked for. */
+/** The console's memory at the current frame, collapsed by default. */
 export function MemoryView({ playback, course }: { playback: Playback; course: RecordingCourse }) {
   const [open, setOpen] = useState(false);
   return (
@@ -21,7 +21,7 @@ export function MemoryView({ playback, course }: { playback: Playback; course: R
       open={open}
       onToggle={(event) => setOpen(event.currentTarget.open)}
     >
-      <summary>Memory of the console</summary>
+      <summary>Console memory</summary>
       {open && <Memory playback={playback} course={course} />}
     </details>
   );
@@ -67,7 +67,7 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
             ))}
           </tbody>
         </table>
-        <table className={styles.names} aria-label="Known places in the memory">
+        <table className={styles.names} aria-label="Known addresses">
           <tbody>
             {course.memory_names.map(({ address, name }) => (
               <tr key={address}>

@@ -1,6 +1,6 @@
-/** The actions of a recording's frames, in words and as spans of time. */
+/** Names of a recording's actions, and the spans in which each key was held. */
 
-/** As the exchange format counts them; a press of two keys is one action. */
+/** Indexed as in the exchange format; two keys together are one action. */
 const ACTION_NAMES = [
   "nothing",
   "fire",
@@ -14,29 +14,29 @@ const FIRING: ReadonlySet<number> = new Set([1, 4, 5]);
 const RIGHT: ReadonlySet<number> = new Set([2, 4]);
 const LEFT: ReadonlySet<number> = new Set([3, 5]);
 
-/** What was held, from which frame to which; both are executed with it. */
-export interface Span {
+/** A range of frames, both ends included. */
+interface Span {
   readonly from: number;
   readonly to: number;
 }
 
-export interface Lane {
+interface Lane {
   readonly name: string;
   readonly spans: readonly Span[];
 }
 
 /**
- * The action that led to a frame, in words.
+ * Names the action that led to a frame.
  *
  * @param actions `actions[f]` was executed in frame f + 1.
  */
-export function actionInWords(actions: readonly number[], frame: number): string {
+export function describeAction(actions: readonly number[], frame: number): string {
   if (frame <= 0) return "the start";
   const action = actions[frame - 1];
   return action === undefined ? "none" : (ACTION_NAMES[action] ?? `action ${action}`);
 }
 
-/** When each key was held. */
+/** Returns the spans in which each key was held. */
 export function lanesOf(actions: readonly number[]): readonly Lane[] {
   return [
     { name: "left", spans: spansOf(actions, LEFT) },

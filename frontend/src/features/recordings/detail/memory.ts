@@ -2,14 +2,14 @@
 
 export const RAM_SIZE = 128;
 
-export interface MemoryByte {
+interface MemoryByte {
   readonly address: number;
   readonly value: number;
-  /** Whether it is another one than a frame before. */
+  /** Whether it differs from the previous frame's. */
   readonly changed: boolean;
 }
 
-/** What is in the RAM at a frame; frames outside the recording are the nearest in it. */
+/** Returns the RAM at a frame, clamped to the recording. */
 export function memoryAt(memory: Uint8Array, frame: number): readonly MemoryByte[] {
   const last = Math.floor(memory.length / RAM_SIZE) - 1;
   const at = Math.min(Math.max(frame, 0), last) * RAM_SIZE;
@@ -23,7 +23,7 @@ export function memoryAt(memory: Uint8Array, frame: number): readonly MemoryByte
   });
 }
 
-/** "0a": a byte as the RAM's table shows it. */
+/** Formats a byte in hexadecimal: "0a". */
 export function hex(value: number): string {
   return value.toString(16).padStart(2, "0");
 }

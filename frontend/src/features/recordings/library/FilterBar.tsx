@@ -26,10 +26,10 @@ const ORDER_NAMES: Readonly<Record<Filter["order"], string>> = {
   shots: "Fewest shots first",
 };
 const MOST_STRAYS = 5;
-/** Hits to choose from where there is no target to count. */
+/** Choices for the number of hits without a target. */
 const MOST_HITS = 12;
 
-/** Which recordings are shown, and in which order. */
+/** Filters and sorts the recordings. */
 export function FilterBar({
   filter,
   recordings,
@@ -48,20 +48,20 @@ export function FilterBar({
   const set = (change: Partial<Filter>) => onChange({ ...filter, ...change });
   return (
     <div className={styles.filters} role="group" aria-label="Filters">
-      <Choice
+      <Select
         label="Show"
         value={filter.show}
         options={SHOWN.map((one) => [one, SHOW_NAMES[one]])}
         onChange={(show) => set({ show })}
       />
-      <Choice
+      <Select
         label="Played by"
         value={filter.source ?? ANY}
         options={[[ANY, "Anybody"], ...SOURCES.map((one) => [one, SOURCE_NAMES[one]] as const)]}
         onChange={(source) => set({ source: source === ANY ? null : source })}
       />
       {(players.length > 1 || filter.player !== null) && (
-        <Choice
+        <Select
           label="Player"
           value={filter.player ?? ANY}
           options={[
@@ -73,7 +73,7 @@ export function FilterBar({
           onChange={(player) => set({ player: player === ANY ? null : player })}
         />
       )}
-      <Choice
+      <Select
         label={behaviour.target ? "Targets" : "Aliens"}
         value={numbered(filter.hits)}
         options={[
@@ -83,7 +83,7 @@ export function FilterBar({
         onChange={(hits) => set({ hits: numberOf(hits) })}
       />
       {behaviour.target && (
-        <Choice
+        <Select
           label="Strays"
           value={numbered(filter.strays)}
           options={[
@@ -94,7 +94,7 @@ export function FilterBar({
           onChange={(strays) => set({ strays: numberOf(strays) })}
         />
       )}
-      <Choice
+      <Select
         label="Replay"
         value={filter.verified ?? ANY}
         options={[
@@ -103,7 +103,7 @@ export function FilterBar({
         ]}
         onChange={(verified) => set({ verified: verified === ANY ? null : verified })}
       />
-      <Choice
+      <Select
         label="Order"
         value={filter.order}
         options={ORDERS.map((one) => [one, ORDER_NAMES[one]])}
@@ -122,7 +122,7 @@ export function FilterBar({
   );
 }
 
-/** Stands for no choice; no player is called so, since names are not empty. */
+/** No restriction; not a player's name, since names are not empty. */
 const ANY = "";
 
 function numbered(n: number | null): string {
@@ -133,13 +133,13 @@ function numberOf(text: string): number | null {
   return text === ANY ? null : Number(text);
 }
 
-/** 1 to most, and the present one if an address asks for more. */
+/** Returns 1 to `most`, and the current value if an address asks for more. */
 function upTo(most: number, present: number | null): number[] {
   const all = Array.from({ length: most }, (_, index) => index + 1);
   return present !== null && present > most ? [...all, present] : all;
 }
 
-function Choice<T extends string>({
+function Select<T extends string>({
   label,
   value,
   options,
@@ -151,7 +151,7 @@ function Choice<T extends string>({
   onChange: (value: T) => void;
 }) {
   return (
-    <label className={styles.choice}>
+    <label className={styles.select}>
       <span>{label}</span>
       <select
         className={styles.filter}

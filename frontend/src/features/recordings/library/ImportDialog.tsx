@@ -13,14 +13,14 @@ import { bytes, count } from "@/lib/format";
 
 import styles from "./ImportDialog.module.css";
 
-/** Takes recordings from a file, replays each, and says which were refused and why. */
+/** Imports recordings from a file and reports which were refused and why. */
 export function ImportDialog({
   behaviourId,
   dropped,
   onClose,
 }: {
   behaviourId: number;
-  /** A file that was dropped on the page. */
+  /** The file that was dropped on the page, if any. */
   dropped: File | null;
   onClose: () => void;
 }) {
@@ -59,8 +59,7 @@ export function ImportDialog({
           if (file) send.mutate(file);
         }}
       >
-        {/* Dropping is beside the file input, which does the same by key. */}
-        {}
+        {/* Dropping has a keyboard equivalent, the file input. */}
         <div
           className={classes(styles.drop, over && styles.over)}
           onDragOver={(event) => {
@@ -109,7 +108,7 @@ export function ImportDialog({
             </Button>
           ) : (
             <Button kind="primary" type="submit" disabled={!file || send.isPending}>
-              {send.isPending ? "Replaying them…" : "Import"}
+              {send.isPending ? "Replaying…" : "Import"}
             </Button>
           )}
         </div>

@@ -10,7 +10,7 @@ import { Icon } from "@/components/controls/Icon";
 import { Failed, Loading } from "@/components/feedback/States";
 import { count } from "@/lib/format";
 
-import { chosen, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
+import { filtered, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
 import { FilterBar } from "./FilterBar";
 import styles from "./Library.module.css";
 import { RecordingCard } from "./RecordingCard";
@@ -18,14 +18,14 @@ import { NOTHING, selectedOf, toggled } from "./selection";
 import { SelectionBar } from "./SelectionBar";
 
 interface LibraryProps {
-  /** Those that are not deleted. */
+  /** Without deleted ones. */
   recordings: readonly Recording[];
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
   onImport: () => void;
 }
 
-/** The recordings as a grid: which are shown stands in the address, any may be selected. */
+/** The grid of recordings, with filters kept in the address and a selection. */
 export function Library({ recordings, behaviour, onWatch, onImport }: LibraryProps) {
   const [search, setSearch] = useSearchParams();
   const filter = useMemo(() => readFilter(search), [search]);
@@ -82,7 +82,7 @@ function Deleted(props: Omit<GridProps, "recordings">) {
 
 function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
   const [selection, setSelection] = useState(NOTHING);
-  const shown = useMemo(() => chosen(recordings, filter), [recordings, filter]);
+  const shown = useMemo(() => filtered(recordings, filter), [recordings, filter]);
   const ids = useMemo(() => shown.map(({ id }) => id), [shown]);
   const select = useCallback(
     ({ id }: Recording, range: boolean) =>
@@ -93,7 +93,7 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
   if (shown.length === 0) {
     return (
       <p className={styles.none}>
-        None of the recordings is like that.{" "}
+        No recording matches the filters.{" "}
         {isNarrow(filter) && (
           <Button onClick={() => onClear({ ...EVERYTHING, order: filter.order })}>Show all</Button>
         )}

@@ -3,14 +3,14 @@ import { Link } from "react-router";
 
 import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
-import { RecordingScreen, useLookedAt } from "@/components/recording/RecordingScreen";
+import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { LatencyBadge, PaceBadge, VerifiedBadge } from "@/features/recordings/badges";
 import { ColumnBars } from "@/features/recordings/ColumnBars";
 import { NotesDialog } from "@/features/recordings/NotesDialog";
 import { classes } from "@/lib/classes";
-import { courseInWords, recordingName, scoreInWords } from "@/lib/recordings";
+import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
 
 import styles from "./RecordingCard.module.css";
 
@@ -22,17 +22,16 @@ interface RecordingCardProps {
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
   selected: boolean;
-  /** `range`: with all between it and the one pressed before. */
+  /** With `range`, the selection extends from the last card selected. */
   onSelect: (recording: Recording, range: boolean) => void;
 }
 
 /**
- * One recording: its picture, how it went, and what can be done with it. Drawn anew only when it
- * changes: a library may hold a thousand.
+ * A recording with its thumbnail, result and actions. Memoized: a library may hold a thousand.
  */
 export const RecordingCard = memo(function RecordingCard(props: RecordingCardProps) {
   const { recording, behaviour, onWatch, selected, onSelect } = props;
-  const [looked, look] = useLookedAt();
+  const [hovered, hover] = useHover();
   const name = recordingName(recording);
   return (
     <article className={classes(styles.card, selected && styles.selected)} aria-label={name}>
@@ -41,11 +40,11 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
         className={styles.screen}
         aria-label={`Watch ${name}`}
         onClick={() => onWatch(recording)}
-        {...look}
+        {...hover}
       >
         <RecordingScreen
           recording={recording}
-          playing={looked}
+          playing={hovered}
           width={SCREEN_WIDTH_PX}
           height={SCREEN_HEIGHT_PX}
         />
@@ -67,12 +66,12 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
           <h3>
             <Link to={`/recordings/${recording.id}`}>{name}</Link>
           </h3>
-          <Marks recording={recording} name={name} />
+          <Actions recording={recording} name={name} />
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
-            <strong>{scoreInWords(recording, behaviour.target?.length ?? null)}</strong>
-            <span>{courseInWords(recording)}</span>
+            <strong>{describeScore(recording, behaviour.target?.length ?? null)}</strong>
+            <span>{describeCourse(recording)}</span>
           </div>
           <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
         </div>
@@ -88,8 +87,8 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
   );
 });
 
-/** What can be done with one; a deleted one can only be restored. */
-function Marks({ recording, name }: { recording: Recording; name: string }) {
+/** The actions on a recording; a deleted one can only be restored. */
+function Actions({ recording, name }: { recording: Recording; name: string }) {
   const [writing, setWriting] = useState(false);
   const actions = useRecordingActions(recording.behaviour_id);
   if (recording.deleted) {
@@ -105,7 +104,7 @@ function Marks({ recording, name }: { recording: Recording; name: string }) {
     <>
       <IconButton
         icon="star"
-        label={recording.perfect ? "Perfect. Take the mark off" : "Mark as perfect"}
+        label={recording.perfect ? "Perfect. Remove the mark" : "Mark as perfect"}
         aria-pressed={recording.perfect}
         filled={recording.perfect}
         className={recording.perfect ? styles.starOn : undefined}

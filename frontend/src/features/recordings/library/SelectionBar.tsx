@@ -9,10 +9,10 @@ import { count } from "@/lib/format";
 
 import styles from "./SelectionBar.module.css";
 
-/** Most that are changed or exported at once; the server takes no more. */
+/** The server's limit on recordings changed or exported at once. */
 const MOST = 500;
 
-/** What can be done with the selected recordings. */
+/** Actions on the selected recordings. */
 export function SelectionBar({
   behaviour,
   shown,
@@ -52,7 +52,7 @@ export function SelectionBar({
             Select none
           </Button>
           {selected.length > MOST ? (
-            <span className={styles.count}>At most {MOST} are changed at once.</span>
+            <span className={styles.count}>At most {MOST} can be changed at once.</span>
           ) : deleted ? (
             <Button icon="undo" onClick={() => change("restore")}>
               Restore
@@ -63,7 +63,7 @@ export function SelectionBar({
                 icon="star"
                 onClick={() => change(allPerfect ? "unmark_perfect" : "mark_perfect")}
               >
-                {allPerfect ? "Take the perfect marks off" : "Mark as perfect"}
+                {allPerfect ? "Remove the perfect marks" : "Mark as perfect"}
               </Button>
               <a
                 className={buttonStyles.button}

@@ -1,4 +1,4 @@
-/** Which recordings the library shows, in which order, and how an address says so. */
+/** The library's filter and order, and how the address encodes them. */
 import type { Recording } from "@/api/types";
 
 export const SHOWN = ["all", "perfect", "ranked", "unranked", "deleted"] as const;
@@ -11,7 +11,7 @@ export interface Filter {
   readonly source: (typeof SOURCES)[number] | null;
   readonly player: string | null;
   readonly verified: (typeof VERIFIED)[number] | null;
-  /** At least so many targets hit; aliens, where there is no target. */
+  /** At least so many target hits, or hits if there is no target. */
   readonly hits: number | null;
   /** At most so many strays. */
   readonly strays: number | null;
@@ -28,7 +28,7 @@ export const EVERYTHING: Filter = {
   order: "newest",
 };
 
-/** What an address asks for; what makes no sense in it is passed over. */
+/** Reads the filter from an address, ignoring invalid values. */
 export function readFilter(search: URLSearchParams): Filter {
   return {
     show: oneOf(SHOWN, search.get("show")) ?? EVERYTHING.show,
@@ -41,7 +41,7 @@ export function readFilter(search: URLSearchParams): Filter {
   };
 }
 
-/** An address's part for a filter; what is as usual is left out. */
+/** Encodes a filter for an address, omitting defaults. */
 export function writeFilter(filter: Filter): URLSearchParams {
   const search = new URLSearchParams();
   for (const key of Object.keys(EVERYTHING) as (keyof Filter)[]) {
@@ -51,13 +51,13 @@ export function writeFilter(filter: Filter): URLSearchParams {
   return search;
 }
 
-/** Whether something is left out, however the rest is ordered. */
+/** Whether a filter excludes anything. */
 export function isNarrow(filter: Filter): boolean {
   return writeFilter({ ...filter, order: EVERYTHING.order }).size > 0;
 }
 
-/** The recordings that a filter lets through, in its order. */
-export function chosen(recordings: readonly Recording[], filter: Filter): Recording[] {
+/** Returns the recordings that match a filter, in its order. */
+export function filtered(recordings: readonly Recording[], filter: Filter): Recording[] {
   return recordings.filter((one) => fits(one, filter)).sort(COMPARE[filter.order]);
 }
 

@@ -1,17 +1,17 @@
-/** Which recordings are selected, as pure functions on the list that is shown. */
+/** Pure functions for the selection in a list of recordings. */
 
-export interface Selection {
+interface Selection {
   readonly ids: ReadonlySet<number>;
-  /** The one pressed last: where a range begins. */
+  /** The last one toggled, where a range begins. */
   readonly anchor: number | null;
 }
 
 export const NOTHING: Selection = { ids: new Set(), anchor: null };
 
 /**
- * Takes one in or out; with `range`, all from the one pressed last to this one become like it.
+ * Toggles a recording; with `range`, sets all from the last one toggled to the same state.
  *
- * @param shown Ids in the order in which they are shown.
+ * @param shown Ids in display order.
  */
 export function toggled(
   { ids, anchor }: Selection,
@@ -31,7 +31,7 @@ export function toggled(
   return { ids: next, anchor: id };
 }
 
-/** The selected ones that are shown, in the order shown: nothing happens to what isn't seen. */
+/** Returns the selected ids that are shown, in display order: hidden ones are never affected. */
 export function selectedOf(selection: Selection, shown: readonly number[]): number[] {
   return shown.filter((id) => selection.ids.has(id));
 }

@@ -23,7 +23,7 @@ interface AttentionProps {
   onWatch: (watched: Watched) => void;
 }
 
-/** What the reward model looks at, from its lowest state to its highest. */
+/** Attention maps of the reward model, from the state of lowest R to that of highest. */
 export function Attention({ results, onWatch }: AttentionProps) {
   const recordings = useMemo(
     () => new Map(results.check?.returns.map(({ recording }) => [recording.id, recording])),

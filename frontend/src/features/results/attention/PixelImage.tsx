@@ -1,7 +1,7 @@
 import styles from "@/components/game/GameCanvas.module.css";
 import { type ScreenSize, useScreenSize } from "@/lib/game/use-screen-size";
 
-/** A picture of the game's screen at whole multiples of its pixels, in a box of CSS pixels. */
+/** A screenshot of the game at an integer scale, fitted into a box of CSS pixels. */
 export function ScreenImage({
   src,
   alt,
@@ -17,7 +17,7 @@ export function ScreenImage({
   return <img className={styles.canvas} src={src} alt={alt} style={{ ...size }} loading="lazy" />;
 }
 
-/** A square picture of so many pixels a side, each drawn as `scale` by `scale`. */
+/** A square image, each of its pixels drawn as `scale` by `scale`. */
 export function SquareImage({
   src,
   alt,

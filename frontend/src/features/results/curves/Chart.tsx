@@ -21,22 +21,22 @@ export interface Curve {
 interface ChartProps {
   title: string;
   curves: readonly Curve[];
-  /** How a value is written. */
+  /** Formats a value. */
   format?: (value: number) => string;
-  /** Bounds of a y axis of shares; other axes follow the values. */
+  /** Bounds of a y axis of shares; other axes fit the values. */
   range?: readonly [number, number] | undefined;
-  /** How the marks of the x axis are written: as steps, unless told otherwise. */
+  /** Formats the ticks of the x axis; as steps by default. */
   xLabels?: XLabels;
-  /** Charts of one key show their cursor at the same step. */
+  /** Charts with the same key share their cursor. */
   syncKey: string;
 }
 
-/** Writes the marks of an axis. */
+/** Formats the ticks of an axis. */
 export type XLabels = (ticks: readonly number[]) => string[];
 
 const HEIGHT_PX = 170;
 
-/** Curves over steps, with their values at the cursor or else the last ones. */
+/** A line chart; the legend shows the values at the cursor, or else the last ones. */
 export function Chart(props: ChartProps) {
   const { title, curves, format = measured, range, xLabels = stepLabels, syncKey } = props;
   const titleId = useId();
@@ -46,7 +46,7 @@ export function Chart(props: ChartProps) {
   const [theme, setTheme] = useState(0);
   const data = useMemo(() => align(curves.map(({ points }) => points)), [curves]);
   const latest = useRef(data);
-  const looks = JSON.stringify(curves.map(({ name, colour, dashed }) => [name, colour, dashed]));
+  const lines = JSON.stringify(curves.map(({ name, colour, dashed }) => [name, colour, dashed]));
   const bounds = JSON.stringify(range ?? null);
 
   useEffect(() => onThemeChange(() => setTheme((count) => count + 1)), []);
@@ -57,7 +57,7 @@ export function Chart(props: ChartProps) {
     const chart = new uPlot(
       optionsOf({
         width: element.clientWidth,
-        looks,
+        lines,
         bounds,
         xLabels,
         syncKey,
@@ -76,7 +76,7 @@ export function Chart(props: ChartProps) {
       chart.destroy();
       plot.current = null;
     };
-  }, [looks, bounds, xLabels, syncKey, theme]);
+  }, [lines, bounds, xLabels, syncKey, theme]);
 
   useEffect(() => {
     latest.current = data;
@@ -106,7 +106,7 @@ export function Chart(props: ChartProps) {
   );
 }
 
-/** The value at a place, or the last one before it where a curve has a gap there. */
+/** Formats the value at an index; with `orBefore`, the last one before it where there is a gap. */
 function valueAt(
   values: readonly (number | null)[] | undefined,
   at: number,
@@ -121,20 +121,27 @@ function valueAt(
   return "–";
 }
 
-type Look = readonly [name: string, colour: string, dashed: boolean | null];
+type LineStyle = readonly [name: string, colour: string, dashed: boolean | null];
 
-interface Wishes {
+interface ChartOptions {
   readonly width: number;
-  /** JSON of the curves' looks. */
-  readonly looks: string;
-  /** JSON of the y axis' bounds. */
+  /** JSON of the LineStyle of each curve. */
+  readonly lines: string;
+  /** JSON of the y axis's bounds. */
   readonly bounds: string;
   readonly xLabels: XLabels;
   readonly syncKey: string;
   readonly onCursor: (index: number | null) => void;
 }
 
-function optionsOf({ width, looks, bounds, xLabels, syncKey, onCursor }: Wishes): uPlot.Options {
+function optionsOf({
+  width,
+  lines,
+  bounds,
+  xLabels,
+  syncKey,
+  onCursor,
+}: ChartOptions): uPlot.Options {
   const range = JSON.parse(bounds) as uPlot.Range.MinMax | null;
   const axis: uPlot.Axis = {
     stroke: resolveColour("var(--ink-3)"),
@@ -161,7 +168,7 @@ function optionsOf({ width, looks, bounds, xLabels, syncKey, onCursor }: Wishes)
     ],
     series: [
       {},
-      ...(JSON.parse(looks) as Look[]).map(([name, colour, dashed]) => ({
+      ...(JSON.parse(lines) as LineStyle[]).map(([name, colour, dashed]) => ({
         label: name,
         stroke: resolveColour(colour),
         width: 1.75,

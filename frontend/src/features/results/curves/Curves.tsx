@@ -8,7 +8,7 @@ import { curveGroups } from "./curve-groups";
 import styles from "./Curves.module.css";
 import { useMetricsQuery } from "./metrics";
 
-/** A run's curves, as they grow. */
+/** The training curves of a run, updated live. */
 export function Curves({ runId, active }: { runId: string; active: boolean }) {
   const { data, error, refetch } = useQuery(useMetricsQuery(runId));
   const groups = useMemo(() => (data ? curveGroups(data.series) : []), [data]);

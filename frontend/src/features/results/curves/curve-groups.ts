@@ -1,17 +1,17 @@
-/** Which curves a run's page shows, in groups. */
+/** The training curves shown, by stage. */
 import { fixed, measured, percent, stepLabels, whole } from "@/lib/format";
 
 import type { Curve, XLabels } from "./Chart";
 import type { Series } from "./series";
 
-export interface CurveChart {
+interface CurveChart {
   readonly title: string;
   readonly curves: readonly Curve[];
   readonly format: (value: number) => string;
   readonly range?: readonly [number, number];
 }
 
-export interface CurveGroup {
+interface CurveGroup {
   readonly stage: string;
   readonly name: string;
   readonly xLabels: XLabels;
@@ -46,7 +46,7 @@ const oneDigit = (value: number) => fixed(value, 1);
 const PLAN: readonly GroupPlan[] = [
   {
     stage: "imitator",
-    name: "Imitator, on its training games, by steps played",
+    name: "Imitator: training games, by steps",
     colour: "var(--imitator)",
     xLabels: stepLabels,
     charts: [
@@ -69,22 +69,22 @@ const PLAN: readonly GroupPlan[] = [
         format: (value) => whole(Math.round(value)),
       },
       {
-        title: "Games ended by a bomb",
+        title: "Death rate",
         curves: [{ key: "death_rate", name: "share" }],
         format: percentage,
         range: SHARE,
       },
       {
-        title: "Actions as the expert's (DAgger)",
+        title: "Agreement with the expert (DAgger)",
         curves: [
-          { key: "agreement", name: "likeliest action" },
-          { key: "expert_share", name: "expert's own steps", dashed: true },
+          { key: "agreement", name: "most probable action" },
+          { key: "expert_share", name: "steps by the expert", dashed: true },
         ],
         format: percentage,
         range: SHARE,
       },
       {
-        title: "States put right by the discriminator (GAIL)",
+        title: "Discriminator accuracy (GAIL)",
         curves: [{ key: "discriminator_accuracy", name: "share" }],
         format: percentage,
         range: SHARE,
@@ -107,10 +107,10 @@ const PLAN: readonly GroupPlan[] = [
     charts: [
       { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
       {
-        title: "Pairs put right",
+        title: "Pair accuracy",
         curves: [
-          { key: "accuracy", name: "snippets" },
-          { key: "held_out_accuracy", name: "left out", dashed: true },
+          { key: "accuracy", name: "fragments" },
+          { key: "held_out_accuracy", name: "held-out", dashed: true },
         ],
         format: percentage,
         range: SHARE,
@@ -119,16 +119,16 @@ const PLAN: readonly GroupPlan[] = [
   },
   {
     stage: "clone",
-    name: "Clone, by passes over the perfect recordings",
+    name: "Clone, by epochs over the perfect recordings",
     colour: "var(--clone)",
     xLabels: stepLabels,
     charts: [
       { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
       {
-        title: "Actions copied",
+        title: "Action accuracy",
         curves: [
-          { key: "accuracy", name: "learned from" },
-          { key: "held_out_accuracy", name: "held out", dashed: true },
+          { key: "accuracy", name: "training" },
+          { key: "held_out_accuracy", name: "validation", dashed: true },
         ],
         format: percentage,
         range: SHARE,
@@ -137,7 +137,7 @@ const PLAN: readonly GroupPlan[] = [
   },
 ];
 
-/** The groups and charts for which there are points. */
+/** Returns the groups and charts that have points. */
 export function curveGroups(series: Series): readonly CurveGroup[] {
   return PLAN.map(({ stage, name, colour, xLabels, charts }) => ({
     stage,

@@ -5,7 +5,7 @@ import type { Metrics } from "@/api/types";
 
 import { mergeSeries } from "./series";
 
-/** A run's curves; each fetch asks only for the points since the last one. */
+/** The curves of a run; each fetch requests only the points since the last one. */
 export function useMetricsQuery(runId: string) {
   const client = useQueryClient();
   const queryKey = ["metrics", runId];

@@ -1,13 +1,13 @@
-/** Curves: by stage, then by name, [step, value] in order of step. */
+/** Curves by stage and name, as [step, value] in order of step. */
 
 export type Points = readonly (readonly [step: number, value: number])[];
 export type Series = Readonly<Record<string, Readonly<Record<string, Points>>>>;
-/** As the API gives them. */
+/** As in the API. */
 type MutableSeries = Record<string, Record<string, [number, number][]>>;
 
 /**
- * Adds newly arrived points to curves. A worker that goes on from a checkpoint repeats steps:
- * what was drawn from the first repeated step on is replaced, so that a curve never turns back.
+ * Appends new points to curves. A worker that resumes from a checkpoint repeats steps: points from
+ * the first repeated step on are replaced, so that steps always increase.
  */
 export function mergeSeries(have: Series, more: Series): MutableSeries {
   const merged: MutableSeries = {};
@@ -29,7 +29,7 @@ function mergePoints(have: Points, more: Points): [number, number][] {
   return [...kept, ...more].map(([step, value]) => [step, value]);
 }
 
-/** Several curves over one x axis, as uPlot takes them; null where a curve has no point. */
+/** Aligns curves on one x axis in uPlot's format; null where a curve has no point. */
 export function align(curves: readonly Points[]): [number[], ...(number | null)[][]] {
   const steps = [...new Set(curves.flatMap((points) => points.map(([step]) => step)))].sort(
     (a, b) => a - b,

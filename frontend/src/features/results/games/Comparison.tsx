@@ -3,7 +3,7 @@ import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import type { Watched } from "@/features/results/watched";
 import { count, NONE } from "@/lib/format";
-import { endInWords, hitCells } from "@/lib/recordings";
+import { describeEnd, hitCells } from "@/lib/recordings";
 import { playedBy, type Thing, THING_NAMES } from "@/lib/things";
 
 import styles from "./Comparison.module.css";
@@ -15,7 +15,7 @@ interface ComparisonProps {
   onWatch: (watched: Watched) => void;
 }
 
-/** From each start: the aliens left by imitator, clone and the best demonstration. */
+/** Compares the games of imitator, clone and best demonstration, start by start. */
 export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
   const { comparison, games, best_demonstration: best } = results;
   const further = furtherRows(games, comparison);
@@ -46,7 +46,7 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
   );
 }
 
-/** What the signs in the grids mean, drawn as they are there. */
+/** A sign of the grids, for the legend. */
 function Sign({ kind }: { kind: "missing" | "hit" | "stray" }) {
   const paths = {
     missing: "M4 1h2v1H4zM3 2h4v1H3zM2 3h6v1H2zM1 4h8v2H1zM3 6h1v1H3zM6 6h1v1H6z",
@@ -164,7 +164,7 @@ function GameCell({
       <AlienGrid hits={hitCells(recording)} target={behaviour.target} scale={2} />
       <span className={styles.words}>
         <Outcome recording={recording} />
-        <span>{endInWords(recording.end)}</span>
+        <span>{describeEnd(recording.end)}</span>
       </span>
     </button>
   );

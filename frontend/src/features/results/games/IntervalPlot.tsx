@@ -12,7 +12,7 @@ interface IntervalPlotProps {
   high: number;
 }
 
-/** Means with their intervals on one axis, one below the other. The numbers stand beside it. */
+/** Means and intervals on a common axis. Decorative: the table has the numbers. */
 export function IntervalPlot({ intervals, low, high }: IntervalPlotProps) {
   const at = (value: number) =>
     Math.min(Math.max(((value - low) / (high - low || 1)) * 100, 0), 100);

@@ -6,25 +6,25 @@ import { SummaryTable } from "./SummaryTable";
 
 type ActionSelection = PolicyGamesSummary["action_selection"];
 
-/** Beside greedy, the headline's; runs of earlier versions have no sticky games. */
+/** Besides greedy, which is shown first; runs of earlier versions have no sticky games. */
 const OTHER_SELECTIONS = [
   {
     selection: "sampled",
-    title: "With actions drawn by chance instead",
-    note: "Each policy draws its action by the probabilities that it gives them.",
-    label: "Imitator and clone, actions drawn by chance",
+    title: "With sampled actions",
+    note: "Each policy samples its actions from its distribution.",
+    label: "Imitator and clone, with sampled actions",
   },
   {
     selection: "sticky",
     title: "With sticky actions",
     note:
-      "Each policy takes the action it thinks best, but at every frame there is a chance of 25 % " +
-      "that the last frame’s action is executed again: a test of whether it can recover.",
+      "Each policy takes its most probable action, but at every frame the last frame’s action is " +
+      "repeated with a probability of 25 %: a test of whether it recovers.",
     label: "Imitator and clone, with sticky actions",
   },
 ] as const;
 
-/** What imitator and clone achieved, by action selection. */
+/** The results of imitator and clone, by action selection. */
 export function PolicyResults({
   results,
   behaviour,
@@ -46,7 +46,7 @@ export function PolicyResults({
       <SummaryTable {...greedy} behaviour={behaviour} label="Imitator and clone" />
       <p className={styles.note}>
         Means of {count(n, "game")} from starts that no training or demonstration game began from,
-        with 95 % bootstrap intervals. Each policy takes the action it thinks best.
+        with 95 % bootstrap intervals. Each policy takes its most probable action.
       </p>
       {OTHER_SELECTIONS.map(({ selection, title, note, label }) => {
         const found = both(selection);

@@ -13,7 +13,7 @@ interface SummaryTableProps {
   label: string;
 }
 
-/** Imitator beside clone: means, their 95% intervals, and both on one axis. */
+/** Imitator and clone side by side: means with 95% intervals, also on a common axis. */
 export function SummaryTable({ imitator, clone, behaviour, label }: SummaryTableProps) {
   const rows = summaryRows(imitator, clone, behaviour.target?.length ?? null, behaviour.ordered);
   return (

@@ -1,13 +1,13 @@
-/** What is compared between imitator and clone, row by row. */
+/** The rows of the comparison between imitator and clone. */
 import type { Interval, PolicySummary } from "@/api/types";
 import { fixed, measured, percent } from "@/lib/format";
 
-export interface SummaryRow {
+interface SummaryRow {
   readonly name: string;
   readonly imitator: Interval | null;
   readonly clone: Interval | null;
   readonly write: (value: number) => string;
-  /** Ends of the axis. */
+  /** Bounds of the axis. */
   readonly low: number;
   readonly high: number;
 }
@@ -37,12 +37,12 @@ function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
   return [
     ...target,
     { key: "steps", name: "Game length, steps of 300", write: oneDigit, high: MAX_STEPS },
-    { key: "death_rate", name: "Games ended by a bomb", write: wholePercent, high: 1 },
+    { key: "death_rate", name: "Death rate", write: wholePercent, high: 1 },
     { key: "predicted_return", name: "Predicted return", write: measured },
   ];
 }
 
-/** The rows for which at least one of the two has a value. */
+/** Returns the rows for which at least one of the two has a value. */
 export function summaryRows(
   imitator: PolicySummary | null,
   clone: PolicySummary | null,

@@ -1,4 +1,4 @@
-/** Who did better from one start: more targets, then fewer strays, else a tie. Pure. */
+/** Decides which of two games is better: more targets, then fewer strays, else a tie. */
 import type { ComparisonRow, EvaluationGame } from "@/api/types";
 
 type Winner = ComparisonRow["winner"];
@@ -15,7 +15,7 @@ export function winnerOf(
   return ahead > 0 ? "imitator" : "clone";
 }
 
-/** The greedy games from starts that are not in the comparison yet, start by start. */
+/** Returns rows for the greedy games whose starts are not shown yet. */
 export function furtherRows(
   games: readonly EvaluationGame[],
   shown: readonly ComparisonRow[],

@@ -8,7 +8,7 @@ import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 import { wholeTicks } from "./ticks";
 
-/** Predicted returns against what games were worth: rising where the reward is right. */
+/** Predicted returns against what games were worth: increasing if the reward is right. */
 export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
   const all = worthOf(judged);
   const shown = worthOf(judged.filter((group) => group.demonstrated));
@@ -27,7 +27,7 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
         <figure className={styles.scatter}>
           <figcaption>Predicted return by targets hit, less strays</figcaption>
           <ScatterPlot
-            label="Predicted return by targets hit, less strays; the table says it in numbers"
+            label="Predicted return by targets hit, less strays; see the table for the numbers"
             range={range}
             xTicks={wholeTicks(all.low, all.high, 12)}
             band={shown ? [shown.low - 0.5, shown.high + 0.5] : undefined}
@@ -39,7 +39,7 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
   );
 }
 
-/** The same in numbers. */
+/** The plot as a table. */
 function Groups({ judged }: { judged: readonly JudgedGames[] }) {
   return (
     <table className={tables.table} aria-label="Predicted returns and worth of games">

@@ -6,7 +6,7 @@ import { playedBy } from "@/lib/things";
 import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 
-/** Predicted returns against tiers: falling from left to right where the model agrees. */
+/** Predicted returns by tier: decreasing if the reward model agrees with the ranking. */
 export function ReturnsByTier({ returns }: { returns: RankingCheck["returns"] }) {
   const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
   return (

@@ -3,7 +3,7 @@ import { SourceBadge } from "@/components/recording/SourceBadge";
 import tables from "@/features/results/tables.module.css";
 import type { Watched } from "@/features/results/watched";
 import { count, fixed, measured, percent } from "@/lib/format";
-import { recordingName, scoreInWords } from "@/lib/recordings";
+import { recordingName, describeScore } from "@/lib/recordings";
 
 import { ReturnsByTier } from "./ReturnsByTier";
 import styles from "./reward.module.css";
@@ -14,7 +14,7 @@ interface RewardCheckProps {
   onWatch: (watched: Watched) => void;
 }
 
-/** Whether the learned reward agrees with the ranking, recording by recording. */
+/** How well the learned reward agrees with the ranking. */
 export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
   return (
     <>
@@ -31,7 +31,7 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
 
 function verdictOf({ passed, advice, warning }: RankingCheck): string {
   if (!passed) return advice;
-  const order = "The learned reward puts the recordings into the order that they were given";
+  const order = "The learned reward orders the recordings as they are ranked";
   return warning ? `${order}, but can’t tell some tiers apart.` : `${order}.`;
 }
 
@@ -56,7 +56,7 @@ function Numbers({ check }: { check: RankingCheck }) {
   );
 }
 
-/** More are folded away: a list of every pair of tiers helps nobody. */
+/** The rest is collapsed. */
 const SHOWN = 6;
 
 function Confused({ confused }: { confused: RankingCheck["confused"] }) {
@@ -64,7 +64,7 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
   const more = sorted.slice(SHOWN);
   return (
     <section aria-label="Confused tiers" className={styles.confused}>
-      <h3>Tiers that it mixes up</h3>
+      <h3>Confused tiers</h3>
       <ConfusedList confused={sorted.slice(0, SHOWN)} />
       {more.length > 0 && (
         <details>
@@ -81,9 +81,9 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
     <ul>
       {confused.map((one) => (
         <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
-          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t always put above the worse tier{" "}
-          {one.worse_tier} ({names(one.worse)})
-          {one.held_out ? " when a recording of them is left out of the learning" : ""}
+          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t always ranked above the worse
+          tier {one.worse_tier} ({names(one.worse)})
+          {one.held_out ? " when one of their recordings is held out" : ""}
           {counted(one)}.
         </li>
       ))}
@@ -91,7 +91,7 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
   );
 }
 
-/** Runs of earlier versions have not counted. */
+/** Empty for runs of earlier versions, which did not count. */
 function counted({ n_right: right, n_compared: all }: ConfusedTiers): string {
   return right === null || all === null ? "" : `: ${right} of ${count(all, "comparison")} in order`;
 }
@@ -121,7 +121,7 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
             <td>
               <button
                 type="button"
-                title={scoreInWords(recording, behaviour.target?.length ?? null)}
+                title={describeScore(recording, behaviour.target?.length ?? null)}
                 onClick={() => onWatch({ recording, title: recordingName(recording) })}
               >
                 {recordingName(recording)}
@@ -141,7 +141,7 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
   );
 }
 
-/** Whether a return is above one of a better tier's. */
+/** Whether a return exceeds one of a better tier. */
 function isOdd({ returns }: RankingCheck, index: number): boolean {
   const one = returns[index];
   if (!one) return false;

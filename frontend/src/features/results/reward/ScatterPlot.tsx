@@ -13,18 +13,18 @@ export interface ScatterPoint {
   readonly y: number;
   readonly thing: Thing;
   readonly hollow?: boolean;
-  /** Shown while the mouse rests on the mark. */
+  /** Shown on hover. */
   readonly title: string;
 }
 
 interface ScatterPlotProps {
-  /** What is seen, in one sentence. The numbers stand in a table beside the plot. */
+  /** Accessible name; a table beside the plot has the numbers. */
   label: string;
   points: readonly ScatterPoint[];
   /** Ends of the horizontal axis. */
   range: readonly [number, number];
   xTicks: readonly number[];
-  /** A part of the horizontal axis that is set apart. */
+  /** A shaded range of the horizontal axis. */
   band?: readonly [number, number] | undefined;
 }
 
@@ -35,7 +35,7 @@ const BOTTOM = 34;
 const TOP = 8;
 const MARK = 10;
 
-/** Marks over two axes, each in the colour and shape of who played. */
+/** A scatter plot, with the colour and shape of each thing. */
 export function ScatterPlot({ label, points, range, xTicks, band }: ScatterPlotProps) {
   const values = points.map((point) => point.y);
   const low = Math.min(...values);

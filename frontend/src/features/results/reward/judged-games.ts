@@ -1,14 +1,14 @@
-/** What the plot of predicted returns against the worth of games shows. Pure. */
+/** The data of the plot of predicted return against the worth of games. */
 import type { JudgedGames } from "@/api/types";
 import { measured } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import type { ScatterPoint } from "./ScatterPlot";
 
-/** How far apart, in targets, the marks of all who played stand at one worth. */
+/** Total horizontal offset, in targets, between the groups at one worth. */
 const APART = 0.5;
 
-/** A mark for each game; those of one worth stand apart by who played. */
+/** Returns a mark for each game, offset by group so that equal worths do not overlap. */
 export function marksOf(groups: readonly JudgedGames[]): readonly ScatterPoint[] {
   return groups.flatMap(({ player, demonstrated, games }, place) => {
     const shift = (APART * (place - (groups.length - 1) / 2)) / groups.length;
@@ -25,17 +25,17 @@ export function marksOf(groups: readonly JudgedGames[]): readonly ScatterPoint[]
   });
 }
 
-export interface Bounds {
+interface Bounds {
   readonly low: number;
   readonly high: number;
 }
 
-/** The least and the greatest worth of games; null without games. */
+/** Returns the range of the games' worth; null without games. */
 export function worthOf(groups: readonly JudgedGames[]): Bounds | null {
   return boundsOf(groups.flatMap(({ games }) => games.map((game) => game.true_quantity)));
 }
 
-/** The lowest and the highest predicted return of games; null without games. */
+/** Returns the range of the games' predicted returns; null without games. */
 export function returnOf(groups: readonly JudgedGames[]): Bounds | null {
   return boundsOf(groups.flatMap(({ games }) => games.map((game) => game.predicted_return)));
 }

@@ -1,8 +1,8 @@
-/** Where the marks of an axis are. */
+/** Tick positions of an axis. */
 
 const STEPS = [1, 2, 5];
 
-/** Whole numbers from low to high with equal, round distances; at most so many. */
+/** Returns at most `most` integers from `low` to `high`, evenly spaced by 1, 2 or 5 times 10^n. */
 export function wholeTicks(low: number, high: number, most: number): number[] {
   for (let power = 1; power <= high - low || power === 1; power *= 10) {
     for (const distance of STEPS.map((step) => step * power)) {
@@ -14,7 +14,7 @@ export function wholeTicks(low: number, high: number, most: number): number[] {
   return [];
 }
 
-/** Both ends and the middle of a range of measured values; one mark where they are the same. */
+/** Returns both ends and the middle of a range; a single tick if they are equal. */
 export function endTicks(low: number, high: number): number[] {
   return low === high ? [low] : [low, (low + high) / 2, high];
 }

@@ -1,7 +1,7 @@
 import type { RunResults } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 
-/** What speaks against trusting the learned reward, above all results. */
+/** Warnings about the learned reward, above all results. */
 export function Alarms({ results }: { results: RunResults }) {
   const { alarm, check, comparison } = results;
   return (

@@ -15,7 +15,7 @@ const KINDS: Readonly<Record<string, string>> = {
   summary: "Summary",
 };
 
-/** What the run left, to take away. */
+/** The artifacts of a run, for download. */
 export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
   return (
     <div className={styles.scroll}>

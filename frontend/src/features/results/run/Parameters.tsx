@@ -5,7 +5,7 @@ import { type ValueRow, valueRows } from "@/lib/recipe-values";
 
 import styles from "./Parameters.module.css";
 
-/** Everything that a run was made with. */
+/** The parameters and package versions of a run. */
 export function Parameters({ run }: { run: Run }) {
   const rows: ValueRow[] = [
     { section: "", name: "run", value: run.id },

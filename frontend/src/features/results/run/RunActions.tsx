@@ -12,7 +12,7 @@ import { isActive, runName } from "@/lib/runs";
 
 import styles from "./RunActions.module.css";
 
-/** Cancel while it goes; resume and delete when it doesn't. */
+/** Cancels an active run; resumes or deletes any other. */
 export function RunActions({ run }: { run: Run }) {
   const client = useQueryClient();
   const toast = useToast();

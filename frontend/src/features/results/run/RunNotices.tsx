@@ -5,7 +5,7 @@ import type { Run } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { isActive } from "@/lib/runs";
 
-/** What there is to say about a run besides its results. */
+/** Notices about a run: an example, a missing worker, a message. */
 export function RunNotices({ run }: { run: Run }) {
   const { data: system } = useQuery(systemQuery);
   const waiting = isActive(run) && !run.worker_alive && isAlive(system, "worker") === false;
@@ -21,8 +21,8 @@ export function RunNotices({ run }: { run: Run }) {
       {waiting && (
         <Notice live>
           <p>
-            The worker isn&rsquo;t running, so nothing happens to this run. Start it with{" "}
-            <code>tril up</code>; the run then goes on where it was.
+            The worker isn&rsquo;t running, so this run makes no progress. Start it with{" "}
+            <code>tril up</code>; the run then continues where it stopped.
           </p>
         </Notice>
       )}

@@ -3,30 +3,30 @@ import type { CSSProperties } from "react";
 import type { Run } from "@/api/types";
 import { classes } from "@/lib/classes";
 import { remaining } from "@/lib/format";
-import { isActive, stageInWords, stageName, standing } from "@/lib/runs";
+import { isActive, describeStage, stageName, statusLine } from "@/lib/runs";
 
 import styles from "./Stages.module.css";
 
-/** How far a run is: the whole, and each of its stages. */
+/** The progress of a run, in total and by stage. */
 export function Stages({ run }: { run: Run }) {
   const at = run.stages.indexOf(run.stage);
-  const going = run.status === "running" || run.status === "cancelling";
+  const running = run.status === "running" || run.status === "cancelling";
   return (
     <section aria-label="Progress">
       {isActive(run) && (
         <p className={styles.summary}>
           <span className={styles.percent}>{Math.floor(run.progress * 100)} %</span>
           <span className={styles.left}>
-            {going && run.remaining_s !== null ? remaining(run.remaining_s) : standing(run)}
+            {running && run.remaining_s !== null ? remaining(run.remaining_s) : statusLine(run)}
           </span>
         </p>
       )}
-      {going && <p className={styles.what}>{stageInWords(run.stage)}</p>}
+      {running && <p className={styles.what}>{describeStage(run.stage)}</p>}
       <br />
       <ol className={styles.stages} style={{ "--count": run.stages.length } as CSSProperties}>
         {run.stages.map((stage, index) => {
           const done = doneOf(run, index, at);
-          const current = going && index === at;
+          const current = running && index === at;
           return (
             <li
               key={stage}
@@ -59,7 +59,7 @@ export function Stages({ run }: { run: Run }) {
   );
 }
 
-/** How much of a stage is done, from 0 to 1. */
+/** Returns the completed fraction of a stage, 0 to 1. */
 function doneOf(run: Run, index: number, at: number): number {
   if (run.status === "done") return 1;
   if (at < 0 || index > at) return 0;

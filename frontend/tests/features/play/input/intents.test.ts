@@ -1,7 +1,13 @@
 import { describe, expect, it } from "vitest";
 
 import { PAD } from "@/features/play/input/gamepad";
-import { GRACE_MS, padWishOf, speedBeside, steers, wishOf } from "@/features/play/input/intents";
+import {
+  GRACE_MS,
+  gamepadIntentOf,
+  speedBeside,
+  steers,
+  intentOf,
+} from "@/features/play/input/intents";
 import { DEFAULT_KEYS } from "@/features/play/input/keys";
 
 const press = (code: string, repeat = false) => ({ code, repeat });
@@ -15,59 +21,59 @@ describe("keys after the end", () => {
     ["Space", "again"],
     ["KeyR", "again"],
     ["Backspace", "rewind"],
-  ])("%s asks to %s", (code, wish) => {
-    expect(wishOf(press(code), "ended", GRACE_MS)).toBe(wish);
+  ])("%s asks to %s", (code, intent) => {
+    expect(intentOf(press(code), "ended", GRACE_MS)).toBe(intent);
   });
 
-  it("mean nothing while they may still be meant for the game", () => {
-    expect(wishOf(press("Space"), "ended", GRACE_MS - 1)).toBeNull();
-    expect(wishOf(press("Space", true), "ended", 10 * GRACE_MS)).toBeNull();
+  it("are ignored during the grace period", () => {
+    expect(intentOf(press("Space"), "ended", GRACE_MS - 1)).toBeNull();
+    expect(intentOf(press("Space", true), "ended", 10 * GRACE_MS)).toBeNull();
   });
 });
 
 describe("keys in the game", () => {
   it("pause it and go on", () => {
-    expect(wishOf(press("Escape"), "playing", Infinity)).toBe("pause");
-    expect(wishOf(press("Enter"), "paused", Infinity)).toBe("go_on");
-    expect(wishOf(press("Space"), "paused", Infinity)).toBe("go_on");
+    expect(intentOf(press("Escape"), "playing", Infinity)).toBe("pause");
+    expect(intentOf(press("Enter"), "paused", Infinity)).toBe("go_on");
+    expect(intentOf(press("Space"), "paused", Infinity)).toBe("go_on");
   });
 
   it("play a paused game frame by frame, also when held", () => {
-    expect(wishOf(press("Period"), "playing", Infinity)).toBe("pause");
-    expect(wishOf(press("Period", true), "playing", Infinity)).toBeNull();
-    expect(wishOf(press("Period"), "paused", Infinity)).toBe("step");
-    expect(wishOf(press("Period", true), "stepping", Infinity)).toBe("step");
-    expect(wishOf(press("Enter"), "stepping", Infinity)).toBe("go_on");
-    expect(wishOf(press("Space"), "stepping", Infinity)).toBeNull();
+    expect(intentOf(press("Period"), "playing", Infinity)).toBe("pause");
+    expect(intentOf(press("Period", true), "playing", Infinity)).toBeNull();
+    expect(intentOf(press("Period"), "paused", Infinity)).toBe("step");
+    expect(intentOf(press("Period", true), "stepping", Infinity)).toBe("step");
+    expect(intentOf(press("Enter"), "stepping", Infinity)).toBe("go_on");
+    expect(intentOf(press("Space"), "stepping", Infinity)).toBeNull();
     expect(steers("stepping")).toBe(true);
   });
 
-  it("run the game back, also out of a pause", () => {
+  it("rewind the game, from a pause too", () => {
     for (const phase of ["playing", "countdown", "paused", "stepping"] as const) {
-      expect(wishOf(press("Backspace"), phase, Infinity)).toBe("rewind");
+      expect(intentOf(press("Backspace"), phase, Infinity)).toBe("rewind");
     }
-    expect(wishOf(press("Backspace", true), "playing", Infinity)).toBeNull();
-    expect(wishOf(press("Backspace"), "rewinding", Infinity)).toBeNull();
+    expect(intentOf(press("Backspace", true), "playing", Infinity)).toBeNull();
+    expect(intentOf(press("Backspace"), "rewinding", Infinity)).toBeNull();
   });
 
-  it("are those that were chosen, which go before all others", () => {
+  it("are the assigned ones, which take precedence over shortcuts", () => {
     const keys = { ...DEFAULT_KEYS, fire: ["KeyL"], rewind: ["KeyK"], pause: ["KeyP"] };
-    const wish = (code: string, phase: "playing" | "paused" | "stepping" | "ended") =>
-      wishOf(press(code), phase, Infinity, keys);
-    expect(wish("KeyL", "playing")).toBeNull();
-    expect(wish("KeyL", "paused")).toBe("go_on");
-    expect(wish("KeyL", "stepping")).toBeNull();
-    expect(wish("KeyL", "ended")).toBe("again");
-    expect(wish("KeyK", "playing")).toBe("rewind");
-    expect(wish("KeyP", "playing")).toBe("pause");
-    expect(wish("KeyP", "stepping")).toBe("go_on");
-    expect(wish("Escape", "playing")).toBe("pause");
-    expect(wish("Backspace", "playing")).toBeNull();
+    const intent = (code: string, phase: "playing" | "paused" | "stepping" | "ended") =>
+      intentOf(press(code), phase, Infinity, keys);
+    expect(intent("KeyL", "playing")).toBeNull();
+    expect(intent("KeyL", "paused")).toBe("go_on");
+    expect(intent("KeyL", "stepping")).toBeNull();
+    expect(intent("KeyL", "ended")).toBe("again");
+    expect(intent("KeyK", "playing")).toBe("rewind");
+    expect(intent("KeyP", "playing")).toBe("pause");
+    expect(intent("KeyP", "stepping")).toBe("go_on");
+    expect(intent("Escape", "playing")).toBe("pause");
+    expect(intent("Backspace", "playing")).toBeNull();
   });
 
   it("change the speed in steps", () => {
-    expect(wishOf(press("Minus"), "playing", Infinity)).toBe("slower");
-    expect(wishOf(press("Equal"), "paused", Infinity)).toBe("faster");
+    expect(intentOf(press("Minus"), "playing", Infinity)).toBe("slower");
+    expect(intentOf(press("Equal"), "paused", Infinity)).toBe("faster");
     expect(speedBeside(100, "faster")).toBe(100);
     expect(speedBeside(100, "slower")).toBe(75);
     expect(speedBeside(25, "slower")).toBe(25);
@@ -76,16 +82,16 @@ describe("keys in the game", () => {
   });
 
   it("show and hide what lies over the game, unless they were chosen for something else", () => {
-    expect(wishOf(press("KeyT"), "playing", Infinity)).toBe("targets");
-    expect(wishOf(press("KeyG"), "paused", Infinity)).toBe("ghost");
-    expect(wishOf(press("KeyM"), "countdown", Infinity)).toBe("sound");
+    expect(intentOf(press("KeyT"), "playing", Infinity)).toBe("targets");
+    expect(intentOf(press("KeyG"), "paused", Infinity)).toBe("ghost");
+    expect(intentOf(press("KeyM"), "countdown", Infinity)).toBe("sound");
     const keys = { ...DEFAULT_KEYS, fire: ["KeyT"] };
-    expect(wishOf(press("KeyT"), "playing", Infinity, keys)).toBeNull();
+    expect(intentOf(press("KeyT"), "playing", Infinity, keys)).toBeNull();
   });
 
   it("otherwise steer", () => {
-    expect(wishOf(press("KeyD"), "playing", Infinity)).toBeNull();
-    expect(wishOf(press("Space"), "playing", Infinity)).toBeNull();
+    expect(intentOf(press("KeyD"), "playing", Infinity)).toBeNull();
+    expect(intentOf(press("Space"), "playing", Infinity)).toBeNull();
     expect(steers("playing")).toBe(true);
     expect(steers("ended")).toBe(false);
   });
@@ -93,14 +99,14 @@ describe("keys in the game", () => {
 
 describe("buttons of a gamepad", () => {
   it("pause and go on", () => {
-    expect(padWishOf(PAD.start, "playing", Infinity)).toBe("pause");
-    expect(padWishOf(PAD.start, "paused", Infinity)).toBe("go_on");
-    expect(padWishOf(PAD.bottom, "playing", Infinity)).toBeNull();
+    expect(gamepadIntentOf(PAD.start, "playing", Infinity)).toBe("pause");
+    expect(gamepadIntentOf(PAD.start, "paused", Infinity)).toBe("go_on");
+    expect(gamepadIntentOf(PAD.bottom, "playing", Infinity)).toBeNull();
   });
 
-  it("say what becomes of a game, once they can't be meant for it", () => {
-    expect(padWishOf(PAD.bottom, "ended", GRACE_MS - 1)).toBeNull();
-    expect([0, 1, 2, 3, 9].map((button) => padWishOf(button, "ended", GRACE_MS))).toEqual([
+  it("decide on an ended game, after a grace period", () => {
+    expect(gamepadIntentOf(PAD.bottom, "ended", GRACE_MS - 1)).toBeNull();
+    expect([0, 1, 2, 3, 9].map((button) => gamepadIntentOf(button, "ended", GRACE_MS))).toEqual([
       "again",
       "discard",
       "keep",
@@ -111,11 +117,11 @@ describe("buttons of a gamepad", () => {
 
   it("start the first game, and another one when a game is gone", () => {
     for (const phase of [null, "gone"] as const) {
-      expect(padWishOf(PAD.start, phase, Infinity)).toBe("start");
-      expect(padWishOf(PAD.bottom, phase, Infinity)).toBe("start");
-      expect(padWishOf(PAD.top, phase, Infinity)).toBeNull();
+      expect(gamepadIntentOf(PAD.start, phase, Infinity)).toBe("start");
+      expect(gamepadIntentOf(PAD.bottom, phase, Infinity)).toBe("start");
+      expect(gamepadIntentOf(PAD.top, phase, Infinity)).toBeNull();
     }
-    expect(padWishOf(PAD.start, "connecting", Infinity)).toBeNull();
-    expect(padWishOf(PAD.start, "elsewhere", Infinity)).toBeNull();
+    expect(gamepadIntentOf(PAD.start, "connecting", Infinity)).toBeNull();
+    expect(gamepadIntentOf(PAD.start, "elsewhere", Infinity)).toBeNull();
   });
 });

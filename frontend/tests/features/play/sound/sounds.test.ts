@@ -33,11 +33,11 @@ describe("sounds", () => {
     const { oscillators, sounds } = fakeContext("running");
     sounds.play("target");
     expect(oscillators.map(({ start }) => start.mock.calls[0]?.[0] as number)).toEqual(
-      SOUNDS.target.map(({ afterS }) => 10 + afterS),
+      SOUNDS.target.map(({ delayS }) => 10 + delayS),
     );
     for (const [n, { stop }] of oscillators.entries()) {
       const tone = SOUNDS.target[n];
-      expect(stop).toHaveBeenCalledWith(10 + (tone?.afterS ?? NaN) + (tone?.lastsS ?? NaN));
+      expect(stop).toHaveBeenCalledWith(10 + (tone?.delayS ?? NaN) + (tone?.durationS ?? NaN));
     }
   });
 

@@ -2,7 +2,7 @@ import { render, screen } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 
 import { StageOverlay } from "@/features/play/stage/StageOverlay";
-import type { GameState, Phase } from "@/features/play/stream/game-stream";
+import type { GameState, Phase } from "@/features/play/stream/game-state";
 
 function state(phase: Phase): GameState {
   return { phase, seconds: 0, hits: [], why: "", ended: null, endedAt: 0, speed: 100 };
@@ -17,7 +17,7 @@ function lay(game: GameState | null, error: string | null = null) {
       starting={false}
       error={error}
       onStart={nothing}
-      onGoOn={nothing}
+      onResume={nothing}
       onStep={nothing}
       onTakeBack={nothing}
     />,
@@ -25,10 +25,10 @@ function lay(game: GameState | null, error: string | null = null) {
 }
 
 describe("what lies over the game's screen", () => {
-  it("says that all places are taken and that the game goes on by itself", () => {
+  it("says that all places are taken and that the game continues by itself", () => {
     lay(state("full"));
     expect(screen.getByRole("status")).toHaveTextContent("All places are taken");
-    expect(screen.getByText(/yours goes on as soon as one of them ends/)).toBeVisible();
+    expect(screen.getByText(/yours continues as soon as one of them ends/)).toBeVisible();
     expect(screen.queryByRole("button")).toBeNull();
   });
 
@@ -38,9 +38,9 @@ describe("what lies over the game's screen", () => {
     expect(screen.getByRole("button", { name: "Try again" })).toBeEnabled();
   });
 
-  it("says of a game that stood still for long that it ended and is kept", () => {
+  it("says that an idle game ended and is kept", () => {
     lay(state("gone"));
-    expect(screen.getByText(/Nobody played on for a while/)).toHaveTextContent("is kept");
+    expect(screen.getByText(/It was idle for a while/)).toHaveTextContent("is kept");
     expect(screen.getByRole("button", { name: "Start game" })).toBeEnabled();
   });
 });

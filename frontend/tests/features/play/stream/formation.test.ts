@@ -15,11 +15,11 @@ describe("the formation", () => {
     expect(alienBox([0, 5], at, ALIENS)).toEqual({ left: 103, top: 121, width: 8, height: 10 });
   });
 
-  it("is moved on with its first columns gone", () => {
+  it("keeps its origin when its first columns are gone", () => {
     expect(alienBox([0, 5], { left: -60, top: 61 }, ALIENS)).toMatchObject({ left: 20, top: 151 });
   });
 
-  it("loses an alien in the frame of its hit, and has it back when the game is run back", () => {
+  it("loses an alien in the frame of its hit and regains it when the game is rewound", () => {
     expect([0, 39, 40, 89, 90, 500].map((frame) => hitsUntil(HITS, frame))).toEqual([
       0, 0, 1, 1, 2, 2,
     ]);

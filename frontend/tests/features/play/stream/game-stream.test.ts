@@ -1,11 +1,11 @@
 import { zlibSync } from "fflate";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
-import { type GameScreen, GameStream, newTabId } from "@/features/play/stream/game-stream";
+import { type GameScreen, GameStream } from "@/features/play/stream/game-stream";
 import { CLOSE } from "@/features/play/stream/text-messages";
 import { SCREEN_BYTES } from "@/lib/game/codec";
 
-/** The server's end of a WebSocket, in a test's hands. */
+/** The server's end of a WebSocket, controlled by the test. */
 class FakeSocket extends EventTarget {
   static readonly OPEN = 1;
   static readonly opened: FakeSocket[] = [];
@@ -141,7 +141,7 @@ describe("a game's stream", () => {
     ]);
   });
 
-  it("knows how the aliens are laid out as soon as the server has said it", () => {
+  it("knows the layout of the aliens once the server has sent it", () => {
     const { stream, socket } = begin();
     expect(stream.aliens).toBeNull();
     socket.tell(HELLO);
@@ -236,7 +236,7 @@ describe("a game's stream", () => {
     expect(stream.snapshot().phase).toBe("countdown");
   });
 
-  it("runs back until it is let go, and takes back hits", () => {
+  it("rewinds until released, undoing hits", () => {
     const { screen, stream, socket } = begin();
     const hit = { row: 0, column: 2, frame: 100, on_target: true };
     socket.tell({ ...HELLO, frame: 130, hits: [hit, { ...hit, row: 1, frame: 120 }] });
@@ -275,7 +275,7 @@ describe("a game's stream", () => {
     expect(FakeSocket.opened).toHaveLength(1);
   });
 
-  it("joins again when the connection breaks, with the keys still held", () => {
+  it("reconnects with the keys still held", () => {
     const { stream, socket } = begin();
     socket.tell(HELLO);
     stream.hold(4);
@@ -350,21 +350,11 @@ describe("a game's stream", () => {
     expect(FakeSocket.opened).toHaveLength(2);
   });
 
-  it("is silent once it was left", () => {
+  it("stays disconnected after leaving", () => {
     const { stream, socket } = begin();
     stream.leave();
     expect(socket.readyState).toBe(3);
     vi.advanceTimersByTime(60_000);
     expect(FakeSocket.opened).toHaveLength(1);
-  });
-});
-
-describe("a tab's id", () => {
-  it("is a random UUID", () => {
-    const ids = Array.from({ length: 20 }, newTabId);
-    expect(new Set(ids).size).toBe(20);
-    for (const id of ids) {
-      expect(id).toMatch(/^[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}$/);
-    }
   });
 });

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
 
-import { lastChanceOf } from "@/features/play/stream/use-game";
+import { resumeFrameOf } from "@/features/play/stream/use-game";
 
 describe("playing on after the end", () => {
   it("begins two seconds before it, or at the start", () => {
-    expect(lastChanceOf({ frame: 558 })).toBe(438);
-    expect(lastChanceOf({ frame: 90 })).toBe(0);
+    expect(resumeFrameOf({ frame: 558 })).toBe(438);
+    expect(resumeFrameOf({ frame: 90 })).toBe(0);
   });
 });

@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
 
 import type { Tiers } from "@/features/ranking/order/order";
-import { RankingSaver, type Revision, type SaverDoors } from "@/features/ranking/order/saver";
+import { RankingSaver, type Revision, type RankingBackend } from "@/features/ranking/order/saver";
 
 class Conflict extends Error {
   readonly current: Revision;
@@ -23,7 +23,7 @@ class Server {
   failure: Error | null = null;
   private readonly waiting: (() => void)[] = [];
 
-  readonly doors: SaverDoors = {
+  readonly backend: RankingBackend = {
     save: (base, tiers) => {
       this.asked.push({ base, tiers });
       return this.answer(base, () => tiers);
@@ -54,7 +54,7 @@ class Server {
 
 function begin() {
   const server = new Server();
-  return { server, saver: new RankingSaver(server.standing, server.doors) };
+  return { server, saver: new RankingSaver(server.standing, server.backend) };
 }
 
 describe("saving an order as it is changed", () => {
@@ -114,7 +114,7 @@ describe("saving an order as it is changed", () => {
 });
 
 describe("after a refusal", () => {
-  it("sends what was done about it instead", async () => {
+  it("sends the next order instead", async () => {
     const { server, saver } = begin();
     server.failure = new Error("Recording 1 was deleted.");
     saver.change([[2], [1]]);
@@ -169,8 +169,8 @@ describe("a save on an old revision", () => {
   });
 });
 
-describe("what comes from elsewhere", () => {
-  it("is shown when nothing of one's own is on its way", () => {
+describe("a ranking received from the server", () => {
+  it("is shown when no save is pending", () => {
     const { saver } = begin();
     saver.receive(revision(2, [[2, 1]]));
     expect(saver.snapshot().tiers).toEqual([[2, 1]]);
@@ -178,7 +178,7 @@ describe("what comes from elsewhere", () => {
     expect(saver.snapshot().saved.revision).toBe(2);
   });
 
-  it("waits while something is", async () => {
+  it("is ignored while a save is pending", async () => {
     const { server, saver } = begin();
     saver.change([[2], [1]]);
     saver.receive(revision(2, [[1, 2]]));
@@ -188,7 +188,7 @@ describe("what comes from elsewhere", () => {
 });
 
 describe("undo", () => {
-  it("waits for what is to be saved, then shows the order brought back", async () => {
+  it("waits for pending saves, then shows the restored order", async () => {
     const { server, saver } = begin();
     saver.change([[1, 2]]);
     const undone = saver.step("undo");
@@ -198,7 +198,7 @@ describe("undo", () => {
     expect(saver.snapshot()).toMatchObject({ tiers: [[2], [1]], saved: { revision: 3 } });
   });
 
-  it("of an old order shows what stands", async () => {
+  it("of an outdated order shows the current one", async () => {
     const { server, saver } = begin();
     server.standing = revision(7, [[1, 2]]);
     const undone = saver.step("undo");

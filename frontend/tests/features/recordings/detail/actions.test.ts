@@ -1,17 +1,17 @@
 import { describe, expect, it } from "vitest";
 
-import { actionInWords, lanesOf } from "@/features/recordings/detail/actions";
+import { describeAction, lanesOf } from "@/features/recordings/detail/actions";
 
 describe("actions", () => {
   const actions = [0, 4, 4, 2, 0, 5];
 
   it("are named by the frame that they led to", () => {
-    expect(actionInWords(actions, 0)).toBe("the start");
-    expect(actionInWords(actions, 1)).toBe("nothing");
-    expect(actionInWords(actions, 2)).toBe("right and fire");
-    expect(actionInWords(actions, 4)).toBe("right");
-    expect(actionInWords(actions, 6)).toBe("left and fire");
-    expect(actionInWords(actions, 7)).toBe("none");
+    expect(describeAction(actions, 0)).toBe("the start");
+    expect(describeAction(actions, 1)).toBe("nothing");
+    expect(describeAction(actions, 2)).toBe("right and fire");
+    expect(describeAction(actions, 4)).toBe("right");
+    expect(describeAction(actions, 6)).toBe("left and fire");
+    expect(describeAction(actions, 7)).toBe("none");
   });
 
   it("say from which frame to which each key was held", () => {

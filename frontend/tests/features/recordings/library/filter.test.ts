@@ -2,7 +2,7 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 
 import {
-  chosen,
+  filtered,
   EVERYTHING,
   type Filter,
   isNarrow,
@@ -24,7 +24,7 @@ const games = [
 ];
 
 function ids(change: Partial<Filter>): number[] {
-  return chosen(games, { ...EVERYTHING, ...change }).map(({ id }) => id);
+  return filtered(games, { ...EVERYTHING, ...change }).map(({ id }) => id);
 }
 
 describe("the library's filter", () => {
@@ -46,8 +46,8 @@ describe("the library's filter", () => {
 
   it("counts aliens where there is no target", () => {
     const free = [recording({ id: 8, targets: null, strays: null, hits: [] })];
-    expect(chosen(free, { ...EVERYTHING, hits: 1 })).toEqual([]);
-    expect(chosen(free, { ...EVERYTHING, strays: 0 })).toHaveLength(1);
+    expect(filtered(free, { ...EVERYTHING, hits: 1 })).toEqual([]);
+    expect(filtered(free, { ...EVERYTHING, strays: 0 })).toHaveLength(1);
   });
 
   it("orders", () => {

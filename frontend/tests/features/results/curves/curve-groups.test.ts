@@ -16,16 +16,16 @@ describe("the imitator's curves", () => {
         agreement: [[600, 0.7]],
       },
     })[0]?.charts;
-    expect(charts?.map(({ title }) => title)).toEqual(["Actions as the expert's (DAgger)"]);
+    expect(charts?.map(({ title }) => title)).toEqual(["Agreement with the expert (DAgger)"]);
     expect(charts?.[0]?.curves).toMatchObject([
-      { name: "likeliest action", dashed: false, points: [[600, 0.7]] },
-      { name: "expert's own steps", dashed: true },
+      { name: "most probable action", dashed: false, points: [[600, 0.7]] },
+      { name: "steps by the expert", dashed: true },
     ]);
   });
 
   it("show how often GAIL's discriminator is right", () => {
     expect(titlesOf({ discriminator_accuracy: [[2048, 0.8]] })).toEqual([
-      "States put right by the discriminator (GAIL)",
+      "Discriminator accuracy (GAIL)",
     ]);
   });
 

@@ -8,7 +8,7 @@ const points = fc
   .map((all) => all.sort(([a], [b]) => a - b) as Points);
 
 describe("curves", () => {
-  it("grow by what comes later", () => {
+  it("grow by later points", () => {
     const have = { imitator: { hits: [[1, 0.5]] as Points } };
     const more = {
       imitator: { hits: [[2, 0.75]] as Points },
@@ -25,7 +25,7 @@ describe("curves", () => {
     });
   });
 
-  it("forget what a worker that went on from a checkpoint plays again", () => {
+  it("drop the points that a resumed worker repeats", () => {
     const have = {
       imitator: {
         hits: [
@@ -42,7 +42,7 @@ describe("curves", () => {
     ]);
   });
 
-  it("never turn back, whatever arrives", () => {
+  it("have increasing steps, whatever arrives", () => {
     fc.assert(
       fc.property(points, points, (have, more) => {
         const merged = mergeSeries({ a: { b: have } }, { a: { b: more } }).a?.b ?? [];

@@ -26,7 +26,7 @@ describe("the summary", () => {
     const bare = { ...summary, targets: null, strays: null, order_errors: null };
     expect(summaryRows(bare, bare, null, false).map((row) => row.name)).toEqual([
       "Game length, steps of 300",
-      "Games ended by a bomb",
+      "Death rate",
       "Predicted return",
     ]);
   });

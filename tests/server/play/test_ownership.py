@@ -8,8 +8,8 @@ from concurrent.futures import Future
 import pytest
 
 from server.play.replays import ReplayProcess
-from server.play.saving import verifier
-from server.play.saving.verifier import find_refusal
+from server.play.saving import ownership
+from server.play.saving.ownership import find_refusal
 from tril.errors import Unavailable
 from tril.game.episode import Start
 from tril.recording import Recording, RecordingRefused
@@ -36,7 +36,7 @@ class Failing(ReplayProcess):
 
 @pytest.fixture(autouse=True)
 def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(verifier, "RETRY_S", 0.0)
+    monkeypatch.setattr(ownership, "RETRY_S", 0.0)
 
 
 def test_a_check_that_fails_is_tried_again() -> None:
