@@ -847,14 +847,16 @@ export interface components {
             red_blue_url: string;
             /** Reward */
             reward: number;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "minimum" | "90th percentile" | "95th percentile" | "maximum";
+            state: components["schemas"]["AttentionState"];
             /** Step */
             step: number;
         };
+        /**
+         * AttentionState
+         * @description A state of the demonstrations that an attention map is drawn of (thesis, section 6.1).
+         * @enum {string}
+         */
+        AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
         /**
          * Behaviour
          * @description A behaviour. ``target`` is None if hits do not describe it.
@@ -1075,7 +1077,7 @@ export interface components {
         };
         /**
          * Headline
-         * @description Greedy games from held-out evaluation starts: means with 95% bootstrap intervals.
+         * @description A run's figures for the lists: greedy games from held-out evaluation starts.
          */
         Headline: {
             clone: components["schemas"]["PolicySummary"] | null;
@@ -1083,9 +1085,9 @@ export interface components {
             held_out_accuracy: number | null;
             imitator: components["schemas"]["PolicySummary"] | null;
             /** Pair Accuracy */
-            pair_accuracy: number | null;
+            pair_accuracy: number;
             /** Tau */
-            tau: number | null;
+            tau: number;
         };
         /**
          * Health
@@ -1128,7 +1130,7 @@ export interface components {
         };
         /**
          * Interval
-         * @description A mean over n games with its 95% interval.
+         * @description A mean with its 95% bootstrap interval over n games.
          */
         Interval: {
             /** High */
@@ -1142,7 +1144,7 @@ export interface components {
         };
         /**
          * JudgedGame
-         * @description A game's true quantity (targets hit, less strays) and its predicted return.
+         * @description A game's true quantity (targets hit less strays) and its predicted return (sum of R).
          */
         JudgedGame: {
             /** Predicted Return */
@@ -1271,7 +1273,7 @@ export interface components {
         };
         /**
          * PolicySummary
-         * @description None where the behaviour has no target.
+         * @description Means over a policy's games; None where games have no such number.
          */
         PolicySummary: {
             death_rate: components["schemas"]["Interval"];
@@ -1345,9 +1347,7 @@ export interface components {
         };
         /**
          * RankingCheck
-         * @description How well the reward model agrees with the ranking.
-         *
-         *     ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
+         * @description How well the reward model agrees with the ranking, with the recordings that it speaks of.
          */
         RankingCheck: {
             /** Advice */
@@ -1364,7 +1364,10 @@ export interface components {
             returns: components["schemas"]["RankedReturn"][];
             /** Tau */
             tau: number;
-            /** Warning */
+            /**
+             * Warning
+             * @default
+             */
             warning: string;
         };
         /**
@@ -1420,7 +1423,7 @@ export interface components {
         };
         /**
          * Recipe
-         * @description A way of learning; ``values`` is all of it.
+         * @description A way of learning; ``values`` is all of it, ``stages`` what a run by it goes through.
          *
          *     ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
          */
@@ -1433,6 +1436,8 @@ export interface components {
             name: string;
             /** Overhead S */
             overhead_s: number;
+            /** Stages */
+            stages: components["schemas"]["RunStage"][];
             /** Steps Per S */
             steps_per_s: number;
             /** Steps Per S Measured */
@@ -1552,10 +1557,10 @@ export interface components {
         };
         /**
          * RecordingState
-         * @description Where a recording stands.
+         * @description State of a recording.
          *
-         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
-         *     decided; KEPT: in the library.
+         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, but neither kept
+         *     nor discarded yet; KEPT: in the library.
          * @enum {string}
          */
         RecordingState: "playing" | "unfinished" | "finished" | "kept";
@@ -1607,7 +1612,7 @@ export interface components {
         };
         /**
          * Role
-         * @description What a player may do; today there is one owner, invited participants come later.
+         * @description What a player may do; there is one owner so far.
          * @enum {string}
          */
         Role: "owner" | "researcher" | "participant";
@@ -1655,18 +1660,14 @@ export interface components {
             /** Remaining S */
             remaining_s: number | null;
             /** Stage */
-            stage: string;
+            stage: components["schemas"]["Stage"] | "";
             /** Stage Progress */
             stage_progress: number;
             /** Stages */
-            stages: string[];
+            stages: components["schemas"]["RunStage"][];
             /** Started At */
             started_at: string | null;
-            /**
-             * Status
-             * @enum {string}
-             */
-            status: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+            status: components["schemas"]["RunStatus"];
             /** Steps */
             steps: number;
             /** Training Seed */
@@ -1715,6 +1716,8 @@ export interface components {
         /**
          * RunResults
          * @description Everything the results page shows; parts that are not there yet are None or empty.
+         *
+         *     ``comparison`` has the starts of the headline figures, ``further_comparison`` all others.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1726,6 +1729,8 @@ export interface components {
             check: components["schemas"]["RankingCheck"] | null;
             /** Comparison */
             comparison: components["schemas"]["ComparisonRow"][];
+            /** Further Comparison */
+            further_comparison: components["schemas"]["ComparisonRow"][];
             /** Games */
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
@@ -1735,11 +1740,34 @@ export interface components {
             summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
+         * RunStage
+         * @description A stage of a run, and what it is called and does in words for people.
+         */
+        RunStage: {
+            /** Label */
+            label: string;
+            name: components["schemas"]["Stage"];
+            /** Summary */
+            summary: string;
+        };
+        /**
+         * RunStatus
+         * @description State of a run. STOPPED: it ended because the check of the ranking failed.
+         * @enum {string}
+         */
+        RunStatus: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+        /**
          * Source
          * @description Who played a recording.
          * @enum {string}
          */
         Source: "person" | "scripted" | "policy";
+        /**
+         * Stage
+         * @description A stage of a run, in the order in which a run goes through them.
+         * @enum {string}
+         */
+        Stage: "demonstrations" | "trajectories" | "reward" | "check" | "clone" | "imitator" | "evaluation" | "attention";
         /**
          * Storage
          * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
