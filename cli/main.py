@@ -42,7 +42,3 @@ def main() -> None:
     """Run the installed command, whose child processes import nothing from the current folder."""
     os.environ["PYTHONSAFEPATH"] = "1"
     app()
-
-
-if __name__ == "__main__":
-    app()
