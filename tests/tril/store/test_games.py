@@ -17,7 +17,7 @@ from tril.game.space_invaders import Action
 from tril.recording import Recorder
 from tril.store import games, players, recordings
 from tril.store.games import GameOver, Progress
-from tril.store.models import RecordingState, Verification, now
+from tril.store.models import GameRow, RecordingState, Verification, now
 
 
 @pytest.fixture
@@ -34,6 +34,12 @@ def recorder() -> Recorder:
     for _ in range(61):
         recorder.advance(Action.FIRE)
     return recorder
+
+
+def begin(session: Session) -> tuple[GameRow, int]:
+    """Begin a game with an owner; returns it with the owner's epoch."""
+    game = games.create(session, 1, Start(4), None)
+    return game, games.acquire(session, game.id, "server", "tab").epoch
 
 
 def progress(game_id: str, epoch: int, recorder: Recorder) -> Progress:
@@ -60,8 +66,7 @@ def test_an_owner_saves_and_an_earlier_one_is_refused(session: Session, recorder
 
 
 def test_a_game_that_does_not_replay_says_why(session: Session, recorder: Recorder) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.acquire(session, game.id, "server", "tab").epoch
+    game, epoch = begin(session)
     games.save(session, progress(game.id, epoch, recorder))
     games.end(session, game.id, epoch, RecordingState.FINISHED, "It differs.")
     row = recordings.get(session, game.recording_id)
@@ -69,25 +74,25 @@ def test_a_game_that_does_not_replay_says_why(session: Session, recorder: Record
 
 
 def test_a_game_in_which_nothing_was_played_leaves_nothing_in_the_library(session: Session) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.acquire(session, game.id, "server", "tab").epoch
+    game, epoch = begin(session)
     games.end(session, game.id, epoch, RecordingState.UNFINISHED, None)
     assert game.recording_id not in [row.id for row in recordings.listing(session, 1)]
 
 
 def test_games_count_as_abandoned_once_nobody_owned_them_for_long_enough(session: Session) -> None:
-    left, played = (games.create(session, 1, Start(4), None) for _ in range(2))
-    epoch = games.acquire(session, left.id, "server", "tab").epoch
-    games.acquire(session, played.id, "server", "tab")
-    assert games.is_anyone_playing(session)
+    assert not games.is_anyone_playing(session)
+    left, epoch = begin(session)
+    played, its_epoch = begin(session)
     games.release(session, left.id, epoch)
+    assert games.is_anyone_playing(session)
     assert [row.id for row in games.abandoned(session, timedelta(0))] == [left.id]
     assert games.abandoned(session, timedelta(minutes=1)) == []
+    games.release(session, played.id, its_epoch)
+    assert not games.is_anyone_playing(session)
 
 
 def test_only_a_game_that_nobody_owns_is_taken_over(session: Session) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.acquire(session, game.id, "server-1", "tab").epoch
+    game, epoch = begin(session)
     a_minute = timedelta(minutes=1)
     assert games.acquire_abandoned(session, game.id, "server-2", a_minute) is None
     game.lease_expires_at = now() - 2 * a_minute
@@ -116,18 +121,8 @@ def test_games_count_as_open_until_a_minute_after_their_lease(session: Session) 
     assert games.count_open(session) == 0
 
 
-def test_somebody_plays_only_while_a_game_has_an_owner(session: Session) -> None:
-    assert not games.is_anyone_playing(session)
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.acquire(session, game.id, "server", "tab").epoch
-    assert games.is_anyone_playing(session)
-    games.release(session, game.id, epoch)
-    assert not games.is_anyone_playing(session)
-
-
 def test_undecided_games_are_kept_after_some_time(session: Session, recorder: Recorder) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.acquire(session, game.id, "server", "tab").epoch
+    game, epoch = begin(session)
     games.save(session, progress(game.id, epoch, recorder))
     games.end(session, game.id, epoch, RecordingState.FINISHED, None)
     row = recordings.get(session, game.recording_id)
