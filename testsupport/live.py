@@ -72,12 +72,14 @@ class LiveServer:
         """Begin a game."""
         return begin_game(self.http, behaviour_id, **more)
 
-    def play(self, game: dict[str, Any], tab: str | None = None) -> AbstractContextManager[Player]:
+    def play(
+        self, game: dict[str, Any], tab: str | None = None
+    ) -> AbstractContextManager[GameClient]:
         """Join a game from a tab."""
         return join(self.settings, game, tab)
 
     @contextmanager
-    def playing(self, frame: int, **more: Any) -> Iterator[Player]:
+    def playing(self, frame: int, **more: Any) -> Iterator[GameClient]:
         """Begin a new game and play it up to a frame."""
         with self.play(self.new_game(**more)) as player:
             player.begin()
@@ -96,7 +98,7 @@ class LiveServer:
 
 
 @contextmanager
-def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> Iterator[Player]:
+def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> Iterator[GameClient]:
     """Join a game from a tab."""
     with connect(
         f"ws://127.0.0.1:{settings.port}{game['stream_path']}?tab={tab or uuid.uuid4()}",
@@ -105,7 +107,7 @@ def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> It
         compression=None,
         max_size=2**20,
     ) as socket:
-        yield Player(socket)
+        yield GameClient(socket)
 
 
 def begin_game(http: httpx2.Client, behaviour_id: int = 1, **more: Any) -> dict[str, Any]:
@@ -123,7 +125,7 @@ def cookie(settings: Settings) -> str:
 
 
 @dataclass
-class Player:
+class GameClient:
     """A page without a person: decodes frames, acknowledges them, holds keys.
 
     Attributes:

@@ -27,7 +27,7 @@ import numpy as np
 from websockets.exceptions import WebSocketException
 
 from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Rewound
-from testsupport.live import Player, join
+from testsupport.live import GameClient, join
 from testsupport.processes import server_process
 from testsupport.workplace import Workplace, make_workplace
 from tril.game.controls import Keys
@@ -85,7 +85,7 @@ def play_until_killed(settings: Settings, played: Played, rng: np.random.Generat
         return
 
 
-def _act(player: Player, played: Played, frame: int, rng: np.random.Generator) -> None:
+def _act(player: GameClient, played: Played, frame: int, rng: np.random.Generator) -> None:
     if frame % 15 == 0:
         player.hold(Keys(int(rng.integers(3))) | Keys.FIRE)
     what = rng.random()

@@ -12,7 +12,7 @@ from typing import Literal
 
 from tril.ranking import kendall_tau
 
-Player = Literal["person", "demonstrator", "imitator", "clone"]
+PlayerKind = Literal["person", "demonstrator", "imitator", "clone"]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class JudgedGame:
 class JudgedGames:
     """The games of one player, all demonstrations or all unseen by the reward model."""
 
-    player: Player
+    player: PlayerKind
     demonstrated: bool
     games: tuple[JudgedGame, ...]
 

@@ -958,7 +958,7 @@ export interface components {
         ClipKind: "gif" | "webp" | "mp4";
         /**
          * ComparisonRow
-         * @description One start of the thesis' table: who hit what, and who won.
+         * @description A row of the thesis' table: both policies' greedy games from a start, and the winner.
          */
         ComparisonRow: {
             clone: components["schemas"]["EvaluationGame"] | null;
@@ -972,11 +972,11 @@ export interface components {
         };
         /**
          * ConfusedTiers
-         * @description Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+         * @description Two tiers, counted from 1, best first, whose demonstrations the reward model confuses.
          *
-         *     ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
-         *     learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
-         *     comparisons ``n_right`` were in order; None in runs of earlier versions.
+         *     ``held_out``: it confuses them when one of the demonstrations is held out of learning.
+         *     ``better`` and ``worse`` are the recordings of the two tiers. ``n_right`` of ``n_compared``
+         *     comparisons were right; None in runs of earlier versions.
          */
         ConfusedTiers: {
             /** Better */
@@ -996,7 +996,7 @@ export interface components {
         };
         /**
          * EvaluationGame
-         * @description One game that a trained policy played.
+         * @description An evaluation game of a trained policy.
          *
          *     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
          *     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
@@ -1156,10 +1156,10 @@ export interface components {
         };
         /**
          * JudgedGames
-         * @description The games of one who played: demonstrations, or games that the reward has not seen.
+         * @description The games of a player: demonstrations, or games that the reward model has not seen.
          *
-         *     ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
-         *     worth the same.
+         *     ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
+         *     quantities are equal.
          */
         JudgedGames: {
             /** Demonstrated */
@@ -1205,7 +1205,7 @@ export interface components {
         };
         /**
          * Metrics
-         * @description Points after ``after``; each series is [[step, value], ...]. Pass ``last`` as next after.
+         * @description Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points.
          */
         Metrics: {
             /** Last */
@@ -1347,7 +1347,7 @@ export interface components {
         };
         /**
          * RankingCheck
-         * @description How well the reward model agrees with the ranking, with the recordings that it speaks of.
+         * @description How well the reward model agrees with the ranking, with the recordings concerned.
          */
         RankingCheck: {
             /** Advice */
@@ -1423,9 +1423,9 @@ export interface components {
         };
         /**
          * Recipe
-         * @description A way of learning; ``values`` is all of it, ``stages`` what a run by it goes through.
+         * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
-         *     ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
          */
         Recipe: {
             /** Default Steps */
@@ -1586,9 +1586,9 @@ export interface components {
         };
         /**
          * RewardAlarm
-         * @description The predicted return of the training games rose and they became no better.
+         * @description The predicted return of training games rose, but the games did not improve.
          *
-         *     ``message`` says what it means and what to do.
+         *     ``message`` says what this means and what to do.
          */
         RewardAlarm: {
             /** From Step */
@@ -1600,7 +1600,7 @@ export interface components {
         };
         /**
          * RewardTrace
-         * @description R (raw output) of every observation of a recording, by step, from the start's.
+         * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          */
         RewardTrace: {
             /** Recording Id */
@@ -1618,7 +1618,7 @@ export interface components {
         Role: "owner" | "researcher" | "participant";
         /**
          * Run
-         * @description One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order.
+         * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
          */
         Run: {
             /** Behaviour Id */
@@ -1681,9 +1681,9 @@ export interface components {
         };
         /**
          * RunNew
-         * @description ``example`` makes and ranks the scripted demonstrations first where they are missing.
+         * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
-         *     Without ``steps`` it has as many as the recipe proposes.
+         *     ``steps`` defaults to the recipe's.
          */
         RunNew: {
             /** Behaviour Id */
@@ -1715,9 +1715,9 @@ export interface components {
         };
         /**
          * RunResults
-         * @description Everything the results page shows; parts that are not there yet are None or empty.
+         * @description All results of a training; parts that are missing yet are None or empty.
          *
-         *     ``comparison`` has the starts of the headline figures, ``further_comparison`` all others.
+         *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1741,7 +1741,7 @@ export interface components {
         };
         /**
          * RunStage
-         * @description A stage of a run, and what it is called and does in words for people.
+         * @description A stage of a run, with its label and summary on the page.
          */
         RunStage: {
             /** Label */

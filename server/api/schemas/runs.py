@@ -1,4 +1,4 @@
-"""What of trainings and their results goes over HTTP. The frontend's types come from these."""
+"""Trainings and their results."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.recordings import Recording
-from tril.analysis.extrapolation import JudgedGame, Player
+from tril.analysis.extrapolation import JudgedGame, PlayerKind
 from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline
 from tril.analysis.summary import Policy, PolicySummary, Winner
 from tril.stages import Stage
@@ -18,7 +18,7 @@ from tril.store.training.evaluations import ActionSelection
 
 
 class RunStage(Schema):
-    """A stage of a run, and what it is called and does in words for people."""
+    """A stage of a run, with its label and summary on the page."""
 
     name: Stage
     label: str
@@ -26,9 +26,9 @@ class RunStage(Schema):
 
 
 class Recipe(Schema):
-    """A way of learning; ``values`` is all of it, ``stages`` what a run by it goes through.
+    """A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
 
-    ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+    ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
     """
 
     name: str
@@ -43,9 +43,9 @@ class Recipe(Schema):
 
 
 class RunNew(Schema):
-    """``example`` makes and ranks the scripted demonstrations first where they are missing.
+    """A training to start. ``example`` first makes and ranks missing scripted demonstrations.
 
-    Without ``steps`` it has as many as the recipe proposes.
+    ``steps`` defaults to the recipe's.
     """
 
     behaviour_id: Id
@@ -58,7 +58,7 @@ class RunNew(Schema):
 
 
 class Run(Schema):
-    """One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order."""
+    """A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order."""
 
     id: str
     behaviour_id: int
@@ -89,18 +89,18 @@ class Run(Schema):
 
 
 class Metrics(Schema):
-    """Points after ``after``; each series is [[step, value], ...]. Pass ``last`` as next after."""
+    """Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points."""
 
     last: int
     series: dict[str, dict[str, list[tuple[int, float]]]]
 
 
 class ConfusedTiers(Schema):
-    """Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+    """Two tiers, counted from 1, best first, whose demonstrations the reward model confuses.
 
-    ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
-    learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
-    comparisons ``n_right`` were in order; None in runs of earlier versions.
+    ``held_out``: it confuses them when one of the demonstrations is held out of learning.
+    ``better`` and ``worse`` are the recordings of the two tiers. ``n_right`` of ``n_compared``
+    comparisons were right; None in runs of earlier versions.
     """
 
     better_tier: int
@@ -121,7 +121,7 @@ class RankedReturn(Schema):
 
 
 class RankingCheck(CheckVerdict):
-    """How well the reward model agrees with the ranking, with the recordings that it speaks of."""
+    """How well the reward model agrees with the ranking, with the recordings concerned."""
 
     confused: list[ConfusedTiers]
     returns: list[RankedReturn]
@@ -136,7 +136,7 @@ class AttentionMap(AttentionDetails):
 
 
 class EvaluationGame(Schema):
-    """One game that a trained policy played.
+    """An evaluation game of a trained policy.
 
     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
@@ -151,7 +151,7 @@ class EvaluationGame(Schema):
 
 
 class ComparisonRow(Schema):
-    """One start of the thesis' table: who hit what, and who won."""
+    """A row of the thesis' table: both policies' greedy games from a start, and the winner."""
 
     start_number: int
     held_out: bool
@@ -169,22 +169,22 @@ class PolicyGamesSummary(Schema):
 
 
 class JudgedGames(Schema):
-    """The games of one who played: demonstrations, or games that the reward has not seen.
+    """The games of a player: demonstrations, or games that the reward model has not seen.
 
-    ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
-    worth the same.
+    ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
+    quantities are equal.
     """
 
-    player: Player
+    player: PlayerKind
     demonstrated: bool
     games: list[JudgedGame]
     tau: float | None
 
 
 class RewardAlarm(Schema):
-    """The predicted return of the training games rose and they became no better.
+    """The predicted return of training games rose, but the games did not improve.
 
-    ``message`` says what it means and what to do.
+    ``message`` says what this means and what to do.
     """
 
     from_step: int
@@ -193,9 +193,9 @@ class RewardAlarm(Schema):
 
 
 class RunResults(Schema):
-    """Everything the results page shows; parts that are not there yet are None or empty.
+    """All results of a training; parts that are missing yet are None or empty.
 
-    ``comparison`` has the starts of the headline figures, ``further_comparison`` all others.
+    ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
     """
 
     run: Run
@@ -223,7 +223,7 @@ class Artifact(Schema):
 
 
 class RewardTrace(Schema):
-    """R (raw output) of every observation of a recording, by step, from the start's."""
+    """R (raw output) of every observation of a recording, by step, beginning with the start."""
 
     run_id: str
     recording_id: int

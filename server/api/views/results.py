@@ -1,4 +1,4 @@
-"""What a training has found."""
+"""The results of a training as the API shows them."""
 
 from __future__ import annotations
 
@@ -35,18 +35,11 @@ from tril.store.training.returns import judged_games
 
 def artifact_view(row: ArtifactRow) -> Artifact:
     """Show a file of a training."""
-    return Artifact(
-        id=row.id,
-        kind=row.kind,
-        name=row.name,
-        media_type=row.media_type,
-        size_bytes=row.size_bytes,
-        url=f"/api/artifacts/{row.id}",
-    )
+    return Artifact.of(row, url=f"/api/artifacts/{row.id}")
 
 
 def run_results(session: Session, run: RunRow) -> RunResults:
-    """Show everything that a training has found so far."""
+    """Show the results of a training so far."""
     views = RecordingViews(session)
     games = evaluations.listing(session, run.id)
     files = artifacts.listing(session, run.id)
@@ -80,14 +73,12 @@ def _check(
     return RankingCheck(
         **check.model_dump(include=set(CheckVerdict.model_fields)),
         confused=[
-            ConfusedTiers(
+            ConfusedTiers.of(
+                pair,
                 better_tier=pair.better,
                 worse_tier=pair.worse,
-                held_out=pair.held_out,
                 better=tiers[pair.better - 1],
                 worse=tiers[pair.worse - 1],
-                n_right=pair.n_right,
-                n_compared=pair.n_compared,
             )
             for pair in check.confused
         ],
@@ -101,14 +92,7 @@ def _check(
 
 
 def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:
-    return EvaluationGame(
-        policy=row.policy,
-        action_selection=row.action_selection,
-        start_number=row.start_number,
-        held_out=row.held_out,
-        predicted_return=row.predicted_return,
-        recording=views.one(row.recording),
-    )
+    return EvaluationGame.of(row, recording=views.one(row.recording))
 
 
 def _comparison(
@@ -141,19 +125,15 @@ def _comparison(
 
 
 def _summaries(games: list[EvaluationRow]) -> list[PolicyGamesSummary]:
-    """Means over the games from starts that no demonstration began from."""
+    """Return means over the games from held-out starts."""
     return [
-        PolicyGamesSummary(
-            policy=policy,
-            action_selection=how,
-            summary=summary,
-        )
+        PolicyGamesSummary(policy=policy, action_selection=how, summary=summary)
         for (policy, how), summary in evaluations.summaries(games).items()
     ]
 
 
 def _attention(files: list[ArtifactRow]) -> list[AttentionMap]:
-    """The states whose three pictures are all there, from the lowest R to the highest."""
+    """Show the states that have all three pictures, from the lowest R to the highest."""
     pictures: dict[str, dict[str, ArtifactRow]] = defaultdict(dict)
     for row in files:
         if row.kind.startswith("attention_"):

@@ -28,7 +28,7 @@ from server.play.wire.protocol import (
     TakenOver,
 )
 from tests.server.clients import replayed, stored
-from testsupport.live import LiveServer, Player, cookie, live_server
+from testsupport.live import GameClient, LiveServer, cookie, live_server
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.game.controls import Keys
@@ -37,7 +37,7 @@ from tril.store import games, recordings
 from tril.store.database import Database
 
 
-def assert_screens_replay(live: LiveServer, player: Player, ended: Ended) -> None:
+def assert_screens_replay(live: LiveServer, player: GameClient, ended: Ended) -> None:
     """Compare every screen that was seen with the stored recording's replay."""
     recording = stored(live.database, ended.recording_id)
     screens = replayed(recording, lambda console: console.screen_palette())
@@ -46,7 +46,7 @@ def assert_screens_replay(live: LiveServer, player: Player, ended: Ended) -> Non
         np.testing.assert_array_equal(screen, screens[frame])
 
 
-def received_until_quiet(player: Player) -> list[object]:
+def received_until_quiet(player: GameClient) -> list[object]:
     """Return the messages that come until none does for a while."""
     received: list[object] = []
     try:
@@ -56,7 +56,7 @@ def received_until_quiet(player: Player) -> list[object]:
         return received
 
 
-def fill_window(player: Player, n_before: int = 0) -> None:
+def fill_window(player: GameClient, n_before: int = 0) -> None:
     """Take frames without acknowledging them until no more are sent."""
     player.acknowledges = False
     while len(player.frames) < n_before + MAX_UNACKNOWLEDGED:
@@ -296,7 +296,7 @@ def test_a_message_that_is_not_of_the_protocol_closes_the_stream(
 def test_a_stream_without_cookie_closes_with_4401(live: LiveServer) -> None:
     path = live.new_game()["stream_path"]
     with connect(f"ws://{live.authority}{path}", compression=None) as socket:
-        assert Player(socket).close_code() == Close.UNAUTHORISED
+        assert GameClient(socket).close_code() == Close.UNAUTHORISED
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from trainer.reporting.figures import (
     frame_picture,
     returns_figure,
 )
-from tril.analysis.extrapolation import JudgedGame, JudgedGames, Player
+from tril.analysis.extrapolation import JudgedGame, JudgedGames, PlayerKind
 from tril.behaviours import BUILT_IN, Cell
 
 
@@ -69,7 +69,7 @@ def test_strays_are_drawn_in_a_colour_of_their_own() -> None:
     assert not has_stray_colour(*(column_1.target or ()))
 
 
-def _judged(player: Player, demonstrated: bool) -> JudgedGames:
+def _judged(player: PlayerKind, demonstrated: bool) -> JudgedGames:
     games = tuple(JudgedGame(worth, 10.0 * worth, worth) for worth in range(4))
     return JudgedGames(player, demonstrated, games)
 

@@ -8,12 +8,12 @@ from typing import cast, get_args
 
 from sqlalchemy.orm import Session
 
-from tril.analysis.extrapolation import JudgedGame, JudgedGames, Player, true_quantity
+from tril.analysis.extrapolation import JudgedGame, JudgedGames, PlayerKind, true_quantity
 from tril.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import EvaluationRow, RunRow, Source
 
-_PLAYERS: dict[str, Player] = {
+_PLAYERS: dict[str, PlayerKind] = {
     Source.PERSON: "person",
     Source.SCRIPTED: "demonstrator",
     Source.POLICY: "imitator",
@@ -38,7 +38,7 @@ def judged_games(
         return []
     check = run.outcome.check
     returns = {} if check is None else check.predicted_returns
-    found: dict[tuple[Player, bool], list[JudgedGame]] = defaultdict(list)
+    found: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(returns)).items():
         worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
         assert worth is not None
@@ -50,14 +50,14 @@ def judged_games(
             continue
         quantity = true_quantity(played.targets, played.strays)
         game = JudgedGame(quantity, played.predicted_return, played.recording_id)
-        found[cast(Player, played.policy), False].append(game)
+        found[cast(PlayerKind, played.policy), False].append(game)
     return [
         JudgedGames(player, demonstrated, tuple(found[player, demonstrated]))
         for player, demonstrated in sorted(found, key=_place)
     ]
 
 
-def _place(group: tuple[Player, bool]) -> tuple[bool, int]:
+def _place(group: tuple[PlayerKind, bool]) -> tuple[bool, int]:
     """Return the key that sorts demonstrations first, then by player."""
     player, demonstrated = group
-    return not demonstrated, get_args(Player).index(player)
+    return not demonstrated, get_args(PlayerKind).index(player)

@@ -11,7 +11,7 @@ import numpy as np
 from server.play.session.rewind import Checkpoints
 from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.wire.scene import Scene
-from testsupport.live import LiveServer, Player, live_server
+from testsupport.live import GameClient, LiveServer, live_server
 from testsupport.workplace import Workplace
 from tril.game.console import Console
 from tril.game.controls import Keys
@@ -22,7 +22,9 @@ from tril.store.models import RecordingState, Source
 
 
 @contextmanager
-def playing(live: LiveServer, frame: int, keys: Keys = Keys.RIGHT | Keys.FIRE) -> Iterator[Player]:
+def playing(
+    live: LiveServer, frame: int, keys: Keys = Keys.RIGHT | Keys.FIRE
+) -> Iterator[GameClient]:
     """Play a game up to a frame with these keys held."""
     with live.play(live.new_game(idle_frames=4)) as player:
         player.hold(keys)
@@ -31,7 +33,7 @@ def playing(live: LiveServer, frame: int, keys: Keys = Keys.RIGHT | Keys.FIRE) -
         yield player
 
 
-def rewind_to(player: Player, frame: int) -> Rewound:
+def rewind_to(player: GameClient, frame: int) -> Rewound:
     """Rewind to a frame or a little further, and release."""
     player.say("rewind")
     player.until(FrameMessage, lambda message: message.frame <= frame)

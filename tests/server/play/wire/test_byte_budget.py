@@ -10,7 +10,7 @@ import pytest
 
 from server.play.wire.byte_budget import BURST_BYTES, RATE_BYTES_PER_S, TokenBucket
 from server.play.wire.protocol import FrameMessage, Hello, InputMessage, client_bytes
-from testsupport.live import Player, join
+from testsupport.live import GameClient, join
 from testsupport.processes import server_process
 from testsupport.workplace import Workplace
 from tril.game.controls import Keys
@@ -38,7 +38,7 @@ def test_a_flood_exhausts_the_budget_until_it_refills(chunk_bytes: int) -> None:
     assert not bucket.take(BURST_BYTES + 1, now_s=1000.0)
 
 
-def frames_received(player: Player) -> int:
+def frames_received(player: GameClient) -> int:
     """Play for a while with an input for every frame; returns how many frames came."""
     until, before = time.monotonic() + WINDOW_S, len(player.frames)
     with suppress(TimeoutError):
@@ -48,7 +48,7 @@ def frames_received(player: Player) -> int:
     return len(player.frames) - before
 
 
-def flood(player: Player) -> int:
+def flood(player: GameClient) -> int:
     """Send inputs until the connection breaks; returns how many bytes were sent."""
     data = client_bytes(InputMessage(Keys.FIRE, 1))
     chunk = 5000 * (bytes([0x82, 0x80 | len(data), 0, 0, 0, 0]) + data)
