@@ -5,9 +5,8 @@ as the header says. Nothing is pickled. A connection carries one request and its
 of the process between two requests goes unnoticed.
 
 Requests: ``{"op": "ping"}``; ``{"op": "reward", "run_id"}`` with observations uint8 (N, 4, 84, 84)
-gives float32 (N,); ``{"op": "attention", "run_id"}`` with one observation gives float32
-(4, 84, 84); ``{"op": "act", "run_id", "policy"}`` with observations gives float32 (N, 6). A reply
-is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
+gives float32 (N,). A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind",
+"detail"}``.
 """
 
 from __future__ import annotations
@@ -26,13 +25,11 @@ import numpy.typing as npt
 
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.game.observation import OBSERVATION_SHAPE, Observations, check_observations
-from tril.game.space_invaders import Action
 
 MAX_HEADER_BYTES = 16 * 1024
 MAX_OBSERVATIONS = 1024
 OBSERVATION_BYTES = int(np.prod(OBSERVATION_SHAPE))
 MAX_BODY_BYTES = MAX_OBSERVATIONS * OBSERVATION_BYTES
-N_ACTIONS = len(Action)
 TIMEOUT_S = 60.0
 LONGEST_ADDRESS = 100
 """Bytes of a path that fit into the address of a local socket, with some margin."""
@@ -48,7 +45,7 @@ class Disconnected(ConnectionError):
 
 
 class InferenceClient:
-    """Requests R, attention and actions of trained networks from the inference process.
+    """Requests R of trained reward models from the inference process.
 
     Threads may share it. A request whose connection breaks is repeated once, because the process
     may just have been restarted.
@@ -78,32 +75,6 @@ class InferenceClient:
         ]
         return np.frombuffer(b"".join(parts), np.float32)
 
-    def attention(self, run_id: str, observation: Observations) -> Values:
-        """Return the attention map, float32 (4, 84, 84), of one observation, uint8 (4, 84, 84).
-
-        Raises:
-            NotFound: The run has no reward model.
-            Unavailable: The process does not reply.
-        """
-        values = self._request({"op": "attention", "run_id": run_id}, _checked(observation[None]))
-        return np.frombuffer(values, np.float32).reshape(OBSERVATION_SHAPE)
-
-    def action_probabilities(self, run_id: str, policy: str, observations: Observations) -> Values:
-        """Return the probabilities, float32 (N, 6), that a policy gives to the actions.
-
-        Args:
-            run_id: The run.
-            policy: "imitator" or "clone".
-            observations: uint8 (N, 4, 84, 84).
-
-        Raises:
-            NotFound: The run has no such policy.
-            Unavailable: The process does not reply.
-        """
-        request = {"op": "act", "run_id": run_id, "policy": policy}
-        parts = [self._request(request, part) for part in _parts(observations)]
-        return np.frombuffer(b"".join(parts), np.float32).reshape(-1, N_ACTIONS)
-
     def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
         try:
             try:
@@ -129,7 +100,7 @@ class InferenceClient:
 def _unavailable(problem: OSError) -> Unavailable:
     reason = "did not answer in time" if isinstance(problem, TimeoutError) else "is not running"
     return Unavailable(
-        f"The inference process {reason}, so trained networks can't be used. `tril up` starts it, "
+        f"The inference process {reason}, so rewards can't be computed. `tril up` starts it, "
         "again if need be; try again in a moment."
     )
 

@@ -58,7 +58,7 @@ def change_recordings(
     """Delete, restore or mark several recordings, all or none, and return them."""
     rows = _of_behaviour(session, behaviour_id, body.recording_ids)
     if body.change == "delete":
-        recordings.delete_all(session, rows, players.owner(session).id)
+        recordings.delete(session, rows, players.owner(session).id)
     else:
         for row in rows:
             if body.change == "restore":
@@ -111,7 +111,7 @@ def update_recording(
 def delete_recording(session: WriteSession, recording_id: RecordingId) -> None:
     """Delete a recording; it can be restored."""
     row = recordings.get(session, recording_id)
-    recordings.delete(session, row, players.owner(session).id)
+    recordings.delete(session, [row], players.owner(session).id)
 
 
 @router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
@@ -126,7 +126,7 @@ def keep_recording(session: WriteSession, recording_id: RecordingId) -> Recordin
 def discard_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
     """Delete a recording and return it; it can be restored."""
     row = recordings.get(session, recording_id)
-    recordings.delete(session, row, players.owner(session).id)
+    recordings.delete(session, [row], players.owner(session).id)
     return RecordingViews(session).one(row)
 
 

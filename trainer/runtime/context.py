@@ -97,7 +97,7 @@ class RunContext:
             return
         with self.database.reading() as session:
             cancelling = leases.is_cancelling(session, self.lease)
-            self.throttle.active = games.is_play_on(session)
+            self.throttle.active = games.is_anyone_playing(session)
         self._checked_at = time.monotonic()
         if cancelling:
             raise RunCancelled

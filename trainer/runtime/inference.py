@@ -1,4 +1,4 @@
-"""The inference process: evaluates trained networks for others over a local socket."""
+"""The inference process: evaluates reward models for the server over a local socket."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import socket
 import socketserver
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,12 @@ import numpy as np
 import torch
 from sqlalchemy.exc import SQLAlchemyError
 
-from trainer.explain.attention import attention_map
-from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.throttle import learning_threads
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import OBSERVATION_SHAPE, Observations
+from tril.game.observation import OBSERVATION_SHAPE
 from tril.heartbeat import Heartbeat
 from tril.inference import (
     OBSERVATION_BYTES,
@@ -39,12 +37,11 @@ from tril.settings import Settings
 from tril.store.database import Database, create_database
 from tril.store.schema import check_schema
 from tril.store.training import artifacts
-from tril.store.training.evaluations import POLICIES
 
 log = logging.getLogger(__name__)
 
-MAX_NETWORKS = 16
-"""Networks kept in memory; the least recently used one is dropped."""
+MAX_MODELS = 16
+"""Reward models kept in memory; the least recently used one is dropped."""
 
 THREADS = 2
 MESSAGE_TIMEOUT_S = 30.0
@@ -63,8 +60,8 @@ def run_inference(settings: Settings) -> None:
     database = create_database(settings.application_url)
     try:
         check_schema(database)
-        networks = Networks(database, ArtifactStore(settings.artifact_root))
-        server = InferenceServer(settings.inference_socket, networks)
+        models = RewardModels(database, ArtifactStore(settings.artifact_root))
+        server = InferenceServer(settings.inference_socket, models)
         for number in (signal.SIGINT, signal.SIGTERM):
             # shutdown waits for the loop that this thread runs.
             signal.signal(number, lambda *_: threading.Thread(target=server.shutdown).start())
@@ -75,43 +72,34 @@ def run_inference(settings: Settings) -> None:
         database.close()
 
 
-class Networks:
-    """Trained networks, loaded from the artifact store at the first request.
+class RewardModels:
+    """Trained reward models, loaded from the artifact store at the first request.
 
     Args:
         database: The application's database.
         store: The artifact store.
-        max_kept: Networks kept in memory.
+        max_kept: Models kept in memory.
     """
 
     def __init__(
-        self, database: Database, store: ArtifactStore, max_kept: int = MAX_NETWORKS
+        self, database: Database, store: ArtifactStore, max_kept: int = MAX_MODELS
     ) -> None:
         self._database = database
         self._store = store
         self._max_kept = max_kept
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+        self._kept: OrderedDict[Hashable, RewardModel] = OrderedDict()
         self._lock = threading.Lock()
 
-    def reward_model(self, run_id: str) -> RewardModel:
+    def get(self, run_id: str) -> RewardModel:
         """Return a run's reward model; raises NotFound if it has none."""
-        model: RewardModel = self._get(run_id, "reward_model", RewardModel.load)
-        return model
-
-    def policy(self, run_id: str, kind: str) -> Policy:
-        """Return a run's "imitator" or "clone"; raises NotFound if it has none."""
-        policy: Policy = self._get(run_id, kind, load_policy)
-        return policy
-
-    def _get(self, run_id: str, kind: str, load: Callable[[Path], Any]) -> Any:
         with self._database.reading() as session:
-            row = artifacts.of_kind(session, run_id, kind)
+            row = artifacts.of_kind(session, run_id, "reward_model")
         # A resumed run may replace its file.
         key = (row.id, row.created_at)
         with self._lock:
             if key not in self._kept:
                 with self._store.local(row.path) as path:
-                    self._kept[key] = load(path)
+                    self._kept[key] = RewardModel.load(path)
                 while len(self._kept) > self._max_kept:
                     self._kept.popitem(last=False)
             self._kept.move_to_end(key)
@@ -123,7 +111,7 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
 
     Args:
         path: The socket; one that a dead process left is replaced.
-        networks: The networks.
+        models: The models.
 
     Raises:
         Unavailable: Another process answers on it.
@@ -131,8 +119,8 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
 
     daemon_threads = True
 
-    def __init__(self, path: Path, networks: Networks) -> None:
-        self.networks = networks
+    def __init__(self, path: Path, models: RewardModels) -> None:
+        self.models = models
         self._path = path
         path.parent.mkdir(parents=True, exist_ok=True)
         self._lock_file = path.with_suffix(".lock").open("a")
@@ -169,7 +157,7 @@ class _Handler(socketserver.BaseRequestHandler):
         with contextlib.suppress(ConnectionError, TimeoutError):
             try:
                 header, body = receive_message(self.request)
-                reply, values = reply_to(self.server.networks, header, body)
+                reply, values = reply_to(self.server.models, header, body)
             except Disconnected:
                 return
             except (TrilError, SQLAlchemyError) as problem:
@@ -181,47 +169,27 @@ class _Handler(socketserver.BaseRequestHandler):
 
 
 def reply_to(
-    networks: Networks, header: dict[str, Any], body: bytearray
+    models: RewardModels, header: dict[str, Any], body: bytearray
 ) -> tuple[dict[str, Any], bytes]:
     """Return the header and the values, as bytes, of the reply to a request.
 
     Raises:
         Invalid: The request is malformed.
-        NotFound: The run has no such network.
+        NotFound: The run has no reward model.
     """
-    op = header.get("op")
+    op, run_id = header.get("op"), header.get("run_id")
     if op == "ping":
         return {"ok": True}, b""
-    if op not in {"reward", "attention", "act"}:
-        raise Invalid(f"There is no operation {op!r}; choose ping, reward, attention or act.")
-    run_id, observations = _text(header, "run_id"), _observations(body)
-    if op == "reward":
-        values = networks.reward_model(run_id).score(observations)
-    elif op == "act":
-        policy = _text(header, "policy")
-        if policy not in POLICIES:
-            raise Invalid(f"There is no policy {policy!r}; choose one of {', '.join(POLICIES)}.")
-        values = networks.policy(run_id, policy).probabilities(observations)
-    else:
-        if len(observations) != 1:
-            raise Invalid(f"Expected one observation for attention, got {len(observations)}.")
-        values = attention_map(networks.reward_model(run_id), observations[0])
-    return {"ok": True}, np.ascontiguousarray(values, np.float32).tobytes()
-
-
-def _text(header: dict[str, Any], name: str) -> str:
-    value = header.get(name)
-    if not isinstance(value, str):
-        raise Invalid(f"The request lacks {name!r}.")
-    return value
-
-
-def _observations(body: bytearray) -> Observations:
+    if op != "reward":
+        raise Invalid(f"There is no operation {op!r}; choose ping or reward.")
+    if not isinstance(run_id, str):
+        raise Invalid("The request lacks 'run_id'.")
     if len(body) % OBSERVATION_BYTES:
         raise Invalid(
             f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
         )
-    return np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
+    observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
+    return {"ok": True}, models.get(run_id).score(observations).tobytes()
 
 
 def _error_reply(problem: Exception) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections import Counter
+from collections import defaultdict
 from dataclasses import dataclass, replace
 
 from sqlalchemy import func, select
@@ -80,11 +80,7 @@ def listing(session: Session) -> list[BehaviourRow]:
 
 def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Counts]:
     """Return the counts of each behaviour, or of one; those with nothing are left out."""
-    found: dict[int, Counts] = {}
-
-    def note(key: int, **values: int | bool) -> None:
-        found[key] = replace(found.get(key, Counts()), **values)  # type: ignore[arg-type]
-
+    found: dict[int, Counts] = defaultdict(Counts)
     in_library = select(
         RecordingRow.behaviour_id,
         func.count(),
@@ -110,14 +106,13 @@ def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Count
         in_library = in_library.where(RecordingRow.behaviour_id == behaviour_id)
         trained = trained.where(RunRow.behaviour_id == behaviour_id)
         ranked = ranked.where(RankingRow.behaviour_id == behaviour_id)
-    for key, n, perfect, scripted in session.execute(
-        in_library.group_by(RecordingRow.behaviour_id)
-    ):
-        note(key, n_recordings=n, n_perfect=perfect, has_example=scripted > 0)
+    in_library = in_library.group_by(RecordingRow.behaviour_id)
+    for key, n, perfect, scripted in session.execute(in_library):
+        found[key] = Counts(n, n_perfect=perfect, has_example=scripted > 0)
     for key, n in session.execute(trained.group_by(RunRow.behaviour_id)):
-        note(key, n_runs=n)
+        found[key] = replace(found[key], n_runs=n)
     for key, tiers in session.execute(ranked):
-        note(key, n_ranked=sum(len(tier) for tier in tiers))
+        found[key] = replace(found[key], n_ranked=sum(len(tier) for tier in tiers))
     return found
 
 
@@ -194,7 +189,7 @@ def delete(session: Session, row: BehaviourRow) -> None:
 
 def seed_built_in(session: Session) -> None:
     """Add the built-in behaviours that are missing."""
-    known = Counter(session.scalars(select(BehaviourRow.slug)))
+    known = set(session.scalars(select(BehaviourRow.slug)))
     for behaviour in BUILT_IN:
         if behaviour.slug not in known:
             _add(session, behaviour, built_in=True)

@@ -155,7 +155,7 @@ def get(session: Session, game_id: str) -> GameRow:
     return row
 
 
-def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
+def acquire(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
     """Make a process and a tab the owner of a game, whoever owns it.
 
     Raises:
@@ -172,13 +172,15 @@ def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
     return row
 
 
-def claim_abandoned(session: Session, game_id: str, owner: str, after: timedelta) -> GameRow | None:
+def acquire_abandoned(
+    session: Session, game_id: str, owner: str, after: timedelta
+) -> GameRow | None:
     """Take over a game if its lease ended some time ago; returns None otherwise."""
     session.execute(select(GameRow.id).where(GameRow.id == game_id).with_for_update())
     row = get(session, game_id)
     if row.ended_at is not None or _lease_end(row) >= database_now(session) - after:
         return None
-    return claim(session, game_id, owner, "")
+    return acquire(session, game_id, owner, "")
 
 
 def hold(session: Session, game_id: str, epoch: int) -> bool:
@@ -297,7 +299,7 @@ def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[Game
     return list(session.scalars(query))
 
 
-def is_play_on(session: Session) -> bool:
+def is_anyone_playing(session: Session) -> bool:
     """Whether somebody plays at the moment, so that learning is throttled."""
     live = (GameRow.ended_at.is_(None), GameRow.lease_expires_at > database_now(session))
     return session.scalar(select(GameRow.id).where(*live).limit(1)) is not None

@@ -77,7 +77,7 @@ def restore_history(session: Session, behaviour_id: int, rows: Sequence[RankingR
         raise Conflict("The behaviour has a ranking already, which would be overwritten.")
     if not rows:
         return
-    _refuse_unrankable(session, behaviour_id, as_ranking(rows[-1]))
+    refuse_unrankable(session, behaviour_id, as_ranking(rows[-1]))
     session.add_all(rows)
     session.flush()
     note_change(session, "ranking", behaviour_id)
@@ -120,7 +120,7 @@ def save(
     """
     newest = _lock(session, behaviour_id, base_revision, tiers)
     ranking = normalise(tiers)
-    _refuse_unrankable(session, behaviour_id, ranking)
+    refuse_unrankable(session, behaviour_id, ranking)
     if ranking == as_ranking(newest):
         return newest
     return _add(session, newest, ranking, player_id, change, undo_to=newest.revision)
@@ -253,19 +253,15 @@ def _still_rankable(session: Session, row: RankingRow) -> Ranking:
     return ranking.without(set(ranking.items) - _rankable(session, row.behaviour_id))
 
 
-def _refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> None:
+def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> None:
+    """Raise Invalid, naming the recordings, if any of a ranking's can't be ranked."""
     wrong = sorted(set(ranking.items) - _rankable(session, behaviour_id))
     if not wrong:
         return
-    rows = {
-        row.id: row
-        for row in session.scalars(select(RecordingRow).where(RecordingRow.id.in_(wrong)))
-    }
+    query = select(RecordingRow).where(RecordingRow.id.in_(wrong))
+    rows = {row.id: row for row in session.scalars(query)}
     reasons = (f"recording {key} {_why_not(behaviour_id, rows.get(key))}" for key in wrong)
-    raise Invalid(
-        f"This order can't be saved: {', '.join(reasons)}. Take it out of the ranking and save "
-        "again."
-    )
+    raise Invalid(f"This order can't be used: {', '.join(reasons)}. Take it out of the ranking.")
 
 
 def _why_not(behaviour_id: int, row: RecordingRow | None) -> str:

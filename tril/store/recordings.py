@@ -181,12 +181,7 @@ def keep(session: Session, row: RecordingRow) -> None:
     note_change(session, "recording", row.id)
 
 
-def delete(session: Session, row: RecordingRow, player_id: int | None) -> None:
-    """Delete a recording as ``delete_all`` does."""
-    delete_all(session, [row], player_id)
-
-
-def delete_all(session: Session, rows: Sequence[RecordingRow], player_id: int | None) -> None:
+def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None) -> None:
     """Take recordings out of the lists and the rankings; ``restore`` brings them back.
 
     Trainings that used them keep them. Each ranking they were in gets one new revision. Those that

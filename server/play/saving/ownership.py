@@ -89,7 +89,7 @@ class GameOwnership:
 
         def acquire(session: Session) -> tuple[GameRow, BehaviourRow]:
             had_a_place = games.is_open(session, game_id)
-            row = games.claim(session, game_id, self._owner, tab)
+            row = games.acquire(session, game_id, self._owner, tab)
             if not had_a_place:
                 self._limits.check(session, row.recording.player_id, n_counted=1)
             return row, session.get_one(BehaviourRow, row.recording.behaviour_id)
@@ -221,7 +221,7 @@ class GameOwnership:
     async def end_abandoned(self, game_id: str, after: timedelta) -> None:
         """End a game as an unfinished recording if nobody has owned it for some time."""
         row = await self._committer.run(
-            lambda session: games.claim_abandoned(session, game_id, self._owner, after)
+            lambda session: games.acquire_abandoned(session, game_id, self._owner, after)
         )
         if row is None:
             return

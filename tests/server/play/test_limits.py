@@ -159,7 +159,7 @@ def test_a_game_that_is_joined_in_the_nick_of_time_is_not_ended(workplace: Workp
         with live.play(game) as player:
             player.until(Hello)
             with workplace.database.writing() as session:
-                late = games.claim_abandoned(session, game["id"], "another process", timedelta(0))
+                late = games.acquire_abandoned(session, game["id"], "another process", timedelta(0))
                 assert late is None
             player.say("ready")
             player.until_frame(3)

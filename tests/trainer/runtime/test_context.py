@@ -168,7 +168,7 @@ def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> No
     assert not context.throttle.active
     with workplace.database.writing() as session:
         game = games.create(session, workplace.behaviour_id, Start(1), None)
-        epoch = games.claim(session, game.id, "server", "tab").epoch
+        epoch = games.acquire(session, game.id, "server", "tab").epoch
     again = leased(workplace, run_id)
     again.check_cancelled()
     assert again.throttle.active

@@ -18,10 +18,8 @@ import pytest
 
 from testsupport.processes import tril_process
 from testsupport.workplace import Workplace, make_workplace
-from trainer.explain.attention import attention_map
-from trainer.policy.networks import Policy, new_policy, save_policy
 from trainer.reward.model import RewardModel, new_network
-from trainer.runtime.inference import InferenceServer, Networks
+from trainer.runtime.inference import InferenceServer, RewardModels
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
 from tril.game.observation import Observations
@@ -42,14 +40,14 @@ def store(workplace: Workplace) -> ArtifactStore:
 
 
 @contextmanager
-def serving(workplace: Workplace, most: int = 4) -> Iterator[Networks]:
+def serving(workplace: Workplace) -> Iterator[None]:
     store = ArtifactStore(workplace.settings.artifact_root)
-    networks = Networks(workplace.database, store, most)
-    with InferenceServer(workplace.settings.inference_socket, networks) as server:
+    models = RewardModels(workplace.database, store)
+    with InferenceServer(workplace.settings.inference_socket, models) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
         thread.start()
         try:
-            yield networks
+            yield
         finally:
             server.shutdown()
             thread.join()
@@ -68,47 +66,37 @@ def a_reward_model(seed: int = 0) -> RewardModel:
     return RewardModel((new_network(np.random.default_rng(seed)),), (0.5,), (2.0,))
 
 
-def keep(workplace: Workplace, store: ArtifactStore, run_id: str, kind: str, path: Path) -> None:
+def keep_model(
+    workplace: Workplace, store: ArtifactStore, run_id: str, tmp_path: Path, model: RewardModel
+) -> None:
+    path = tmp_path / "reward-model.safetensors"
+    model.save(path)
     store.put(path_of(run_id, path.name), path.read_bytes())
     with workplace.database.writing() as session:
-        artifacts.save(session, run_id, kind, path.name, "application/octet-stream", 1)
+        artifacts.save(session, run_id, "reward_model", path.name, "application/octet-stream", 1)
 
 
-def run_with_networks(workplace: Workplace, store: ArtifactStore, tmp_path: Path) -> str:
+def run_with_model(workplace: Workplace, store: ArtifactStore, tmp_path: Path) -> str:
     run_id = workplace.make_run()
-    a_reward_model().save(tmp_path / "reward-model.safetensors")
-    keep(workplace, store, run_id, "reward_model", tmp_path / "reward-model.safetensors")
-    save_policy(new_policy("small", 1e-3, np.random.default_rng(1)), tmp_path / "imitator.zip")
-    keep(workplace, store, run_id, "imitator", tmp_path / "imitator.zip")
+    keep_model(workplace, store, run_id, tmp_path, a_reward_model())
     return run_id
 
 
-def test_answers_equal_what_the_networks_say(
+def test_rewards_equal_the_models_own(
     workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
 ) -> None:
-    run_id = run_with_networks(workplace, store, tmp_path)
+    run_id = run_with_model(workplace, store, tmp_path)
     observations = some_observations(5)
-    # Where nothing is to be seen there is nothing to mask: a small patch is quick.
-    seen = np.zeros_like(observations[0])
-    seen[:, 40:50, 40:50] = observations[0][:, 40:50, 40:50]
-    policy = Policy(new_policy("small", 1e-3, np.random.default_rng(1)))
     with serving(workplace):
         client.ping()
         rewards = client.reward(run_id, observations)
-        probabilities = client.action_probabilities(run_id, "imitator", observations)
-        attention = client.attention(run_id, seen)
     np.testing.assert_allclose(rewards, a_reward_model().score(observations), rtol=1e-5)
-    np.testing.assert_allclose(probabilities, policy.probabilities(observations), atol=1e-5)
-    np.testing.assert_allclose(probabilities.sum(1), np.ones(5), rtol=1e-5)
-    np.testing.assert_allclose(
-        attention, attention_map(a_reward_model(), seen), rtol=1e-4, atol=1e-6
-    )
 
 
-def test_more_observations_than_one_message_holds_are_asked_in_parts(
+def test_more_observations_than_fit_one_message_are_sent_in_parts(
     workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
 ) -> None:
-    run_id = run_with_networks(workplace, store, tmp_path)
+    run_id = run_with_model(workplace, store, tmp_path)
     observations = np.repeat(some_observations(2), [MAX_OBSERVATIONS, 3], axis=0)
     with serving(workplace):
         rewards = client.reward(run_id, observations)
@@ -119,45 +107,37 @@ def test_more_observations_than_one_message_holds_are_asked_in_parts(
     np.testing.assert_allclose(rewards[MAX_OBSERVATIONS:], other, rtol=1e-4)
 
 
-def test_a_run_without_the_network_is_named(
-    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
-) -> None:
-    run_id = run_with_networks(workplace, store, tmp_path)
+def test_a_run_without_a_model_is_refused(workplace: Workplace, client: InferenceClient) -> None:
     with serving(workplace):
-        with pytest.raises(NotFound, match="no clone yet"):
-            client.action_probabilities(run_id, "clone", some_observations(1))
         with pytest.raises(NotFound, match="no reward model yet"):
             client.reward("unknown", some_observations(1))
-        with pytest.raises(Invalid, match="no policy 'champion'"):
-            client.action_probabilities(run_id, "champion", some_observations(1))
         with pytest.raises(Invalid, match="Expected observations uint8"):
-            client.reward(run_id, np.zeros((1, 84, 84), np.uint8))
+            client.reward("unknown", np.zeros((1, 84, 84), np.uint8))
 
 
-def test_a_model_that_is_made_anew_is_loaded_anew(
+def test_a_replaced_model_is_loaded_again(
     workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
 ) -> None:
-    run_id = run_with_networks(workplace, store, tmp_path)
+    run_id = run_with_model(workplace, store, tmp_path)
     observations = some_observations(3)
     with serving(workplace):
         client.reward(run_id, observations)
-        a_reward_model(7).save(tmp_path / "reward-model.safetensors")
-        keep(workplace, store, run_id, "reward_model", tmp_path / "reward-model.safetensors")
+        keep_model(workplace, store, run_id, tmp_path, a_reward_model(7))
         rewards = client.reward(run_id, observations)
     np.testing.assert_allclose(rewards, a_reward_model(7).score(observations), rtol=1e-5)
 
 
-def test_networks_in_memory_are_bounded(
+def test_models_in_memory_are_bounded(
     workplace: Workplace, store: ArtifactStore, tmp_path: Path
 ) -> None:
-    runs = [run_with_networks(workplace, store, tmp_path) for _ in range(3)]
-    networks = Networks(workplace.database, store, max_kept=2)
-    first = networks.reward_model(runs[0])
-    second = networks.reward_model(runs[1])
-    assert networks.reward_model(runs[0]) is first
-    networks.reward_model(runs[2])
-    assert networks.reward_model(runs[0]) is first
-    assert networks.reward_model(runs[1]) is not second
+    runs = [run_with_model(workplace, store, tmp_path) for _ in range(3)]
+    models = RewardModels(workplace.database, store, max_kept=2)
+    first = models.get(runs[0])
+    second = models.get(runs[1])
+    assert models.get(runs[0]) is first
+    models.get(runs[2])
+    assert models.get(runs[0]) is first
+    assert models.get(runs[1]) is not second
 
 
 def test_the_socket_is_for_its_owner_alone_and_goes_with_the_process(
@@ -228,7 +208,6 @@ def framed(header: object) -> bytes:
         (framed({"op": "delete", "n_bytes": 0}), "no operation 'delete'"),
         (framed({"op": "reward", "n_bytes": 0}), "lacks 'run_id'"),
         (framed({"op": "reward", "run_id": "x", "n_bytes": 3}) + b"abc", "whole observations"),
-        (framed({"op": "attention", "run_id": "x", "n_bytes": 0}), "one observation"),
     ],
 )
 def test_bad_requests_are_refused_with_a_reason_and_harm_nothing(
@@ -242,7 +221,7 @@ def test_bad_requests_are_refused_with_a_reason_and_harm_nothing(
         client.ping()
 
 
-def test_who_goes_away_in_mid_message_harms_nothing(
+def test_a_client_that_disconnects_in_mid_message_harms_nothing(
     workplace: Workplace, client: InferenceClient
 ) -> None:
     with serving(workplace):
@@ -262,7 +241,7 @@ def test_the_process_serves_one_data_folder_alone_and_survives_a_kill(
         with pytest.raises(Unavailable, match="Another inference process"):
             InferenceServer(
                 workplace.settings.inference_socket,
-                Networks(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
+                RewardModels(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
             )
         first.process.kill()
     assert workplace.settings.inference_socket.exists()

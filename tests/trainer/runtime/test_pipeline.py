@@ -207,7 +207,7 @@ def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
     assert workplace.run(first).snapshot == frozen
     # One that was deleted is made again, the others are not.
     with workplace.database.writing() as session:
-        recordings.delete(session, recordings.get(session, made[1]), None)
+        recordings.delete(session, [recordings.get(session, made[1])], None)
     second = make_example(workplace, behaviour_id)
     pipeline.train(second, only(pipeline, Stage.DEMONSTRATIONS))
     again = scripted(workplace, behaviour_id)

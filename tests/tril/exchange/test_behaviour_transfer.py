@@ -31,7 +31,7 @@ def origin(tmp_path: Path) -> Iterator[Workplace]:
         players.rename(session, owner, "Ada")
         rankings.save(session, made.behaviour_id, 1, [[best, second], [third], [fourth]], owner.id)
         rankings.undo(session, made.behaviour_id, 2, owner.id)
-        recordings.delete(session, recordings.get(session, third), owner.id)
+        recordings.delete(session, [recordings.get(session, third)], owner.id)
         row = recordings.get(session, second)
         recordings.update(session, row, perfect=True, notes="Went on from the best.")
         row.parent_id, row.parent_frame = best, 60

@@ -80,7 +80,7 @@ def test_a_run_is_enqueued_once_under_its_own_id(
     assert job.input == {"args": (run_id,), "kwargs": {}}
 
 
-def test_a_crash_between_the_row_and_its_job_is_healed(
+def test_a_crash_between_the_row_and_its_job_is_repaired(
     workplace: Workplace, jobs: Jobs, queue: DBOSClient
 ) -> None:
     run_id = workplace.make_run()
@@ -89,7 +89,7 @@ def test_a_crash_between_the_row_and_its_job_is_healed(
     assert job_status(queue, run_id) == "ENQUEUED"
 
 
-def test_a_crash_between_resuming_and_the_job_is_healed(
+def test_a_crash_between_resuming_and_the_job_is_repaired(
     workplace: Workplace, jobs: Jobs, queue: DBOSClient
 ) -> None:
     run_id = workplace.make_run()
@@ -129,9 +129,7 @@ def test_an_unreachable_queue_loses_nothing(workplace: Workplace, queue: DBOSCli
     assert job_status(queue, run_id) == "ENQUEUED"
 
 
-def test_the_run_of_a_worker_that_is_gone_passes_to_another(
-    workplace: Workplace, jobs: Jobs
-) -> None:
+def test_a_run_whose_worker_is_gone_passes_to_another(workplace: Workplace, jobs: Jobs) -> None:
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
     with idle_worker(workplace, "worker-0") as process:
@@ -185,7 +183,7 @@ def test_a_done_run_is_neither_cancelled_nor_resumed(workplace: Workplace, jobs:
         jobs.resume(run_id)
 
 
-def test_a_run_that_the_queue_has_given_up_fails_with_a_reason_and_can_be_resumed(
+def test_a_run_that_the_queue_gave_up_fails_with_a_reason_and_can_be_resumed(
     workplace: Workplace, jobs: Jobs, queue: DBOSClient
 ) -> None:
     run_id = workplace.make_run()
@@ -202,7 +200,7 @@ def test_a_run_that_the_queue_has_given_up_fails_with_a_reason_and_can_be_resume
     assert job_status(queue, run_id) == "ENQUEUED"
 
 
-def test_reconciling_in_the_background_heals_without_being_asked(
+def test_reconciling_in_the_background_repairs_without_being_asked(
     workplace: Workplace, jobs: Jobs, queue: DBOSClient
 ) -> None:
     jobs.start_reconciling(every_s=0.05)
@@ -210,7 +208,7 @@ def test_reconciling_in_the_background_heals_without_being_asked(
     wait_until(lambda: job_status(queue, run_id) == "ENQUEUED", PATIENCE_S)
 
 
-def test_a_run_that_can_not_be_healed_keeps_no_other_from_it(
+def test_an_error_in_the_repair_of_one_run_does_not_stop_the_others(
     workplace: Workplace, queue: DBOSClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     broken, waiting = workplace.make_run(), workplace.make_run()

@@ -17,7 +17,7 @@ from tril.game.space_invaders import Action
 from tril.recording import Recorder
 from tril.store import games, players, recordings
 from tril.store.games import GameOver, Progress
-from tril.store.models import RecordingState, Verification, now
+from tril.store.models import GameRow, RecordingState, Verification, now
 
 
 @pytest.fixture
@@ -36,14 +36,20 @@ def recorder() -> Recorder:
     return recorder
 
 
+def begin(session: Session) -> tuple[GameRow, int]:
+    """Begin a game with an owner; returns it with the owner's epoch."""
+    game = games.create(session, 1, Start(4), None)
+    return game, games.acquire(session, game.id, "server", "tab").epoch
+
+
 def progress(game_id: str, epoch: int, recorder: Recorder) -> Progress:
     return Progress(game_id, epoch, recorder.recording(), recorder.replay())
 
 
 def test_an_owner_saves_and_an_earlier_one_is_refused(session: Session, recorder: Recorder) -> None:
     game = games.create(session, 1, Start(4), None)
-    first = games.claim(session, game.id, "server-1", "tab-1").epoch
-    second = games.claim(session, game.id, "server-2", "tab-2").epoch
+    first = games.acquire(session, game.id, "server-1", "tab-1").epoch
+    second = games.acquire(session, game.id, "server-2", "tab-2").epoch
     assert (first, second) == (1, 2)
     assert not games.save(session, progress(game.id, first, recorder))
     assert recordings.get(session, game.recording_id).n_frames == 0
@@ -56,12 +62,11 @@ def test_an_owner_saves_and_an_earlier_one_is_refused(session: Session, recorder
     assert row.verification == Verification.VERIFIED
     assert not games.save(session, progress(game.id, second, recorder)), "it is over"
     with pytest.raises(GameOver):
-        games.claim(session, game.id, "server-1", "tab-1")
+        games.acquire(session, game.id, "server-1", "tab-1")
 
 
 def test_a_game_that_does_not_replay_says_why(session: Session, recorder: Recorder) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.claim(session, game.id, "server", "tab").epoch
+    game, epoch = begin(session)
     games.save(session, progress(game.id, epoch, recorder))
     games.end(session, game.id, epoch, RecordingState.FINISHED, "It differs.")
     row = recordings.get(session, game.recording_id)
@@ -69,34 +74,34 @@ def test_a_game_that_does_not_replay_says_why(session: Session, recorder: Record
 
 
 def test_a_game_in_which_nothing_was_played_leaves_nothing_in_the_library(session: Session) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.claim(session, game.id, "server", "tab").epoch
+    game, epoch = begin(session)
     games.end(session, game.id, epoch, RecordingState.UNFINISHED, None)
     assert game.recording_id not in [row.id for row in recordings.listing(session, 1)]
 
 
 def test_games_count_as_abandoned_once_nobody_owned_them_for_long_enough(session: Session) -> None:
-    left, played = (games.create(session, 1, Start(4), None) for _ in range(2))
-    epoch = games.claim(session, left.id, "server", "tab").epoch
-    games.claim(session, played.id, "server", "tab")
-    assert games.is_play_on(session)
+    assert not games.is_anyone_playing(session)
+    left, epoch = begin(session)
+    played, its_epoch = begin(session)
     games.release(session, left.id, epoch)
+    assert games.is_anyone_playing(session)
     assert [row.id for row in games.abandoned(session, timedelta(0))] == [left.id]
     assert games.abandoned(session, timedelta(minutes=1)) == []
+    games.release(session, played.id, its_epoch)
+    assert not games.is_anyone_playing(session)
 
 
-def test_only_a_game_that_nobody_has_is_claimed_as_abandoned(session: Session) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.claim(session, game.id, "server-1", "tab").epoch
+def test_only_a_game_that_nobody_owns_is_taken_over(session: Session) -> None:
+    game, epoch = begin(session)
     a_minute = timedelta(minutes=1)
-    assert games.claim_abandoned(session, game.id, "server-2", a_minute) is None
+    assert games.acquire_abandoned(session, game.id, "server-2", a_minute) is None
     game.lease_expires_at = now() - 2 * a_minute
-    claimed = games.claim_abandoned(session, game.id, "server-2", a_minute)
-    assert claimed is not None
-    assert (claimed.epoch, claimed.owner) == (epoch + 1, "server-2")
-    assert games.claim_abandoned(session, game.id, "server-3", a_minute) is None
-    games.end(session, game.id, claimed.epoch, RecordingState.UNFINISHED, None)
-    assert games.claim_abandoned(session, game.id, "server-3", -a_minute) is None, "it is over"
+    taken = games.acquire_abandoned(session, game.id, "server-2", a_minute)
+    assert taken is not None
+    assert (taken.epoch, taken.owner) == (epoch + 1, "server-2")
+    assert games.acquire_abandoned(session, game.id, "server-3", a_minute) is None
+    games.end(session, game.id, taken.epoch, RecordingState.UNFINISHED, None)
+    assert games.acquire_abandoned(session, game.id, "server-3", -a_minute) is None, "it is over"
 
 
 def test_games_count_as_open_until_a_minute_after_their_lease(session: Session) -> None:
@@ -111,23 +116,13 @@ def test_games_count_as_open_until_a_minute_after_their_lease(session: Session) 
     session.flush()
     assert (games.count_open(session), games.count_open(session, owner)) == (1, 0)
     assert not games.is_open(session, mine.id)
-    epoch = games.claim(session, another.id, "server", "tab").epoch
+    epoch = games.acquire(session, another.id, "server", "tab").epoch
     games.end(session, another.id, epoch, RecordingState.FINISHED, None)
     assert games.count_open(session) == 0
 
 
-def test_play_is_on_only_while_somebody_holds_a_game(session: Session) -> None:
-    assert not games.is_play_on(session)
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.claim(session, game.id, "server", "tab").epoch
-    assert games.is_play_on(session)
-    games.release(session, game.id, epoch)
-    assert not games.is_play_on(session)
-
-
 def test_undecided_games_are_kept_after_some_time(session: Session, recorder: Recorder) -> None:
-    game = games.create(session, 1, Start(4), None)
-    epoch = games.claim(session, game.id, "server", "tab").epoch
+    game, epoch = begin(session)
     games.save(session, progress(game.id, epoch, recorder))
     games.end(session, game.id, epoch, RecordingState.FINISHED, None)
     row = recordings.get(session, game.recording_id)
@@ -140,4 +135,4 @@ def test_undecided_games_are_kept_after_some_time(session: Session, recorder: Re
 
 def test_an_unknown_game_is_named_so(session: Session) -> None:
     with pytest.raises(NotFound):
-        games.claim(session, "nothing", "server", "tab")
+        games.acquire(session, "nothing", "server", "tab")

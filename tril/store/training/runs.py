@@ -14,7 +14,7 @@ from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import MAX_DAGGER_STEPS, Recipe
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
-from tril.store.models import NOT_OVER, RecordingState, RunRow, RunStatus, Verification, now
+from tril.store.models import NOT_OVER, RunRow, RunStatus, now
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
 
@@ -87,51 +87,22 @@ def snapshot(session: Session, behaviour_id: int) -> RunSnapshot:
     Raises:
         Invalid: They don't suffice for learning.
     """
-    ranking = rankings.current(session, behaviour_id)
-    tiers = [list(tier) for tier in rankings.as_ranking(ranking).tiers]
-    if len(tiers) < 2:
+    row = rankings.current(session, behaviour_id)
+    ranking = rankings.as_ranking(row)
+    if len(ranking.tiers) < 2:
         raise Invalid(
             "Learning needs recordings in at least two tiers. Play some good and some bad games "
             "and put them into an order first."
         )
-    _check_usable(session, behaviour_id, [number for tier in tiers for number in tier])
+    rankings.refuse_unrankable(session, behaviour_id, ranking)
     perfect = recordings.perfect_ids(session, behaviour_id)
     if not perfect:
         raise Invalid(
             "The clone learns from perfect demonstrations and there are none. Mark at least one "
             "recording as perfect first."
         )
-    return RunSnapshot(ranking_revision=ranking.revision, tiers=tiers, perfect=perfect)
-
-
-def _check_usable(session: Session, behaviour_id: int, numbers: list[int]) -> None:
-    found = {
-        number: row
-        for number, row in recordings.by_ids(session, numbers).items()
-        if row.behaviour_id == behaviour_id
-    }
-    deleted = [n for n in numbers if n not in found or found[n].deleted_at is not None]
-    if deleted:
-        raise Invalid(
-            f"The ranking names deleted recordings ({_numbers(deleted)}). Restore them or take "
-            "them out of the ranking."
-        )
-    unfit = [
-        n
-        for n in numbers
-        if found[n].verification != Verification.VERIFIED
-        or found[n].state != RecordingState.KEPT
-        or not found[n].n_frames
-    ]
-    if unfit:
-        raise Invalid(
-            f"Recordings {_numbers(unfit)} in the ranking are not verified, were not kept or are "
-            "empty, so learning can't replay them. Take them out of the ranking."
-        )
-
-
-def _numbers(numbers: Iterable[int]) -> str:
-    return ", ".join(str(number) for number in sorted(set(numbers)))
+    tiers = [list(tier) for tier in ranking.tiers]
+    return RunSnapshot(ranking_revision=row.revision, tiers=tiers, perfect=perfect)
 
 
 def get(session: Session, run_id: str, *, for_update: bool = False) -> RunRow:

@@ -217,7 +217,7 @@ def test_of_a_branch_that_was_never_played_nothing_is_left(workplace: Workplace)
         parent = recordings.listing(session, 1)[0]
         parent.source = Source.PERSON
         game = games.create_from(session, parent, 100, None)
-        row = games.claim(session, game.id, "a", "tab")
+        row = games.acquire(session, game.id, "a", "tab")
         assert games.end(session, row.id, row.epoch, RecordingState.UNFINISHED, None)
         assert row.recording.deleted_at is not None
 
@@ -227,7 +227,7 @@ def test_an_owner_that_lost_its_game_can_not_branch_it(workplace: Workplace) -> 
         parent = recordings.listing(session, 1)[0]
         parent.source = Source.PERSON
         game = games.create_from(session, parent, 100, None)
-        games.claim(session, game.id, "a", "tab")
+        games.acquire(session, game.id, "a", "tab")
         recording = recordings.as_recording(game.recording)
         recorder = Recorder.resume(recording, Console())
         lost = games.Progress(game.id, 0, recorder.recording(), recorder.replay())

@@ -34,7 +34,7 @@ def test_a_new_run_is_queued_with_the_ranking_frozen(workplace: Workplace) -> No
         perfect=[workplace.ranked[0]],
     )
     with workplace.database.writing() as session:
-        recordings.delete(session, recordings.get(session, workplace.ranked[3]), None)
+        recordings.delete(session, [recordings.get(session, workplace.ranked[3])], None)
     assert workplace.run(row.id).snapshot == row.snapshot
 
 
@@ -52,17 +52,15 @@ def test_no_perfect_demonstrations_are_refused(workplace: Workplace) -> None:
         workplace.make_run()
 
 
-def test_a_ranking_that_names_a_deleted_recording_is_refused(workplace: Workplace) -> None:
+def test_a_ranking_whose_recordings_are_deleted_or_unverified_is_refused(
+    workplace: Workplace,
+) -> None:
+    deleted, unverified = workplace.ranked[2:]
     with workplace.database.writing() as session:
-        recordings.get(session, workplace.ranked[2]).deleted_at = now()
-    with pytest.raises(Invalid, match=rf"deleted recordings \({workplace.ranked[2]}\)"):
-        workplace.make_run()
-
-
-def test_a_ranking_of_an_unverified_recording_is_refused(workplace: Workplace) -> None:
-    with workplace.database.writing() as session:
-        recordings.get(session, workplace.ranked[2]).verification = "failed"
-    with pytest.raises(Invalid, match=f"Recordings {workplace.ranked[2]} .* not verified"):
+        recordings.get(session, deleted).deleted_at = now()
+        recordings.get(session, unverified).verification = "failed"
+    wrong = f"recording {deleted} has been deleted, recording {unverified} is not verified"
+    with pytest.raises(Invalid, match=wrong):
         workplace.make_run()
 
 
