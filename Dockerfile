@@ -10,8 +10,9 @@ ARG PIP_EXTRA_INDEX_URL=""
 ENV PIP_NO_CACHE_DIR=1
 WORKDIR /data
 WORKDIR /opt/tril
-COPY Makefile pyproject.toml constraints.txt LICENSE ./
+COPY Makefile pyproject.toml constraints.txt README.md LICENSE ./
 COPY scripts scripts
+COPY tril/__init__.py tril/
 RUN make environment
 
 FROM python:3.11-bookworm AS page
@@ -27,15 +28,14 @@ ENV PATH=/opt/tril/.venv/bin:$PATH \
     PYTHONDONTWRITEBYTECODE=1 \
     PYTHONUNBUFFERED=1 \
     TRIL_DATA=/data \
-    TRIL_HOST=0.0.0.0 \
-    TRIL_PORT=8000
+    TRIL_HOST=0.0.0.0
 COPY --from=build --chown=10001:10001 /data /data
 WORKDIR /opt/tril
 COPY --from=build /opt/tril ./
-COPY --from=page /opt/tril/frontend/dist frontend/dist
 COPY migrations migrations
 COPY tril tril
 COPY server server
+COPY --from=page /opt/tril/server/web/static server/web/static
 COPY trainer trainer
 COPY cli cli
 USER 10001:10001

@@ -1,99 +1,125 @@
-# Everything there is to do with a clone of Tril. Each target builds only what changed.
-# It needs git, make and Python 3.11 or newer; `make run PYTHON=python3.13` names another Python.
+# Development tasks. Each target builds only what has changed. Needs git, make and Python 3.11 or newer;
+# `make run PYTHON=python3.13` names another Python.
 
 PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 PIP := $(PY) -m pip --disable-pip-version-check
-NPM := $(abspath $(PY)) $(abspath scripts/node.py) npm
+NPM := $(abspath scripts/with_node.sh) npm
 
-# A stamp is as new as the last install that went well.
+# Stamps of the last successful installs.
 RUN_STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
+DOCS_STAMP := $(VENV)/.installed-docs
 NPM_STAMP := frontend/node_modules/.installed
-PAGE := frontend/dist/index.html
+PAGE := server/web/static/index.html
 
-# What the page is built from; folders too, so that a deleted file is noticed.
+DIST := dist
+
+# Folders too, so that a deleted file is noticed.
 PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 	$(shell test -d frontend/src && find frontend/src frontend/public -print 2>/dev/null)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run environment frontend test test-unit test-e2e test-frontend check lint \
-	format types imports migrations-check api api-check bench clean
+.PHONY: help run dev dev-server dev-page environment frontend test test-unit test-e2e test-frontend check lint \
+	format types imports migrations-check api api-check wheel docs constraints bench clean
 
-help: ## say what there is to make
+help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-run: environment frontend ## build what changed, then start server, worker and inference
+run: environment frontend ## start Tril: server, worker and inference
 	@exec $(VENV)/bin/tril up $(ARGS)
 
-environment: $(RUN_STAMP) ## the virtual environment with what running needs
+dev: ## start Tril and the page, both reloading on save
+	@echo "For the page with hot reloading, open the address below with port 5173 in place of 8000."
+	@$(MAKE) --no-print-directory --jobs 2 dev-server dev-page
 
-frontend: $(PAGE) ## the page, built
+dev-server: $(DEV_STAMP) frontend
+	@exec $(VENV)/bin/watchfiles --filter python --sigint-timeout 20 \
+		"$(VENV)/bin/tril up --no-browser $(ARGS)" cli migrations server trainer tril
 
-test: test-frontend test-unit test-e2e ## every test, in a real browser too
+dev-page: $(NPM_STAMP)
+	@cd frontend && exec $(NPM) run dev
 
-# One more at once than there are cores; whoever is idle takes over what others have left to do.
-test-unit: $(DEV_STAMP) ## every test of the Python part that needs no browser
+environment: $(RUN_STAMP) ## create the virtual environment
+
+frontend: $(PAGE) ## build the page
+
+test: test-frontend test-unit test-e2e ## run all tests
+
+test-unit: $(DEV_STAMP) ## run the Python tests that need no browser
 	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
 
-# One after the other: a game in a browser wants the machine for itself.
-test-e2e: $(DEV_STAMP) frontend ## the tests in a real browser
-	CHROMIUM="$$($(PY) scripts/browser.py)" && export CHROMIUM && \
-		$(PY) -m pytest -m e2e $(ARGS)
+# One at a time: a game in a browser needs the machine to itself.
+test-e2e: $(DEV_STAMP) frontend ## run the tests in a real browser
+	$(PY) -m pytest -m e2e $(ARGS)
 
-test-frontend: $(NPM_STAMP) ## the tests of the page's own code
+test-frontend: $(NPM_STAMP) ## run the page's unit tests
 	cd frontend && $(NPM) test
 
-check: lint types imports migrations-check api-check ## every check that is no test
+check: lint types imports migrations-check api-check ## run all checks other than tests
 
-lint: $(DEV_STAMP) $(NPM_STAMP) ## rules and formatting, Python and TypeScript
+lint: $(DEV_STAMP) $(NPM_STAMP) ## lint and check the format of Python and TypeScript
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
 	cd frontend && $(NPM) run lint
+	cd frontend && $(NPM) run format:check
 
-format: $(DEV_STAMP) ## bring Python files into shape
+format: $(DEV_STAMP) $(NPM_STAMP) ## format Python and TypeScript
 	$(VENV)/bin/ruff check --fix-only
 	$(VENV)/bin/ruff format
+	cd frontend && $(NPM) run format
 
-types: $(DEV_STAMP) $(NPM_STAMP) ## strict types, Python and TypeScript
+types: $(DEV_STAMP) $(NPM_STAMP) ## check types of Python and TypeScript
 	$(VENV)/bin/mypy
 	cd frontend && $(NPM) run typecheck
 
-imports: $(DEV_STAMP) ## which part may import which
+imports: $(DEV_STAMP) ## check which package imports which
 	$(VENV)/bin/lint-imports --no-logo
 
-migrations-check: $(DEV_STAMP) ## an empty database migrates to exactly what the models say
+migrations-check: $(DEV_STAMP) ## check that migrations lead to the models
 	scripts/check_migrations.sh $(VENV)/bin/alembic
 
-api: $(RUN_STAMP) $(NPM_STAMP) ## the page's types of the HTTP API, after a change of it
+api: $(RUN_STAMP) $(NPM_STAMP) ## regenerate the page's types of the HTTP API
 	$(PY) -m server.openapi > frontend/openapi.json
 	cd frontend && $(NPM) run generate
 
-api-check: $(RUN_STAMP) $(NPM_STAMP) ## the page's types are those of the HTTP API
+api-check: $(RUN_STAMP) $(NPM_STAMP) ## check that the page's types are current
 	@$(PY) -m server.openapi | diff frontend/openapi.json - > /dev/null || \
 		{ echo "frontend/openapi.json is not the API's description: run make api"; exit 1; }
 	cd frontend && $(NPM) run generate -- --check
 
-bench: $(DEV_STAMP) ## every benchmark, one after the other
+wheel: $(DEV_STAMP) frontend ## build the distribution into dist/
+	rm -rf $(DIST)
+	$(PY) -m build --no-isolation --outdir $(DIST)
+
+docs: $(DOCS_STAMP) ## build the documentation into site/; warnings are errors
+	$(VENV)/bin/sphinx-build --fail-on-warning --keep-going --jobs auto --quiet docs site
+
+constraints: $(DOCS_STAMP) ## write the installed versions into constraints.txt
+	@$(INSTALL) '.[dev,docs,node,postgres]'
+	@{ grep '^#' constraints.txt; $(PIP) freeze --all --exclude pip --exclude-editable | tr A-Z_ a-z- | \
+		sed 's/+.*//; /^\(nvidia\|cuda\|triton\)/d' | LC_ALL=C sort -t = -k 1,1; } > $(VENV)/constraints.txt
+	@mv $(VENV)/constraints.txt constraints.txt
+
+bench: $(DEV_STAMP) ## run all benchmarks
 	@for file in benchmarks/*/[a-z]*.py; do \
 		name=$$(echo $${file%.py} | tr / .); \
 		printf '\n%s\n' "$$name"; \
 		$(PY) -m "$$name" || exit 1; \
 	done
 
-clean: ## remove what make built; the data folder stays
-	rm -rf $(VENV) frontend/node_modules frontend/dist build dist *.egg-info
+clean: ## remove everything built; the data folder stays
+	rm -rf $(VENV) frontend/node_modules server/web/static $(DIST) site docs/api
 	rm -rf .import_linter_cache .hypothesis .mypy_cache .pytest_cache .ruff_cache test-results
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# The environment is made once; an update installs what changed into it.
 $(PY):
 	@scripts/create_venv.sh "$(PYTHON)" $(VENV)
 
-# setuptools comes first, so that the project is built with the pinned one.
-INSTALL = $(PIP) install --quiet --constraint constraints.txt setuptools && \
+# The build backend comes first, so that the pinned one builds the project.
+INSTALL = $(PIP) install --quiet --constraint constraints.txt hatchling && \
 	$(PIP) install --quiet --constraint constraints.txt --no-build-isolation --editable
 
 $(RUN_STAMP): pyproject.toml constraints.txt | $(PY)
@@ -104,6 +130,10 @@ $(RUN_STAMP): pyproject.toml constraints.txt | $(PY)
 $(DEV_STAMP): $(RUN_STAMP)
 	@echo "Installing the Python packages for tests and checks"
 	@$(INSTALL) '.[dev]'
+	@touch $@
+
+$(DOCS_STAMP): $(DEV_STAMP)
+	@$(INSTALL) '.[docs]'
 	@touch $@
 
 $(NPM_STAMP): frontend/package-lock.json frontend/package.json | $(PY)

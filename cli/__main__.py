@@ -1,9 +1,9 @@
-"""Runs the ``tril`` command: ``python -m cli``, as supervised processes are started."""
+"""Entry point of ``python -m cli``, the command line of supervised processes."""
 
 from cli.supervision.orphans import exit_with_parent
 
 if __name__ == "__main__":
-    # Before the imports that take seconds: a parent killed meanwhile is noticed.
+    # Before the slow imports, to notice a parent killed meanwhile.
     exit_with_parent()
     from cli.main import app
 

@@ -1,4 +1,4 @@
-"""Progress of a run on the terminal, and a worker for commands that need one."""
+"""Follow a run on the terminal, with a standby worker."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+import typer
 from rich.progress import (
     BarColumn,
     Progress,
@@ -24,6 +25,7 @@ from cli.supervision.supervisor import tril_command
 from cli.workspace import Workspace
 from tril.errors import Unavailable
 from tril.jobs import overall_progress
+from tril.stages import Stage
 from tril.store import processes
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -32,20 +34,9 @@ POLL_S = 0.5
 WORKER_STOP_TIMEOUT_S = 30.0
 MAX_WORKER_FAILURES = 3
 
-STAGE_NAMES = {
-    "demonstrations": "making demonstrations",
-    "trajectories": "replaying recordings",
-    "reward": "learning the reward",
-    "check": "checking the ranking",
-    "clone": "cloning",
-    "imitator": "training the imitator",
-    "evaluation": "playing evaluation games",
-    "attention": "drawing attention maps",
-}
 
-
-class _Remaining(TextColumn):
-    """The worker's own estimate of the time left."""
+class _EtaColumn(TextColumn):
+    """The worker's estimate of the remaining time."""
 
     def __init__(self) -> None:
         super().__init__("")
@@ -60,7 +51,7 @@ class StandbyWorker:
 
     Args:
         workspace: The opened data folder.
-        command: Command line of the worker.
+        command: The worker's command line.
     """
 
     def __init__(self, workspace: Workspace, command: Sequence[str]) -> None:
@@ -74,7 +65,7 @@ class StandbyWorker:
         """Start a worker if none runs.
 
         Raises:
-            Unavailable: The worker that was started here has ended MAX_WORKER_FAILURES times.
+            Unavailable: The standby worker has ended MAX_WORKER_FAILURES times.
         """
         if self._process is not None:
             exit_code = self._process.poll()
@@ -85,12 +76,12 @@ class StandbyWorker:
             if self._n_failures == MAX_WORKER_FAILURES:
                 raise Unavailable(
                     f"The worker ended {self._n_failures} times, last with exit code {exit_code}."
-                    f" {self._log} says why. The run stays in the queue."
+                    f" See {self._log}. The run stays in the queue."
                 )
         with self._workspace.database.reading() as session:
             if processes.is_kind_alive(session, "worker"):
                 return
-        errors.print("No worker is running; one is started for this command.")
+        errors.print("No worker is running; starting one for this command.")
         self._log.parent.mkdir(parents=True, exist_ok=True)
         with self._log.open("ab") as output:
             self._process = subprocess.Popen(
@@ -98,7 +89,7 @@ class StandbyWorker:
             )
 
     def stop(self) -> None:
-        """Stop the worker that was started here, if any: SIGTERM, then SIGKILL."""
+        """Stop the standby worker, if any: SIGTERM, then SIGKILL."""
         if self._process is None:
             return
         self._process.terminate()
@@ -129,7 +120,7 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
     Args:
         workspace: The opened data folder.
         run_id: The run.
-        worker: Takes the run if no other worker does.
+        worker: Executes the run if no other worker does.
 
     Returns:
         The run's final row.
@@ -143,7 +134,7 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
         BarColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
-        _Remaining(),
+        _EtaColumn(),
     )
     with Progress(*columns, console=console) as progress:
         whole = progress.add_task("the whole run", total=1.0)
@@ -152,12 +143,13 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
             with workspace.database.reading() as session:
                 row = runs.get(session, run_id)
             progress.update(whole, completed=overall_progress(row), remaining_s=row.remaining_s)
-            if row.stage in STAGE_NAMES:
+            if row.stage:
                 for name, task in stage_tasks.items():
                     if name != row.stage:
                         progress.update(task, completed=1.0)
                 if row.stage not in stage_tasks:
-                    stage_tasks[row.stage] = progress.add_task(STAGE_NAMES[row.stage], total=1.0)
+                    label = Stage(row.stage).label
+                    stage_tasks[row.stage] = progress.add_task(label, total=1.0)
                 progress.update(stage_tasks[row.stage], completed=row.stage_done)
             if RunStatus(row.status).is_over:
                 return row
@@ -165,12 +157,18 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
             time.sleep(POLL_S)
 
 
-def say_how_it_ended(row: RunRow) -> bool:
-    """Print how a run ended unless it is done; return whether it is."""
-    if row.status == RunStatus.DONE:
-        return True
-    errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
-    return False
+def follow_to_end(workspace: Workspace, run_id: str) -> RunRow:
+    """Follow a run with a standby worker; print its outcome and exit unless it is done.
+
+    Raises:
+        typer.Exit: The run was cancelled, stopped or failed.
+    """
+    with standby_worker(workspace) as worker:
+        row = follow(workspace, run_id, worker)
+    if row.status != RunStatus.DONE:
+        errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
+        raise typer.Exit(1)
+    return row
 
 
 def duration(seconds: float) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import typer
 
 from cli.commands import behaviours, recordings, runs, services
@@ -34,6 +36,13 @@ app.command()(services.address)
 app.add_typer(behaviours.app, name="behaviours")
 app.add_typer(recordings.app, name="recordings")
 app.add_typer(runs.app, name="runs")
+
+
+def main() -> None:
+    """Run the installed command, whose child processes import nothing from the current folder."""
+    os.environ["PYTHONSAFEPATH"] = "1"
+    app()
+
 
 if __name__ == "__main__":
     app()

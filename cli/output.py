@@ -1,4 +1,4 @@
-"""Output of the command: rich text for people, JSON Lines for scripts, errors as one sentence."""
+"""Output of the command line: rich text, JSON Lines, and errors without traceback."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tril.settings import Settings
 console = Console(highlight=False, soft_wrap=True)
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for a script to read.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 def print_json(value: Any) -> None:
@@ -29,22 +29,22 @@ def print_json(value: Any) -> None:
 
 
 @contextmanager
-def plain_errors() -> Iterator[None]:
-    """Turn errors that a person can act on into one message and exit status 1."""
+def readable_errors() -> Iterator[None]:
+    """Print errors that the user can act on as one message; exit with status 1."""
     try:
         yield
     except (TrilError, DatabaseError, sqlite3.DatabaseError) as error:
-        errors.print(f"[bold red]Error:[/] {escape(_explanation(error))}")
+        errors.print(f"[bold red]Error:[/] {escape(_message(error))}")
         raise typer.Exit(1) from error
 
 
-def _explanation(error: TrilError | DatabaseError | sqlite3.DatabaseError) -> str:
+def _message(error: TrilError | DatabaseError | sqlite3.DatabaseError) -> str:
     if isinstance(error, TrilError):
         return str(error)
     reason = error.orig if isinstance(error, DatabaseError) else error
     return (
         f"The database can't be used: {reason}. Check the disk and the data folder (TRIL_DATA)."
-        " If a database file is damaged, go on from a backup: TRIL_DATA=BACKUP-FOLDER tril up."
+        " If a database file is damaged, continue from a backup: TRIL_DATA=BACKUP-FOLDER tril up."
     )
 
 
@@ -52,7 +52,7 @@ def read_settings() -> Settings:
     """Read the settings from the environment.
 
     Raises:
-        Invalid: A value can't be used; the message names its variable.
+        Invalid: A value is invalid; the message names its variable.
     """
     try:
         settings = Settings()
@@ -61,14 +61,12 @@ def read_settings() -> Settings:
             f"TRIL_{'_'.join(map(str, one['loc'])).upper()}={one['input']}: {one['msg']}"
             for one in error.errors()
         )
-        raise Invalid(
-            f"The environment or .env holds a setting that can't be used. {wrong}."
-        ) from (error)
+        raise Invalid(f"Invalid settings in the environment or .env: {wrong}.") from error
     if settings.data.exists() and not settings.data.is_dir():
-        raise Invalid(f"TRIL_DATA names {settings.data}, which is not a folder. Choose another.")
+        raise Invalid(f"TRIL_DATA is {settings.data}, which is not a folder. Choose another.")
     return settings
 
 
-def say(name: str, line: str) -> None:
-    """Print a line of a process's output."""
+def print_process_line(name: str, line: str) -> None:
+    """Print a line of a child process's output."""
     console.print(f"[dim]{name:>9} │[/] {escape(line)}", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""A progress bar for what the command itself works on."""
+"""A progress bar for work done by the command itself."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from rich.progress import Progress as Bar
 from cli.output import errors
 
 
-class Watched:
-    """Shows how far the work is, as learning functions report it."""
+class ProgressReporter:
+    """Shows the progress that learning functions report."""
 
     def __init__(self, bar: Bar, label: str) -> None:
         self._bar = bar
         self._task = bar.add_task(label)
 
     def advance(self, done: int, total: int, values: object = None) -> None:
-        """Show how much is done."""
+        """Update the bar."""
         self._bar.update(self._task, completed=done, total=total)
 
 
 @contextmanager
-def progress_bar(label: str) -> Iterator[Watched]:
-    """Show a bar until the work is done, then take it away."""
+def progress_bar(label: str) -> Iterator[ProgressReporter]:
+    """Show a bar while the work goes on, then remove it."""
     with Bar(console=errors, transient=True) as bar:
-        yield Watched(bar, label)
+        yield ProgressReporter(bar, label)

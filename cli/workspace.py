@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from cli.output import plain_errors, read_settings
+from cli.output import read_settings, readable_errors
 from tril.errors import Unavailable
 from tril.jobs import Jobs, prepare_queue
 from tril.settings import Settings
@@ -36,7 +36,7 @@ class Workspace:
 
 
 def create_data_folder(settings: Settings) -> None:
-    """Create the data folder where it is missing.
+    """Create the data folder if it is missing.
 
     Raises:
         Unavailable: It can't be created.
@@ -50,11 +50,11 @@ def create_data_folder(settings: Settings) -> None:
         ) from error
 
 
-def bring_up_to_date(settings: Settings) -> None:
-    """Migrate the application's database, add the built-in behaviours, set up the queue's database.
+def migrate_databases(settings: Settings) -> None:
+    """Migrate the application's database and set up the built-in behaviours and the queue.
 
     Raises:
-        Unavailable: The data folder can't be written, or a newer version wrote the database.
+        Unavailable: The data folder is not writable, or the database is of a newer version.
     """
     create_data_folder(settings)
     database = create_database(settings.application_url)
@@ -67,10 +67,10 @@ def bring_up_to_date(settings: Settings) -> None:
 
 @contextmanager
 def open_workspace() -> Iterator[Workspace]:
-    """Open the data folder and bring its databases up to date, with ``plain_errors``."""
-    with plain_errors():
+    """Open the data folder, migrating its databases, with ``readable_errors``."""
+    with readable_errors():
         settings = read_settings()
-        bring_up_to_date(settings)
+        migrate_databases(settings)
         database = create_database(settings.application_url)
         try:
             yield Workspace(settings, database)

@@ -10,7 +10,7 @@ const PARENTS = { group: ["../*"], message: "Import another folder's modules by 
 const features = readdirSync(new URL("./src/features", import.meta.url));
 
 export default tseslint.config(
-  { ignores: ["dist", "node_modules", "src/api/schema.d.ts", "public"] },
+  { ignores: ["node_modules", "src/api/schema.d.ts", "public"] },
   js.configs.recommended,
   ...tseslint.configs.strictTypeChecked,
   ...tseslint.configs.stylisticTypeChecked,

@@ -28,6 +28,9 @@ export default defineConfig({
   plugins: [react()],
   resolve: { alias: { "@": fileURLToPath(new URL("./src", import.meta.url)) } },
   build: {
+    // Inside the package, so that a wheel and a clone have the page in the same place.
+    outDir: "../server/web/static",
+    emptyOutDir: true,
     target: ["chrome123", "firefox128", "safari17.5"],
     // Never inline assets: the server's content security policy forbids data: URLs of scripts.
     assetsInlineLimit: 0,

@@ -1,10 +1,9 @@
-"""The web application: what the page talks to."""
+"""The web application."""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from importlib.metadata import version
 from pathlib import Path
 
 from fastapi import APIRouter, FastAPI
@@ -16,18 +15,23 @@ from server.api import (
     behaviours,
     events,
     games,
-    ghosts,
+    health,
+    imports,
     players,
     rankings,
     recordings,
+    replays,
     runs,
     system,
 )
+from server.dependencies import limited_by
 from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
-from server.web import middleware, problems
+from server.web import problems
+from server.web.middleware import Authentication, BodyLimit, SameOrigin, SecurityHeaders
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
+from tril import __version__
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
 
@@ -40,7 +44,7 @@ def create_app(
     """Build the application. Nothing is opened before its lifespan begins.
 
     Args:
-        settings: Where the data is and which hosts may be named.
+        settings: The data folder and the host names that are answered.
         frontend: Folder of the built frontend.
         rules: The times by which games are played and kept.
     """
@@ -53,41 +57,38 @@ def create_app(
 
     app = FastAPI(
         title="Tril",
-        version=version("tril"),
+        version=__version__,
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,
         openapi_url="/api/openapi.json",
         generate_unique_id_function=_operation_id,
         middleware=[
-            Middleware(layer, **arguments)
-            for layer, arguments in middleware.layers(settings.host_names)
+            Middleware(SecurityHeaders),
+            Middleware(SameOrigin, host_names=settings.host_names),
+            Middleware(Authentication),
+            Middleware(BodyLimit),
         ],
     )
     problems.install(app)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
     app.include_router(_api())
-    # Only what no route matches goes to the pages, so that a wrong method answers 405.
+    # The pages get only what no route matches, so that a wrong method answers 405.
     app.router.default = Pages(Frontend(frontend))
     return app
 
 
 def _api() -> APIRouter:
     api = APIRouter(prefix="/api", responses=problems.PROBLEMS)
-    for resource in (
-        system,
-        players,
-        behaviours,
-        recordings,
-        rankings,
-        games,
-        ghosts,
-        runs,
-        artifacts,
-        events,
-    ):
-        api.include_router(resource.router)
-    api.include_router(stream.router)
+    requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
+    uploads = limited_by(lambda s, _: s.upload_limit)
+    replaying = limited_by(lambda s, _: s.replay_limit)
+    for resource in (system, players, behaviours, recordings, rankings, games, runs, artifacts):
+        api.include_router(resource.router, dependencies=[requests])
+    api.include_router(imports.router, dependencies=[uploads])
+    api.include_router(replays.router, dependencies=[replaying])
+    for unlimited in (health, events, stream):
+        api.include_router(unlimited.router)
     return api
 
 

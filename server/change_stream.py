@@ -1,4 +1,4 @@
-"""One watcher of the database per process, whatever the number of pages that listen."""
+"""The change stream: one reader of the database per process, however many pages listen."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from tril.store.changes import changes_after, last_change, prune
+from tril.store.changes import ChangeReader, prune
 from tril.store.database import Database
 
 _LOG = logging.getLogger(__name__)
@@ -24,7 +24,7 @@ Change = tuple[str, str]
 
 
 class _Listener:
-    """What one page has not been told yet; the same thing is told once however often it changed."""
+    """Changes not yet sent to one page; a repeated change is sent once."""
 
     def __init__(self) -> None:
         self.pending: dict[Change, None] = {}
@@ -32,29 +32,27 @@ class _Listener:
 
 
 class ChangeStream:
-    """Watches the table of changes in a thread and tells every listener.
+    """Polls the table of changes in a thread and passes new ones to every listener.
 
     Args:
         database: Where the changes are.
-        poll_s: Seconds between looks.
+        poll_s: Seconds between polls.
     """
 
     def __init__(self, database: Database, poll_s: float = POLL_S) -> None:
         self._database = database
         self._poll_s = poll_s
         self._listeners: set[_Listener] = set()
-        self._loop: asyncio.AbstractEventLoop | None = None
         self._stopped = threading.Event()
         self._closed = False
-        self._last = 0
-        self._thread = threading.Thread(target=self._watch, name="changes", daemon=True)
+        self._thread = threading.Thread(target=self._poll, name="changes", daemon=True)
 
     def start(self) -> None:
-        """Begin to watch; call it in the event loop that listeners will run in."""
+        """Start polling; call it in the event loop that the listeners run in."""
         self._loop = asyncio.get_running_loop()
-        # Before anybody listens, so that nothing that they wait for is taken for old.
+        # Before anybody listens, so that no change that they wait for counts as old.
         with self._database.reading() as session:
-            self._last = last_change(session)
+            self._reader = ChangeReader(session)
         self._thread.start()
 
     def close(self) -> None:
@@ -64,14 +62,14 @@ class ChangeStream:
             listener.woken.set()
 
     def stop(self) -> None:
-        """End every stream and stop watching."""
+        """End every stream and stop polling."""
         self.close()
         self._stopped.set()
         if self._thread.is_alive():
             self._thread.join()
 
     async def stream(self) -> AsyncIterator[str]:
-        """Yield what changes from now on, as server-sent events."""
+        """Yield changes from now on, as server-sent events."""
         listener = _Listener()
         self._listeners.add(listener)
         try:
@@ -83,34 +81,30 @@ class ChangeStream:
                     yield ": ping\n\n"
                     continue
                 listener.woken.clear()
-                told, listener.pending = listener.pending, {}
-                for topic, key in told:
+                changes, listener.pending = listener.pending, {}
+                for topic, key in changes:
                     data = json.dumps({"topic": topic, "key": key})
                     yield f"event: change\ndata: {data}\n\n"
         finally:
             self._listeners.discard(listener)
 
-    def _watch(self) -> None:
+    def _poll(self) -> None:
         polls = 0
         while not self._stopped.wait(self._poll_s):
             try:
-                self._look()
+                with self._database.reading() as session:
+                    rows = self._reader.read(session)
+                if rows:
+                    changes = [(row.topic, row.key) for row in rows]
+                    self._loop.call_soon_threadsafe(self._publish, changes)
                 polls += 1
                 if polls % PRUNE_EVERY_POLLS == 0:
                     with self._database.writing() as session:
                         prune(session)
             except SQLAlchemyError as error:
-                _LOG.warning("Changes could not be read and will be looked for again: %s", error)
+                _LOG.warning("Changes could not be read; trying again: %s", error)
 
-    def _look(self) -> None:
-        with self._database.reading() as session:
-            found = changes_after(session, self._last)
-        if found and self._loop is not None:
-            self._last = found[-1].id
-            told = [(change.topic, change.key) for change in found]
-            self._loop.call_soon_threadsafe(self._tell, told)
-
-    def _tell(self, changes: list[Change]) -> None:
+    def _publish(self, changes: list[Change]) -> None:
         for listener in self._listeners:
             listener.pending.update(dict.fromkeys(changes))
             listener.woken.set()

@@ -1,9 +1,9 @@
-"""What routes are given: the services of this process, and one transaction per request."""
+"""FastAPI dependencies: the services, one transaction per request, and a slot to work in."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import AsyncIterator, Callable, Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 from uuid import UUID
 
 from fastapi import Depends, Path
@@ -11,33 +11,34 @@ from sqlalchemy.orm import Session
 from starlette.requests import HTTPConnection
 
 if TYPE_CHECKING:
+    from server.concurrency import ConcurrencyLimit
     from server.services import Services
 
 MAX_ID = 2**31 - 1
 
 
 def services_of(connection: HTTPConnection) -> Services:
-    """Return the services of the application that a request came to."""
+    """Return the services of the application that handles a request."""
     services: Services = connection.app.state.services
     return services
 
 
-def _reading(connection: HTTPConnection) -> Iterator[Session]:
+def _read_session(connection: HTTPConnection) -> Iterator[Session]:
     with services_of(connection).database.reading() as session:
         yield session
 
 
-def _writing(connection: HTTPConnection) -> Iterator[Session]:
+def _write_session(connection: HTTPConnection) -> Iterator[Session]:
     with services_of(connection).database.writing() as session:
         yield session
 
 
-# With scope="function" a transaction is committed before the answer goes out, so that nobody is
-# told of something that could still fail.
-Reading = Annotated[Session, Depends(_reading, scope="function")]
+# With scope="function" a transaction is committed before the answer is sent, so that no answer
+# tells of something that can still fail.
+ReadSession = Annotated[Session, Depends(_read_session, scope="function")]
 """A session that sees one consistent state."""
 
-Writing = Annotated[Session, Depends(_writing, scope="function")]
+WriteSession = Annotated[Session, Depends(_write_session, scope="function")]
 """A session whose transaction is committed when the route returns."""
 
 BehaviourId = Annotated[int, Path(ge=1, le=MAX_ID)]
@@ -45,3 +46,20 @@ RecordingId = Annotated[int, Path(ge=1, le=MAX_ID)]
 ArtifactId = Annotated[int, Path(ge=1, le=MAX_ID)]
 RunId = Annotated[UUID, Path()]
 GameId = Annotated[UUID, Path()]
+
+
+def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:
+    """Return a dependency that holds a slot of a limit while a request is handled.
+
+    The slot is taken after FastAPI has read the body and released before the answer is sent.
+
+    Args:
+        limit_of: Chooses the limit, told whether the request may write.
+    """
+
+    async def hold_slot(connection: HTTPConnection) -> AsyncIterator[None]:
+        writes = connection.scope["method"] not in {"GET", "HEAD"}
+        async with limit_of(services_of(connection), writes).slot():
+            yield
+
+    return Depends(hold_slot, scope="function")

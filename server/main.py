@@ -1,4 +1,4 @@
-"""Runs a server process: one event loop, alone on its port or beside others of its kind."""
+"""Runs a server process, alone on its port or with others that share it."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.app import create_app
+from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
+from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol
 from server.web.security import MaskToken
 from tril.errors import Unavailable
 from tril.settings import Settings
@@ -27,8 +29,8 @@ GRACEFUL_SHUTDOWN_S = 5
 BACKLOG = 512
 
 SWITCH_INTERVAL_S = 0.0005
-"""How long a thread that replays a recording may keep the game loop from running: Python's own 5 ms
-are a third of a frame, and a tick waits several times."""
+"""How long another thread may keep the game loop from running; Python's default of 5 ms is a third
+of a frame, and a tick waits several times."""
 
 LOGGING: dict[str, Any] = {
     "version": 1,
@@ -44,21 +46,18 @@ LOGGING: dict[str, Any] = {
         }
     },
     "root": {"level": "INFO", "handlers": ["console"]},
-    # Every request would push the address that was printed out of sight.
+    # A line for every request would scroll the printed address out of sight.
     "loggers": {"uvicorn.access": {"level": "WARNING"}},
 }
 
 
 class Server(uvicorn.Server):
-    """uvicorn's server, which waits for open requests to end when it stops.
-
-    Streams of events end only because they are told to.
-    """
+    """uvicorn's server, which on shutdown also ends the event streams that it would wait for."""
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start, then leave what stays for good out of garbage collections.
+        """Start, then exclude all present objects from garbage collections.
 
-        A collection that looks at all of it, 160,000 objects, takes 80 ms: five frames.
+        A collection of these 160,000 objects takes 80 ms: five frames.
         """
         await super().startup(sockets)
         if self.started:
@@ -66,18 +65,18 @@ class Server(uvicorn.Server):
             gc.freeze()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End the streams, then stop."""
+        """End the event streams, then stop."""
         app = self.config.app
         if isinstance(app, FastAPI) and hasattr(app.state, "services"):
             services: Services = app.state.services
             services.changes.close()
         await super().shutdown(sockets)
-        # The emulators' library complains about consoles that outlive the process.
+        # The emulator's library reports consoles that outlive the process.
         gc.unfreeze()
 
 
 def run_server(settings: Settings, shares_port: bool = False) -> None:
-    """Serve until a signal ends it.
+    """Serve until a signal arrives.
 
     Args:
         settings: What to serve and where.
@@ -99,14 +98,17 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
 
 
 def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
-    """Return how uvicorn serves the application."""
+    """Return the configuration of uvicorn."""
     return uvicorn.Config(
         app,
         host=settings.host,
         port=settings.port,
+        http=HttpProtocol,
+        h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         log_config=None,
         server_header=False,
-        # uvicorn's compression costs seven times what our own codec does (docs/benchmarks.md).
+        ws=BudgetedWebSocketProtocol,
+        # Compression by uvicorn takes seven times as long as our codec (docs/benchmarks.md).
         ws_per_message_deflate=False,
         ws_max_size=MAX_MESSAGE_BYTES * 4,
         ws_ping_interval=10.0,
@@ -116,20 +118,19 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
 
 
 def bind(settings: Settings, shares_port: bool = False) -> socket.socket:
-    """Take the port and listen.
+    """Bind the port and listen.
 
     Args:
-        settings: Which port.
-        shares_port: Whether other processes of this user that say the same may listen on it too.
-            The kernel spreads the connections over them, and those of a process that has ended go
-            to the others.
+        settings: The host and the port.
+        shares_port: Whether other processes of this user may listen on it too, if they share it as
+            well. The kernel distributes new connections among those that are alive.
 
     Raises:
-        Unavailable: It is taken, or the address is not this machine's.
+        Unavailable: The port is taken, or the address is not this machine's.
     """
     listening = take_port(settings, shares_port)
     try:
-        # Whoever connects before the application has started waits for it.
+        # Connections wait here until the application has started.
         listening.listen(BACKLOG)
     except OSError as error:
         listening.close()
@@ -139,12 +140,12 @@ def bind(settings: Settings, shares_port: bool = False) -> socket.socket:
 
 
 def take_port(settings: Settings, shares_port: bool = False) -> socket.socket:
-    """Take the port without listening, which gives it no connections; see bind.
+    """Bind the port without listening, so that it gets no connections.
 
-    A supervisor of several server processes learns in this way whether they will get the port.
+    The supervisor of several server processes checks in this way that they will get the port.
 
     Raises:
-        Unavailable: It is taken, or the address is not this machine's.
+        Unavailable: The port is taken, or the address is not this machine's.
     """
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     taken = socket.socket(family, socket.SOCK_STREAM)

@@ -1,4 +1,4 @@
-"""What one server process works with, put together once when it starts."""
+"""The services of a server process, built once at its start."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
 from server.change_stream import ChangeStream
-from server.derived import Derived
+from server.concurrency import ConcurrencyLimit
 from server.play.consoles import ConsolePool
 from server.play.hub import N_SPARE_CONSOLES, PlayHub
 from server.play.limits import GameLimits
 from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
+from server.replay_cache import ReplayCache
 from server.storage import StorageMeter
 from server.web.security import Access
 from tril.files.artifact_store import ArtifactStore
@@ -23,7 +24,6 @@ from tril.files.cache import Cache
 from tril.heartbeat import Heartbeat
 from tril.inference import InferenceClient
 from tril.jobs import Jobs
-from tril.recording import Recording, trajectory
 from tril.settings import Settings
 from tril.store.database import Database, create_database
 from tril.store.schema import check_schema
@@ -31,7 +31,7 @@ from tril.store.schema import check_schema
 
 @dataclass(frozen=True)
 class Services:
-    """What routes work with.
+    """The services that routes use.
 
     Attributes:
         settings: The process's settings.
@@ -39,14 +39,20 @@ class Services:
         access: Checks tokens and cookies.
         artifacts: The files of trainings.
         jobs: The queue of trainings.
-        inference: Answers for trained networks.
-        consoles: Loaded consoles.
-        derived: Frames and thumbnails.
-        limits: How many games may be open.
+        inference: Client of the inference process.
+        consoles: Pool of loaded consoles.
+        replay_cache: Frames, thumbnails, memory and clips of recordings.
+        limits: Limits of open games.
         games: The games that are played in this process.
-        changes: Tells pages what changes.
-        storage: Tells how much room the files take.
-        importing: Held while an upload is verified, so that one at a time is.
+        changes: The change stream.
+        storage: Measures disk usage.
+        read_limit: Limits requests that read. Together with those that write they are fewer than
+            the pool's connections (15) and anyio's threads (40). Otherwise all threads wait for
+            connections whose holders wait for a thread, in which FastAPI validates their answer.
+        write_limit: Limits requests that write, so that reads do not wait for a busy database.
+        replay_limit: Limits requests that replay recordings, make clips or query a network. They
+            hold a connection only briefly, but a thread for seconds.
+        upload_limit: Limits uploads, whose body is not read before they have a slot.
     """
 
     settings: Settings
@@ -56,28 +62,33 @@ class Services:
     jobs: Jobs
     inference: InferenceClient
     consoles: ConsolePool
-    derived: Derived
+    replay_cache: ReplayCache
     limits: GameLimits
     games: PlayHub
     changes: ChangeStream
     storage: StorageMeter
-    importing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
-
-    def rewards_of(self, run_id: str, recording: Recording) -> list[float]:
-        """Ask the inference process for R of every observation of a recording."""
-        with self.consoles.lent() as console:
-            observations = trajectory(recording, console).observations
-        return [float(value) for value in self.inference.reward(run_id, observations)]
+    read_limit: ConcurrencyLimit = field(
+        default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=20)
+    )
+    write_limit: ConcurrencyLimit = field(
+        default_factory=lambda: ConcurrencyLimit(at_once=4, waiting=256, wait_s=20)
+    )
+    replay_limit: ConcurrencyLimit = field(
+        default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=120)
+    )
+    upload_limit: ConcurrencyLimit = field(
+        default_factory=lambda: ConcurrencyLimit(at_once=1, waiting=8, wait_s=120)
+    )
 
 
 def process_name() -> str:
-    """Return a name that no other live server process has."""
+    """Return a name that is unique among live server processes."""
     return f"server-{socket.gethostname()[:40]}-{os.getpid()}"
 
 
 @asynccontextmanager
 async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterator[Services]:
-    """Put the services together, run them for the block, and stop them in order.
+    """Build the services, run them for the block and stop them in order.
 
     Raises:
         Unavailable: The database is of another version, or the access token can't be read.
@@ -88,7 +99,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
     replays = ReplayProcess()
-    limits = GameLimits.of(settings, rules.max_games)
+    limits = GameLimits.from_settings(settings, rules.max_games)
     jobs = Jobs(database, settings)
     services = Services(
         settings=settings,
@@ -98,7 +109,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         jobs=jobs,
         inference=InferenceClient(settings.inference_socket),
         consoles=consoles,
-        derived=Derived(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
+        replay_cache=ReplayCache(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
         limits=limits,
         games=PlayHub(database, consoles, replays, name, rules, limits),
         changes=ChangeStream(database),

@@ -1,4 +1,4 @@
-"""How much room Tril's files take, measured now and then."""
+"""Disk usage of the data folder."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from pathlib import Path
 from tril.settings import Settings
 
 MEASURED_EVERY_S = 10.0
-"""Pages ask every few seconds, and a walk over the files of many trainings takes a while."""
+"""Pages poll every few seconds, and walking the files of many trainings takes a while."""
 
 
 @dataclass(frozen=True)
 class StorageUse:
-    """Bytes on this machine's disk, by what they are for.
+    """Bytes on this machine's disk by purpose.
 
     Attributes:
         databases_bytes: The databases with their logs.
-        artifacts_bytes: The files of trainings; 0 where they lie in a store elsewhere.
-        cache_bytes: Frames, thumbnails and clips, which can be made again.
+        artifacts_bytes: The files of trainings; 0 if they are in a remote store.
+        cache_bytes: Frames, thumbnails and clips, which can be derived again.
         other_bytes: The rest of the data folder.
     """
 
@@ -33,16 +33,16 @@ class StorageUse:
 
     @property
     def total_bytes(self) -> int:
-        """All of it."""
+        """The sum."""
         return self.databases_bytes + self.artifacts_bytes + self.cache_bytes + self.other_bytes
 
 
 class StorageMeter:
-    """Measures the data folder, at most every few seconds; safe to call from several threads.
+    """Measures the data folder, at most every few seconds; thread-safe.
 
     Args:
-        settings: Which folders.
-        every_s: How old an answer may be.
+        settings: The folders.
+        every_s: Greatest age of an answer.
     """
 
     def __init__(self, settings: Settings, every_s: float = MEASURED_EVERY_S) -> None:
@@ -52,7 +52,7 @@ class StorageMeter:
         self._measured: tuple[float, StorageUse] | None = None
 
     def use(self) -> StorageUse:
-        """Return what was measured last, measured anew if that is too long ago."""
+        """Return the last measurement, or a new one if that is too old."""
         with self._lock:
             now = time.monotonic()
             if self._measured is None or now - self._measured[0] > self._every_s:
@@ -61,7 +61,7 @@ class StorageMeter:
 
 
 def measure(settings: Settings) -> StorageUse:
-    """Add up the data folder's files; those that vanish meanwhile count for nothing."""
+    """Add up the sizes of the data folder's files; files that vanish meanwhile count as 0."""
     databases = artifacts = cache = other = 0
     artifact_root = Path(settings.artifact_root)
     for place, size_bytes in _files(settings.data):

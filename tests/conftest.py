@@ -13,11 +13,10 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 
 import pytest
 
-from scripts.browser import find_browser
 from tril.cores import core_count
 
 if TYPE_CHECKING:
-    from tests.workplace import Workplace
+    from testsupport.workplace import Workplace
 
 BROWSER_TESTS = Path(__file__).parent / "e2e"
 BROWSER_TEST_TIMEOUT_S = 600
@@ -76,14 +75,8 @@ def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def workplace(tmp_path: Path) -> Iterator[Workplace]:
     """Return a migrated data folder with four ranked recordings of column 1."""
     # Here, so that tests which need none of it don't wait for it.
-    from tests.workplace import make_workplace
+    from testsupport.workplace import make_workplace
 
     made = make_workplace(tmp_path / "data")
     yield made
     made.database.close()
-
-
-@pytest.fixture(scope="session")
-def chromium() -> Path:
-    """Return the browser to test in; it is installed where there is none."""
-    return find_browser()

@@ -1,4 +1,4 @@
-"""How learning tells what it has done, and how it is told to stop."""
+"""How learning reports its progress, and how it is cancelled."""
 
 from __future__ import annotations
 
@@ -7,23 +7,22 @@ from typing import Protocol
 
 
 class RunCancelled(Exception):
-    """The run was cancelled; learning leaves everything as it is and lets this pass."""
+    """The run was cancelled. Learning code lets this pass; its checkpoint stays."""
 
 
 class Progress(Protocol):
-    """What learning functions report to.
+    """What learning functions report to, several times a second.
 
-    It is called several times a second, so an implementation that writes to a database has to
-    limit how often it does. It is where a cancelled run stops.
+    Implementations that write to a database limit how often they do. A cancelled run stops here.
     """
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
-        """Take note that ``done`` of ``total`` units of the present stage are finished.
+        """Report that ``done`` of ``total`` units of the current stage are finished.
 
         Args:
-            done: Units finished, from 0 to ``total``; the unit is the learning function's.
+            done: Finished units, 0 to ``total``; the learning function chooses the unit.
             total: Units in all.
-            values: Points of curves that belong to ``done``, by the curve's name.
+            values: Points of curves at ``done``, by the curve's name.
 
         Raises:
             RunCancelled: The run is to stop here.
@@ -31,63 +30,67 @@ class Progress(Protocol):
 
 
 class NullProgress:
-    """A progress that nobody watches and that never stops."""
+    """Ignores all reports and never cancels."""
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Do nothing."""
 
 
-class Ticking:
-    """A progress of a part of the work that has no share of its own in the stage's units.
+class CallbackProgress:
+    """Calls a function for every report, whatever was reported.
 
     Args:
-        tick: Says where the stage is; called for every unit of the part.
+        callback: What it raises ends the work.
     """
 
-    def __init__(self, tick: Callable[[], None]) -> None:
-        self._tick = tick
+    def __init__(self, callback: Callable[[], None]) -> None:
+        self._callback = callback
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
-        """Say where the stage is."""
-        self._tick()
+        """Call the function."""
+        self._callback()
 
 
-class Part:
-    """A part of a stage that reports as if it were a whole one.
+class ScaledProgress:
+    """Reports part of a stage as a share of the whole stage.
 
     Args:
-        whole: Where the stage reports to.
-        first: The share of the stage that is finished when the part begins, 0 to 1.
-        last: The share that is finished when the part ends.
-        units: Units in the whole stage, which points of curves are counted in.
+        stage: The stage's progress.
+        first: Share of the stage that is finished when the part begins, 0 to 1.
+        last: Share that is finished when the part ends.
     """
 
-    def __init__(self, whole: Progress, first: float, last: float, units: int = 1_000_000) -> None:
-        self._whole = whole
-        self._units = units
+    UNITS = 1_000_000
+
+    def __init__(self, stage: Progress, first: float, last: float) -> None:
+        self._stage = stage
         self._first = first
         self._span = last - first
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Report the part's progress as the stage's."""
         share = self._first + self._span * (done / total if total else 1.0)
-        self._whole.advance(round(share * self._units), self._units, values)
+        self._stage.advance(round(share * self.UNITS), self.UNITS, values)
 
 
-class Section:
-    """Some of a stage's units, reported in those units, so that curves can be drawn over them.
+class OffsetProgress:
+    """Reports part of a stage in the stage's own units, over which its curves are drawn.
 
     Args:
-        whole: Where the stage reports to.
-        first: Units of the stage that are finished when the section begins.
+        stage: The stage's progress.
+        first: Units of the stage that are finished when the part begins.
         total: Units of the whole stage.
+        with_values: Whether points of curves are passed on.
     """
 
-    def __init__(self, whole: Progress, first: int, total: int) -> None:
-        self._whole = whole
+    def __init__(
+        self, stage: Progress, first: int, total: int, *, with_values: bool = True
+    ) -> None:
+        self._stage = stage
         self._first = first
         self._total = total
+        self._with_values = with_values
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
-        """Report the section's progress as the stage's."""
-        self._whole.advance(self._first + done, self._total, values)
+        """Report the part's progress as the stage's."""
+        self._stage.advance(self._first + done, self._total, values if self._with_values else None)

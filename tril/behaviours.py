@@ -1,4 +1,4 @@
-"""What is being taught, as data, and the seven behaviours that come ready."""
+"""Behaviours to teach, and the seven built-in ones."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from dataclasses import dataclass
 
 from tril.errors import Invalid
 from tril.game.space_invaders import COLUMNS, ROWS
-
-Cell = tuple[int, int]
-"""(row from the bottom, column from the left), both from 0, in the 6x6 grid of aliens."""
+from tril.game.space_invaders import Cell as Cell
 
 
 @dataclass(frozen=True)
@@ -19,8 +17,7 @@ class Behaviour:
         slug: Short name used in URLs and on the command line, e.g. ``column-5``.
         name: Name shown to people, e.g. "Column 5".
         description: What a perfect game looks like, in one or two sentences.
-        target: Cells to hit, or None where hits do not describe the behaviour. With ``ordered``
-            the sequence is the order in which they have to be hit.
+        target: Cells to hit, in order if ``ordered``; None if hits do not describe the behaviour.
         ordered: Whether the order of the hits matters.
     """
 
@@ -35,10 +32,10 @@ class Behaviour:
             raise Invalid("A behaviour needs a name.")
         if self.target is None:
             if self.ordered:
-                raise Invalid("An order needs target cells; pick cells or turn the order off.")
+                raise Invalid("An order needs target cells. Pick cells or turn the order off.")
             return
         if not self.target:
-            raise Invalid("Pick at least one target cell, or none at all by leaving the grid out.")
+            raise Invalid("Pick at least one target cell, or turn target cells off.")
         if len(set(self.target)) != len(self.target):
             raise Invalid("A target cell is listed twice.")
         for row, column in self.target:
@@ -51,13 +48,13 @@ class Behaviour:
 
 @dataclass(frozen=True)
 class Score:
-    """How the hits of one game compare with a behaviour's target.
+    """The hits of a game compared with a behaviour's target.
 
     Attributes:
-        targets: Target cells hit.
-        strays: Hits outside the target.
-        order_errors: Target hits that came before a target cell that precedes them in the order
-            and was hit later or never; 0 for behaviours without an order.
+        targets: Number of target cells hit.
+        strays: Number of hits outside the target.
+        order_errors: Number of target hits while an earlier target of the order was still
+            standing; 0 for behaviours without an order.
     """
 
     targets: int

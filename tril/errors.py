@@ -1,23 +1,23 @@
-"""Situations that the person has to know about. The domain knows no HTTP; edges map these."""
+"""Errors reported to the user; the server and the command line map them to responses."""
 
 from __future__ import annotations
 
 
 class TrilError(Exception):
-    """Something the person can understand and act on; the message says what to do."""
+    """An error that the user can act on; the message says how."""
 
 
 class NotFound(TrilError):
-    """A thing that was named does not exist (any more)."""
+    """The requested object does not exist."""
 
 
 class Conflict(TrilError):
-    """The request contradicts what has happened since; reload and decide again."""
+    """The request conflicts with the current state; reload and try again."""
 
 
 class Invalid(TrilError):
-    """What was given cannot be accepted; the message says why."""
+    """The input is not acceptable."""
 
 
 class Unavailable(TrilError):
-    """A part of Tril that is needed is not running or out of room."""
+    """A required service or resource is not available."""

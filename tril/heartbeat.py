@@ -1,4 +1,4 @@
-"""A process's sign of life, every few seconds."""
+"""A process's heartbeat in the database."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable
 from typing import Any, Self
 
-from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from tril.store import processes
@@ -18,12 +17,8 @@ log = logging.getLogger(__name__)
 INTERVAL_S = 5.0
 
 
-def _nothing(_session: Session) -> None:
-    return
-
-
 class Heartbeat:
-    """Notes in the database that this process lives, from a thread of its own.
+    """Writes every few seconds, from a thread of its own, that this process is alive.
 
     Use it as a context manager, or call ``start`` and ``stop``.
 
@@ -42,7 +37,7 @@ class Heartbeat:
         name: str,
         kind: str,
         details: Callable[[], dict[str, Any]] = dict,
-        also: Callable[[Session], None] = _nothing,
+        also: Callable[[Session], None] | None = None,
         interval_s: float = INTERVAL_S,
     ) -> None:
         self._database = database
@@ -55,33 +50,33 @@ class Heartbeat:
         self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
 
     def start(self) -> None:
-        """Beat once and go on beating."""
-        self.beat()
+        """Write the first beat and start the thread."""
+        self._write(self._beat)
         self._thread.start()
-
-    def beat(self) -> None:
-        """Beat now; a database that can't be written is logged and tried again next time."""
-        try:
-            with self._database.writing() as session:
-                processes.beat(session, self._name, self._kind, self._details())
-                self._also(session)
-        except SQLAlchemyError as problem:
-            log.warning("The sign of life of %s could not be written: %s", self._name, problem)
 
     def stop(self) -> None:
         """Stop beating and take the process off the list."""
         self._ended.set()
         if self._thread.is_alive():
             self._thread.join()
-        try:
-            with self._database.writing() as session:
-                processes.leave(session, self._name)
-        except SQLAlchemyError as problem:
-            log.warning("The end of %s could not be written: %s", self._name, problem)
+        self._write(lambda session: processes.leave(session, self._name))
 
     def _run(self) -> None:
         while not self._ended.wait(self._interval_s):
-            self.beat()
+            self._write(self._beat)
+
+    def _beat(self, session: Session) -> None:
+        processes.beat(session, self._name, self._kind, self._details())
+        if self._also is not None:
+            self._also(session)
+
+    def _write(self, write: Callable[[Session], None]) -> None:
+        """Write in a transaction; whatever fails is logged, and the next beat tries again."""
+        try:
+            with self._database.writing() as session:
+                write(session)
+        except Exception:
+            log.exception("The heartbeat of %s could not be written.", self._name)
 
     def __enter__(self) -> Self:
         self.start()

@@ -1,12 +1,12 @@
-"""Client of the inference process, and the protocol that both ends speak.
+"""Client of the inference process, and the protocol of both ends.
 
-A message is a little-endian u32, the length of a JSON header, the header, and as many raw bytes as
-the header's ``n_bytes`` says. Nothing is pickled. One connection carries one request and its
-answer, so a restart of the process between two requests goes unnoticed.
+A message is a little-endian u32, the length of a JSON header, the header, and ``n_bytes`` raw bytes
+as the header says. Nothing is pickled. A connection carries one request and its reply, so a restart
+of the process between two requests goes unnoticed.
 
 Requests: ``{"op": "ping"}``; ``{"op": "reward", "run_id"}`` with observations uint8 (N, 4, 84, 84)
 gives float32 (N,); ``{"op": "attention", "run_id"}`` with one observation gives float32
-(4, 84, 84); ``{"op": "act", "run_id", "policy"}`` with observations gives float32 (N, 6). An answer
+(4, 84, 84); ``{"op": "act", "run_id", "policy"}`` with observations gives float32 (N, 6). A reply
 is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
 """
 
@@ -35,7 +35,7 @@ MAX_BODY_BYTES = MAX_OBSERVATIONS * OBSERVATION_BYTES
 N_ACTIONS = len(Action)
 TIMEOUT_S = 60.0
 LONGEST_ADDRESS = 100
-"""Bytes of a path that fit into the address of a local socket, with a little to spare."""
+"""Bytes of a path that fit into the address of a local socket, with some margin."""
 
 _LENGTH = struct.Struct("<I")
 _ERRORS = {"invalid": Invalid, "not_found": NotFound, "unavailable": Unavailable}
@@ -44,18 +44,18 @@ Values = npt.NDArray[np.float32]
 
 
 class Disconnected(ConnectionError):
-    """The other end closed the connection in the middle of a message or before one."""
+    """The other end closed the connection before or in the middle of a message."""
 
 
 class InferenceClient:
-    """Asks the inference process for R, attention and actions of trained networks.
+    """Requests R, attention and actions of trained networks from the inference process.
 
-    Threads may share it. A request whose connection breaks is made once more: the process may
-    just have been restarted, and asking twice changes nothing.
+    Threads may share it. A request whose connection breaks is repeated once, because the process
+    may just have been restarted.
 
     Args:
         path: The process's socket (Settings.inference_socket).
-        timeout_s: Seconds that an answer may take.
+        timeout_s: Seconds that a reply may take.
     """
 
     def __init__(self, path: Path, timeout_s: float = TIMEOUT_S) -> None:
@@ -63,18 +63,18 @@ class InferenceClient:
         self._timeout_s = timeout_s
 
     def ping(self) -> None:
-        """Raise Unavailable unless the process answers."""
-        self._ask({"op": "ping"})
+        """Check that the process replies; raises Unavailable otherwise."""
+        self._request({"op": "ping"})
 
     def reward(self, run_id: str, observations: Observations) -> Values:
         """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84), by a run's reward model.
 
         Raises:
             NotFound: The run has no reward model.
-            Unavailable: The process does not answer.
+            Unavailable: The process does not reply.
         """
         parts = [
-            self._ask({"op": "reward", "run_id": run_id}, part) for part in _parts(observations)
+            self._request({"op": "reward", "run_id": run_id}, part) for part in _parts(observations)
         ]
         return np.frombuffer(b"".join(parts), np.float32)
 
@@ -83,13 +83,13 @@ class InferenceClient:
 
         Raises:
             NotFound: The run has no reward model.
-            Unavailable: The process does not answer.
+            Unavailable: The process does not reply.
         """
-        answer = self._ask({"op": "attention", "run_id": run_id}, _checked(observation[None]))
-        return np.frombuffer(answer, np.float32).reshape(OBSERVATION_SHAPE)
+        values = self._request({"op": "attention", "run_id": run_id}, _checked(observation[None]))
+        return np.frombuffer(values, np.float32).reshape(OBSERVATION_SHAPE)
 
     def action_probabilities(self, run_id: str, policy: str, observations: Observations) -> Values:
-        """Return what a policy would do: float32 (N, 6), the probability of each action.
+        """Return the probabilities, float32 (N, 6), that a policy gives to the actions.
 
         Args:
             run_id: The run.
@@ -98,24 +98,22 @@ class InferenceClient:
 
         Raises:
             NotFound: The run has no such policy.
-            Unavailable: The process does not answer.
+            Unavailable: The process does not reply.
         """
         request = {"op": "act", "run_id": run_id, "policy": policy}
-        parts = [self._ask(request, part) for part in _parts(observations)]
+        parts = [self._request(request, part) for part in _parts(observations)]
         return np.frombuffer(b"".join(parts), np.float32).reshape(-1, N_ACTIONS)
 
-    def _ask(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
+    def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
         try:
-            return self._ask_once(request, body)
-        except ConnectionError:
             try:
-                return self._ask_once(request, body)
-            except OSError as problem:
-                raise self._absent(problem) from problem
+                return self._request_once(request, body)
+            except ConnectionError:
+                return self._request_once(request, body)
         except OSError as problem:
-            raise self._absent(problem) from problem
+            raise _unavailable(problem) from problem
 
-    def _ask_once(self, request: dict[str, Any], body: bytes) -> bytearray:
+    def _request_once(self, request: dict[str, Any], body: bytes) -> bytearray:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(self._timeout_s)
             with address_of(self._path) as address:
@@ -127,12 +125,13 @@ class InferenceClient:
         kind = _ERRORS.get(str(header.get("kind")), Unavailable)
         raise kind(str(header.get("detail", "The inference process gave no reason.")))
 
-    def _absent(self, problem: OSError) -> Unavailable:
-        reason = "did not answer in time" if isinstance(problem, TimeoutError) else "does not run"
-        return Unavailable(
-            f"The inference process {reason}, so trained networks can't be asked. `tril up` runs "
-            "it and starts it again by itself; try again in a moment."
-        )
+
+def _unavailable(problem: OSError) -> Unavailable:
+    reason = "did not answer in time" if isinstance(problem, TimeoutError) else "is not running"
+    return Unavailable(
+        f"The inference process {reason}, so trained networks can't be used. `tril up` starts it, "
+        "again if need be; try again in a moment."
+    )
 
 
 def send_message(connection: socket.socket, header: dict[str, Any], body: bytes = b"") -> None:
@@ -148,7 +147,7 @@ def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytearra
 
     Raises:
         Disconnected: The other end closed the connection.
-        Invalid: What came is no message, or too long a one.
+        Invalid: The message is malformed or too long.
     """
     (length,) = _LENGTH.unpack(_exactly(connection, _LENGTH.size))
     if length > MAX_HEADER_BYTES:
@@ -178,10 +177,10 @@ def _exactly(connection: socket.socket, n_bytes: int) -> bytearray:
 
 @contextmanager
 def address_of(path: Path) -> Iterator[str]:
-    """Give an address of a local socket that works in the block, however long the path is.
+    """Give an address of a local socket, valid in the block, even if the path is too long for one.
 
     Raises:
-        Unavailable: The path is too long, and this system has no way around it.
+        Unavailable: The path is too long on a system without /proc/self/fd.
     """
     if len(os.fsencode(path)) <= LONGEST_ADDRESS:
         yield str(path)

@@ -1,4 +1,4 @@
-"""Rankings as pure data: tiers, the preference pairs they imply, and how far rankings agree."""
+"""Rankings: tiers, the preference pairs they imply, and the agreement of rankings."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ Pair = tuple[int, int]
 
 
 class Values(Protocol):
-    """Numbers by recording: a mapping from id, or an array where the recordings are indices."""
+    """Values by recording: a mapping from id, or an array indexed by recording."""
 
     def __getitem__(self, item: int, /) -> float: ...
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """Recordings from best to worst; those in one tier are tied.
+    """Recordings from best to worst, tied within a tier.
 
     Attributes:
-        tiers: Ids of recordings, best tier first; no tier is empty, no recording in two places.
+        tiers: Ids of recordings, best tier first; tiers are disjoint and not empty.
     """
 
     tiers: tuple[tuple[int, ...], ...] = ()
@@ -41,11 +41,11 @@ class Ranking:
         """
         for place, tier in enumerate(self.tiers, start=1):
             if not tier:
-                raise Invalid(f"Tier {place} is empty; leave it out or put a recording into it.")
+                raise Invalid(f"Tier {place} is empty. Remove it or add a recording to it.")
         twice = [item for item, count in Counter(self.items).items() if count > 1]
         if twice:
             names = ", ".join(str(item) for item in sorted(twice))
-            raise Invalid(f"Each recording has one place in a ranking, got twice: {names}.")
+            raise Invalid(f"A recording can be ranked only once; ranked twice: {names}.")
 
     @property
     def items(self) -> tuple[int, ...]:
@@ -54,15 +54,12 @@ class Ranking:
 
     @property
     def n_pairs(self) -> int:
-        """The number of preference pairs, without listing them."""
+        """Number of preference pairs, computed without listing them."""
         sizes = [len(tier) for tier in self.tiers]
         return (sum(sizes) ** 2 - sum(size**2 for size in sizes)) // 2
 
     def pairs(self) -> list[Pair]:
-        """The preference pairs (better, worse): each two recordings of different tiers once.
-
-        n tiers of one recording each give n(n-1)/2 pairs; tied recordings give none.
-        """
+        """Return the preference pairs (better, worse) of recordings in different tiers."""
         return [
             (better, worse)
             for above, below in combinations(self.tiers, 2)
@@ -71,25 +68,24 @@ class Ranking:
         ]
 
     def without(self, items: Collection[int]) -> Ranking:
-        """This ranking with some recordings taken out, and the tiers that this empties."""
+        """Return the ranking without some recordings, dropping tiers that become empty."""
         return normalise((item for item in tier if item not in items) for tier in self.tiers)
 
     def tier_numbers(self) -> dict[int, int]:
-        """The tier of each recording, counted from 1 for the best."""
+        """Return the tier of each recording, from 1 for the best."""
         return {item: place for place, tier in enumerate(self.tiers, start=1) for item in tier}
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How two rankings of partly the same recordings compare.
+    """The agreement of two rankings over their common recordings.
 
     Attributes:
-        n_common: Recordings that both rank.
-        concordant: Pairs that both order alike.
-        discordant: Pairs that they order the other way round.
-        tied: Pairs that at least one of them ties.
-        tau: Kendall's tau-b over the common recordings, -1 to 1; None where it is undefined,
-            because either ranking has all of them in one tier.
+        n_common: Number of recordings that both rank.
+        concordant: Number of pairs in the same order.
+        discordant: Number of pairs in opposite order.
+        tied: Number of pairs tied in at least one ranking.
+        tau: Kendall's tau-b, -1 to 1; None if either ranking has all of them in one tier.
     """
 
     n_common: int
@@ -100,7 +96,7 @@ class Agreement:
 
 
 def normalise(tiers: Iterable[Iterable[int]]) -> Ranking:
-    """Make a ranking of tiers as they come from a person: empty tiers are dropped.
+    """Make a ranking from tiers, dropping empty ones.
 
     Raises:
         Invalid: A recording is ranked twice.
@@ -110,7 +106,7 @@ def normalise(tiers: Iterable[Iterable[int]]) -> Ranking:
 
 
 def contradictions(first: Ranking, second: Ranking) -> list[Pair]:
-    """The pairs (better, worse) of the first ranking that the second orders the other way."""
+    """Return the pairs (better, worse) of the first ranking that the second inverts."""
     place = second.tier_numbers()
     return [
         (better, worse)
@@ -120,7 +116,7 @@ def contradictions(first: Ranking, second: Ranking) -> list[Pair]:
 
 
 def agreement(first: Ranking, second: Ranking) -> Agreement:
-    """Compare two rankings over the recordings that both of them rank."""
+    """Compare two rankings over their common recordings."""
     first_place, second_place = first.tier_numbers(), second.tier_numbers()
     common = [item for item in first.items if item in second_place]
     signs = _pair_signs([-first_place[item] for item in common])
@@ -137,39 +133,36 @@ def agreement(first: Ranking, second: Ranking) -> Agreement:
 
 
 def kendall_tau(tiers: Sequence[Sequence[int]], values: Values) -> float:
-    """Kendall's tau-b between a ranking and a number for each of its recordings.
+    """Return Kendall's tau-b between a ranking and values of its recordings, -1 to 1.
 
     Args:
         tiers: Recordings (ids, or indices into ``values``), best tier first.
-        values: A number for each, higher meaning better, such as the predicted return.
-
-    Returns:
-        1 where the values order the recordings as the tiers do, -1 where the other way round; 0
-        where all values are equal, since these say nothing about the order.
+        values: A value for each, higher being better, such as the predicted return. If all are
+            equal, the result is 0.
 
     Raises:
         Invalid: There are fewer than two tiers, or a value is not a number.
     """
     ranking = normalise(tiers)
     if len(ranking.tiers) < 2:
-        raise Invalid("An order needs at least two tiers; rank a better and a worse recording.")
+        raise Invalid("An order needs at least two tiers. Rank a better and a worse recording.")
     place = ranking.tier_numbers()
     numbers = [float(values[item]) for item in ranking.items]
     if np.isnan(numbers).any():
-        raise Invalid("A value to compare the ranking with is not a number.")
+        raise Invalid("A value to compare with the ranking is not a number.")
     tau = _tau_b([-place[item] for item in ranking.items], numbers)
     return 0.0 if tau is None else tau
 
 
 def _pair_signs(values: Sequence[float]) -> NDArray[np.int8]:
-    """Compare all i < j: int8 (n(n-1)/2,), 1 where the first of the two is higher, -1 lower."""
+    """Return the sign of values[i] - values[j] for all i < j, int8 (n(n-1)/2,)."""
     array = np.asarray(values, dtype=np.float64)
     above, below = np.triu_indices(len(array), k=1)
     return (array[above] > array[below]).astype(np.int8) - (array[above] < array[below])
 
 
 def _tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
-    """Kendall's tau-b (Kendall 1945) of two equally long rows, None where either is constant."""
+    """Return Kendall's tau-b (Kendall 1945) of two sequences, None if either is constant."""
     one, other = _pair_signs(first), _pair_signs(second)
     untied = float(np.count_nonzero(one)) * float(np.count_nonzero(other))
     if untied == 0:

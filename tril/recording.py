@@ -1,8 +1,8 @@
-"""Recordings: what is stored of a played episode, and what a replay makes of it again.
+"""Recordings of episodes and their replay.
 
-A recording holds actions, not pixels. The game is a deterministic function of its start and the
+A recording holds actions, not pixels. The game is a deterministic function of its start and
 actions, so a replay gives the same frames, hits and observations; a hash of the RAM once a second
-tells when it does not.
+verifies this.
 """
 
 from __future__ import annotations
@@ -21,35 +21,36 @@ from tril.game.episode import Ending, EndReason, Episode, EpisodeState, Hit, Sta
 from tril.game.observation import OBSERVATION_SHAPE, AgentView
 
 HASH_EVERY_FRAMES = game.FRAME_RATE_HZ
-"""A recording holds a hash of the RAM after every so many frames: one a second."""
+"""Frames between hashes of the RAM: one second."""
 
 
 class RecordingRefused(Invalid):
-    """A recording that cannot be accepted: it does not replay to what it says of itself."""
+    """A recording that is invalid or does not replay as recorded."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """What is stored of one played episode.
+    """A recorded episode.
 
     Attributes:
         start: How the game began.
         actions: The action executed at every frame, one byte each, see tril.game's Action.
-        ram_hashes: Console.ram_hash() after every 60th frame, or none at all where they were not
-            recorded.
+        ram_hashes: Console.ram_hash() after every 60th frame; empty if they were not recorded.
         rom_md5: MD5 of the ROM it was played on, in hexadecimal.
+        ending: Which rule for the player's death ended it, and ends its replays.
     """
 
     start: Start
     actions: bytes
     ram_hashes: tuple[str, ...] = ()
     rom_md5: str = field(default_factory=game.rom_md5)
+    ending: Ending = Ending.HIT
 
     def __post_init__(self) -> None:
         """Check the actions and the number of hashes.
 
         Raises:
-            RecordingRefused: There is no such action, or hashes are missing or too many.
+            RecordingRefused: An action is unknown or the number of hashes is wrong.
         """
         if self.actions and max(self.actions) >= len(game.Action):
             frame = next(f for f, a in enumerate(self.actions) if a >= len(game.Action))
@@ -66,16 +67,16 @@ class Recording:
 
     @property
     def n_frames(self) -> int:
-        """The number of frames after the start."""
+        """Number of frames after the start."""
         return len(self.actions)
 
     @property
     def n_steps(self) -> int:
-        """The number of an agent's steps; one cut short by the end counts."""
+        """Number of agent steps, including one cut short by the end."""
         return -(-len(self.actions) // game.FRAMES_PER_STEP)
 
     def until(self, frame: int) -> Recording:
-        """The recording up to a frame, as if it had been stopped there."""
+        """Return the recording up to a frame."""
         hashes = self.ram_hashes[: frame // HASH_EVERY_FRAMES]
         return replace(self, actions=self.actions[:frame], ram_hashes=hashes)
 
@@ -87,7 +88,7 @@ class Replay:
     Attributes:
         hits: The aliens shot, in order of time.
         end: Why the episode ended, None where the actions ended before.
-        n_frames: Frames until then; actions that follow the end are not executed.
+        n_frames: Number of frames; actions after the end are not executed.
         shots: Missiles that left the cannon.
         ram_hashes: Hash of the RAM after every 60th frame.
     """
@@ -101,12 +102,12 @@ class Replay:
 
 @dataclass(frozen=True)
 class Verified:
-    """A recording that a replay has confirmed.
+    """A verified recording.
 
     Attributes:
-        recording: The recording, with all its RAM hashes and without what followed its end.
-        replay: What happened in it.
-        n_cut: How many actions followed the end of the episode.
+        recording: The recording with all RAM hashes, cut at the end of its episode.
+        replay: The outcome of the replay.
+        n_cut: Number of actions after the end of the episode.
     """
 
     recording: Recording
@@ -118,14 +119,14 @@ class Recorder:
     """Records an episode while it is played.
 
     Attributes:
-        episode: The episode; advance it by the recorder only.
+        episode: The episode, to be advanced by the recorder only.
     """
 
     def __init__(self, episode: Episode) -> None:
         """Begin to record an episode at its start.
 
         Raises:
-            ValueError: The episode is under way already; use resume.
+            ValueError: The episode has begun; use resume.
         """
         if episode.frame:
             raise ValueError(f"Expected an episode at its start, got one at frame {episode.frame}.")
@@ -137,25 +138,23 @@ class Recorder:
         cls,
         recording: Recording,
         console: Console,
-        ending: Ending = Ending.HIT,
         max_frames: int = game.MAX_FRAMES,
         near: EpisodeState | None = None,
     ) -> Self:
-        """Go on with a recording: its game is rebuilt on this console by replaying it.
+        """Resume a recording by replaying it on a console.
 
         Args:
-            recording: What was played so far.
-            console: The console to go on with.
-            ending: Which rule for the player's death ends the game.
-            max_frames: After how many frames it ends in any case.
-            near: A state of the same game, not after the recording's last frame, from which it is
-                replayed instead of from the start; the recording has to have its RAM hashes then.
+            recording: The game so far.
+            console: The console to play on.
+            max_frames: Maximum length of the episode.
+            near: A state of the same game, not after the recording's last frame, to replay from
+                instead of the start. The recording must have RAM hashes then.
 
         Raises:
-            RecordingRefused: The replay differs from what was recorded.
+            RecordingRefused: The replay differs from the recording.
         """
         _check_rom(recording)
-        recorder = cls(Episode(console, recording.start, ending, max_frames))
+        recorder = cls(Episode(console, recording.start, recording.ending, max_frames))
         if near is not None:
             recorder.episode.restore(near)
             before = recorder.episode.frame // HASH_EVERY_FRAMES
@@ -163,7 +162,7 @@ class Recorder:
         for action in recording.actions[recorder.episode.frame :]:
             if recorder.episode.end is not None:
                 raise RecordingRefused(
-                    f"The game to go on with ended at frame {recorder.episode.frame}, but"
+                    f"The game to resume ended at frame {recorder.episode.frame}, but"
                     f" {recording.n_frames} frames were recorded."
                 )
             recorder.advance(action)
@@ -171,17 +170,18 @@ class Recorder:
         return recorder
 
     def advance(self, action: int) -> None:
-        """Run one frame with this action and record it; raises what Episode.advance raises."""
+        """Run and record one frame with this action; see Episode.advance."""
         self.episode.advance(action)
         if self.episode.frame % HASH_EVERY_FRAMES == 0:
             self._hashes.append(self.episode.console.ram_hash())
 
     def recording(self) -> Recording:
-        """The recording as of now."""
-        return Recording(self.episode.start, self.episode.actions, tuple(self._hashes))
+        """Return the recording so far."""
+        episode = self.episode
+        return Recording(episode.start, episode.actions, tuple(self._hashes), ending=episode.ending)
 
     def replay(self) -> Replay:
-        """What has happened as of now: what a replay of the recording will give."""
+        """Return the outcome so far, as a replay of the recording will give."""
         episode = self.episode
         return Replay(episode.hits, episode.end, episode.frame, episode.shots, tuple(self._hashes))
 
@@ -191,14 +191,14 @@ def replay(
     console: Console | None = None,
     on_frame: Callable[[Episode], None] | None = None,
 ) -> Replay:
-    """Play a recording again, until its end or the end of its actions.
+    """Replay a recording until the episode or the actions end.
 
     Args:
         recording: What to replay.
         console: The console to replay on; None loads one, which takes 0.1 s.
         on_frame: Called at the start and after every frame.
     """
-    recorder = Recorder(Episode(console or Console(), recording.start))
+    recorder = Recorder(Episode(console or Console(), recording.start, recording.ending))
     episode = recorder.episode
     if on_frame:
         on_frame(episode)
@@ -216,15 +216,12 @@ def verify(
     hits: Sequence[tuple[int, int]] | None = None,
     console: Console | None = None,
 ) -> Verified:
-    """Check a recording by replaying it.
+    """Verify a recording by replaying it.
 
     Args:
-        recording: What to check; RAM hashes are compared where it has them.
-        hits: The (row, column) it is said to hit, in order of time, compared if given.
+        recording: The recording; its RAM hashes are compared if it has any.
+        hits: The expected hits as (row, column), in order of time; None skips the comparison.
         console: The console to replay on; None loads one.
-
-    Returns:
-        The recording, cut at the end of its episode, its hashes completed, and what happened.
 
     Raises:
         RecordingRefused: It was played on another ROM, or the replay differs.
@@ -236,7 +233,7 @@ def verify(
     if hits is not None and cells != [tuple(cell) for cell in hits]:
         raise RecordingRefused(
             f"The replay hits {_cells(cells)}, but the recording says {_cells(hits)}"
-            " (row from the bottom, column from the left, from 0)."
+            " ([row from the bottom, column from the left], from 0)."
         )
     kept = replace(
         recording, actions=recording.actions[: played.n_frames], ram_hashes=played.ram_hashes
@@ -246,14 +243,13 @@ def verify(
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """What an agent would have seen and done in a recorded episode of T steps.
+    """An agent's observations and actions in a recorded episode of T steps.
 
     Attributes:
         observations: uint8 (T + 1, 4, 84, 84), 0 to 255: at the start and after every step.
-        actions: int64 (T,), 0 to 5: the action executed most in each step's frames, of several
-            executed equally often the one executed last.
+        actions: int64 (T,), 0 to 5; see step_actions.
         hits: The aliens shot, in order of time.
-        end: Why the episode ended, None where the recording ended before.
+        end: Why the episode ended, None if the recording ended before.
     """
 
     observations: npt.NDArray[np.uint8]
@@ -272,15 +268,15 @@ class Trajectory:
 
     @property
     def n_steps(self) -> int:
-        """The number of steps T."""
+        """Number of steps T."""
         return len(self.actions)
 
 
 def trajectory(recording: Recording, console: Console | None = None) -> Trajectory:
-    """Replay a recording through an agent's eyes.
+    """Replay a recording as an agent's trajectory.
 
-    A step that the episode's end cut short counts as a step; its observation is that of the whole
-    step, as agents see it (AgentView.finish_step).
+    A step cut short by the episode's end counts as a step; see AgentView.finish_step for its
+    observation.
 
     Args:
         recording: A verified recording.
@@ -296,9 +292,9 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
 
     def look(episode: Episode) -> None:
         if episode.frame == 0:
-            view.begin(console)
+            view.reset(console)
         else:
-            view.watch(console, episode.frame)
+            view.update(console, episode.frame)
         if episode.frame % game.FRAMES_PER_STEP == 0:
             view.observe(observations[episode.frame // game.FRAMES_PER_STEP])
 
@@ -314,10 +310,10 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
 
 
 def step_actions(actions: bytes) -> npt.NDArray[np.int64]:
-    """The action that stands for each step of four frames, int64 (T,).
+    """Return the action of each step of four frames, int64 (T,).
 
-    It is the one executed most in the step; of several executed equally often, the one executed
-    last, since a person's keys answer what was seen before.
+    It is the action executed most often in the step; ties go to the one executed last, since a
+    person's keys follow what was seen before.
     """
     length = game.FRAMES_PER_STEP
     steps = [actions[at : at + length] for at in range(0, len(actions), length)]
@@ -330,13 +326,13 @@ def step_actions(actions: bytes) -> npt.NDArray[np.int64]:
 def _check_rom(recording: Recording) -> None:
     if recording.rom_md5 != game.rom_md5():
         raise RecordingRefused(
-            f"It was played on another ROM (MD5 {recording.rom_md5}); this project replays on"
-            f" {game.rom_md5()}, the Space Invaders that comes with ale-py."
+            f"The recording was played on another ROM (MD5 {recording.rom_md5}); expected"
+            f" {game.rom_md5()}, the Space Invaders of ale-py."
         )
 
 
 def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:
-    """Compare the recorded RAM hashes with those of a replay, as far as that went."""
+    """Compare the recorded RAM hashes with those of a replay."""
     if not recording.ram_hashes:
         return
     for second, (recorded, seen) in enumerate(
@@ -344,9 +340,9 @@ def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:
     ):
         if recorded != seen:
             raise RecordingRefused(
-                f"The replay differs from what was recorded: the RAM after frame"
+                f"The replay differs from the recording: the RAM after frame"
                 f" {second * HASH_EVERY_FRAMES} has the hash {seen}, the recording says"
-                f" {recorded}. Its start or its actions were changed or are incomplete."
+                f" {recorded}. Its start or actions were changed or are incomplete."
             )
 
 

@@ -1,4 +1,4 @@
-"""The one place where configuration is read. Entry points read it, everything else is passed it."""
+"""Configuration, read by entry points and passed to everything else."""
 
 from __future__ import annotations
 
@@ -13,25 +13,24 @@ class Settings(BaseSettings):
     """Settings of every Tril process, read from the environment (``TRIL_*``) and ``.env``.
 
     Attributes:
-        data: Folder of everything Tril keeps: databases, artifacts, caches, token, sockets.
+        data: Folder of databases, artifacts, caches, the access token and sockets.
         host: Address the server binds to.
         port: TCP port the server binds to.
-        allowed_hosts: Host names (without port) that requests may name, comma separated in the
-            environment. The loopback names are always allowed.
+        allowed_hosts: Host names (without port) accepted in requests besides the loopback names,
+            comma-separated.
         database_url: SQLAlchemy URL of the application's database; SQLite in ``data`` if empty.
         jobs_database_url: URL of the job queue's own database; SQLite in ``data`` if empty.
         artifacts_url: fsspec URL of the artifact store; a folder in ``data`` if empty.
-        cache_limit_bytes: Upper bound of re-derived files (frames, thumbnails) kept on disk.
-        server_processes: Server processes behind one port; 1 is enough for a house, one per core
-            for many players.
-        max_games: Most games open at the same time, of everybody; 0 means as many as the server
-            processes can play, 32 each.
-        max_games_per_player: Most games of one player open at the same time. Everybody who opens
-            the page with the same key is one player.
-        learning_threads: Threads that learning may use; 0 means all cores.
-        learning_precision: The numbers that policies learn in: "float32", "bfloat16", or "auto" for
-            the shorter ones where the device multiplies them.
-        learning_device: Where networks learn: "cpu", "cuda", or "auto" for a GPU if there is one.
+        cache_limit_bytes: Maximum size of cached files (frames, thumbnails) on disk.
+        server_processes: Server processes behind one port; 1 suffices for a few players, use one
+            per core for many.
+        max_games: Maximum number of open games; 0 means 32 per server process.
+        max_games_per_player: Maximum number of open games per player. All browsers with the same
+            key are one player.
+        learning_threads: Threads for training; 0 means all cores.
+        learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
+            bfloat16 where the device supports its multiplication.
+        learning_device: Device for training: "cpu", "cuda", or "auto" for a GPU if there is one.
     """
 
     model_config = SettingsConfigDict(env_prefix="TRIL_", env_file=".env", extra="ignore")
@@ -63,22 +62,22 @@ class Settings(BaseSettings):
 
     @property
     def queue_url(self) -> str:
-        """URL of the job queue's database, apart from the application's."""
+        """URL of the job queue's database."""
         return self.jobs_database_url or f"sqlite:///{self.data / 'jobs.sqlite'}"
 
     @property
     def artifact_root(self) -> str:
-        """fsspec URL under which artifacts are kept."""
+        """fsspec URL of the artifact store."""
         return self.artifacts_url or str(self.data / "artifacts")
 
     @property
     def cache_folder(self) -> Path:
-        """Folder of re-derivable files."""
+        """Folder of cached files."""
         return self.data / "cache"
 
     @property
     def inference_socket(self) -> Path:
-        """Local socket on which the inference process answers."""
+        """Local socket of the inference process."""
         return self.data / "inference.sock"
 
     @property
@@ -88,6 +87,6 @@ class Settings(BaseSettings):
 
     @property
     def host_names(self) -> frozenset[str]:
-        """Lower-case host names that a request's Host and Origin may carry."""
+        """Lower-case host names accepted in a request's Host and Origin headers."""
         extra = {name.strip().lower() for name in self.allowed_hosts.split(",") if name.strip()}
         return frozenset({"127.0.0.1", "localhost", "[::1]", "::1"} | extra)

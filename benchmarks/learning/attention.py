@@ -2,9 +2,10 @@
 
     python -m benchmarks.learning.attention
 
-Brute force scores every masked observation whole: four screens, 82 x 82 positions of the patch.
-Both are measured in turns on states of a played game, one of brute force's screens at a time, and
-medians are given. Networks are untrained; the work is the same. Prints a table and a JSON line.
+Brute force scores every occluded observation as a whole: four screens, 82 x 82 positions of the
+patch. Both are measured alternately on states of a played game, brute force on one screen at a
+time; results are medians. Networks are untrained, which does not change the work. Prints a table
+and a JSON line.
 """
 
 import argparse
@@ -16,9 +17,10 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.explain.attention import POSITIONS, STATES, attention_map
+from trainer.explain.attention import POSITIONS, attention_map
 from trainer.explain.occlusion import PATCH
 from trainer.reward.model import RewardModel, RewardNetwork
+from tril.analysis.outcome import AttentionState
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.starts import Start
@@ -35,12 +37,13 @@ def played_states(count: int) -> list[npt.NDArray[np.uint8]]:
 def brute_force_screen(
     model: RewardModel, observation: npt.NDArray[np.uint8], screen: int
 ) -> npt.NDArray[np.float32]:
-    """Return |R(masked) - R| for every patch of one screen, float32 (82 * 82,)."""
-    masked = np.repeat(observation[None], POSITIONS * POSITIONS, axis=0)
-    for index, target in enumerate(masked):
+    """Return |R(occluded) - R| for every patch of one screen, float32 (82 * 82,)."""
+    occluded = np.repeat(observation[None], POSITIONS * POSITIONS, axis=0)
+    for index, target in enumerate(occluded):
         row, column = divmod(index, POSITIONS)
         target[screen, row : row + PATCH, column : column + PATCH] = 0
-    changes: npt.NDArray[np.float32] = np.abs(model.score(masked) - model.score(observation[None]))
+    plain = model.score(observation[None])
+    changes: npt.NDArray[np.float32] = np.abs(model.score(occluded) - plain)
     return changes
 
 
@@ -54,7 +57,7 @@ def main() -> None:
     n = arguments.networks
     members = tuple(RewardNetwork() for _ in range(n))
     model = RewardModel(members, (0.0,) * n, (1.0,) * n)
-    states = played_states(len(STATES))
+    states = played_states(len(AttentionState))
     attention_map(model, states[0])  # not counted: the first pass sets things up
     ours, brute = [], []
     for _ in range(arguments.rounds):

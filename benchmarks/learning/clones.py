@@ -2,27 +2,25 @@
 
     python -m benchmarks.learning.clones [--behaviour column-2] [--training-seed 0]
 
-How good the baseline can be: each clone plays from the 23 evaluation starts, its best action and
-drawn by chance. Prints a table and a JSON line; all behaviours take half an hour on two cores.
+The upper bound of the baseline: each clone plays from the 23 evaluation starts, greedily and with
+sampled actions. Prints a table and a JSON line; all behaviours take half an hour on two cores.
 """
 
 import argparse
 import json
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import play
-from trainer.policy.networks import SIZES, load_policy
-from trainer.policy.reward_shaping import DEATHS
+from trainer.policy.networks import SIZES, Policy
 from trainer.progress import NullProgress
 from tril.behaviours import BUILT_IN, Behaviour, score
 from tril.demonstrator.example import make_example
 from tril.game.console import Console
+from tril.game.episode import DEATHS
 from tril.game.starts import evaluation_start
 from tril.recipes import FAST
 from tril.recording import Trajectory, trajectory
@@ -37,11 +35,9 @@ def judge_clone(
 ) -> dict[str, float]:
     """Train a clone and let it play; return its means over the games with each action selection."""
     recipe = replace(FAST.cloning, network=network)  # type: ignore[arg-type]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "clone.zip"
-        learned = train_clone(shown, recipe, training_seed, path, NullProgress())
-        policy = load_policy(path)
-    found = {"left_out_accuracy": learned.left_out_accuracy or np.nan}
+    clone, learned = train_clone(shown, recipe, training_seed, NullProgress())
+    policy = Policy(clone)
+    found = {"held_out_accuracy": learned.held_out_accuracy or np.nan}
     starts = [evaluation_start(number) for number in STARTS]
     for action_selection in ACTION_SELECTIONS:
         games = play(policy, starts, action_selection, sampling_seed=training_seed)
@@ -63,7 +59,7 @@ def main() -> None:
     arguments = parser.parse_args()
     console = Console()
     result = {}
-    print("behaviour network   left out  targets strays  lost  sampled: targets strays  lost")
+    print("behaviour network   held out  targets strays  lost  sampled: targets strays  lost")
     for slug in arguments.behaviour or list(behaviours):
         rng = np.random.default_rng(arguments.training_seed)
         example = make_example(behaviours[slug], rng)
@@ -72,7 +68,7 @@ def main() -> None:
             one = judge_clone(behaviours[slug], shown, network, arguments.training_seed)
             result[f"{slug} {network}"] = one
             print(
-                f"{slug:<9} {network:<8} {one['left_out_accuracy']:>9.1%}"
+                f"{slug:<9} {network:<8} {one['held_out_accuracy']:>9.1%}"
                 f" {one['greedy_targets']:>8.2f} {one['greedy_strays']:>6.2f}"
                 f" {one['greedy_lost']:>5.0%} {one['sampled_targets']:>17.2f}"
                 f" {one['sampled_strays']:>6.2f} {one['sampled_lost']:>5.0%}",

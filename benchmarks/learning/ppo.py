@@ -3,11 +3,11 @@
     python -m benchmarks.learning.ppo
 
 Both train on the same learned reward (one forward pass for all games per step, by the same code)
-with the same network and hyperparameters, those of the recipe, in turns of whole rollouts; the
-ratio is the median over the rounds. Beside them plain PPO with the defaults for Atari games. Plain
-means: tril/SpaceInvaders-v0 in a SubprocVecEnv, a VecEnvWrapper that puts the learned reward in the
-place of the game's, and PPO as it is. Demonstration starts, warm start and pull are off, since
-plain PPO has none of them. Then the share of time that ours spends in the emulator, acting, the
+with the recipe's network and hyperparameters, alternating whole rollouts; the ratio is the median
+over the rounds. A third is plain PPO with the defaults for Atari games. Plain means
+tril/SpaceInvaders-v0 in a SubprocVecEnv, a VecEnvWrapper that replaces the game's reward by the
+learned one, and PPO as it is. Demonstration starts, warm start and KL penalty are off, since plain
+PPO has none of them. Also measures the share of time that ours spends in the emulator, acting, the
 reward and learning. Prints tables and a JSON line.
 """
 
@@ -35,11 +35,10 @@ import tril.game.env
 from trainer.nn.devices import learning_device
 from trainer.nn.precision import Precision
 from trainer.policy.networks import SIZES
-from trainer.policy.ppo import Draws, ImitationPPO
+from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import TrilVecEnv
-from trainer.reward.model import RewardModel
-from trainer.reward.reward_trainer import new_network
+from trainer.reward.model import RewardModel, new_network
 from tril.game.vector.vector_game import TrainingStarts, VectorGame, VectorStep
 from tril.recipes import RECIPES, PolicyRecipe
 
@@ -82,11 +81,11 @@ class TimedGames(VectorGame):
 class TimedPPO(ImitationPPO):
     """PPO whose parts' time counts."""
 
-    def _act(
+    def _sample_actions(
         self, observations: npt.NDArray[np.uint8]
     ) -> tuple[npt.NDArray[np.int64], Tensor, Tensor]:
         with counted("acting"):
-            return super()._act(observations)
+            return super()._sample_actions(observations)
 
     def train(self) -> None:
         """Learn from the rollout; see ImitationPPO."""
@@ -119,11 +118,11 @@ class PlainFeatures(BaseFeaturesExtractor):
 
 
 class LearnedReward(VecEnvWrapper):
-    """Puts the learned reward in the place of the game's, as one would with plain means."""
+    """Replaces the game's reward by the learned one, as one would with plain means."""
 
-    def __init__(self, venv: SubprocVecEnv, payment: RewardShaping) -> None:
+    def __init__(self, venv: SubprocVecEnv, shaping: RewardShaping) -> None:
         super().__init__(venv)
-        self._payment = payment
+        self._shaping = shaping
 
     def reset(self) -> VecEnvObs:
         """Begin all games."""
@@ -137,12 +136,12 @@ class LearnedReward(VecEnvWrapper):
         for index in np.flatnonzero(ended).tolist():
             reached[index] = infos[index]["terminal_observation"]
             died[index] = infos[index]["end"] == "hit"
-        scores = self._payment.model.score(reached)
-        return observations, self._payment.pay(scores, scores, died), ended, infos
+        scores = self._shaping.model.score(reached)
+        return observations, self._shaping.shape(scores, scores, died), ended, infos
 
 
 def make_plain(
-    recipe: PolicyRecipe, payment: RewardShaping, training_seed: int, device: torch.device
+    recipe: PolicyRecipe, shaping: RewardShaping, training_seed: int, device: torch.device
 ) -> PPO:
     """Return plain PPO on plain environments."""
 
@@ -152,7 +151,7 @@ def make_plain(
     games = SubprocVecEnv([make_env] * recipe.n_envs)
     return PPO(
         "CnnPolicy",
-        LearnedReward(games, payment),
+        LearnedReward(games, shaping),
         learning_rate=recipe.learning_rate,
         n_steps=recipe.n_steps,
         batch_size=recipe.n_envs * recipe.n_steps // recipe.n_minibatches,
@@ -173,7 +172,7 @@ def make_plain(
     )
 
 
-def make_atari_defaults(payment: RewardShaping, training_seed: int, device: torch.device) -> PPO:
+def make_atari_defaults(shaping: RewardShaping, training_seed: int, device: torch.device) -> PPO:
     """Return plain PPO with stable-baselines3's settings for Atari: NatureCNN, 8 x 128."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
@@ -181,7 +180,7 @@ def make_atari_defaults(payment: RewardShaping, training_seed: int, device: torc
 
     return PPO(
         "CnnPolicy",
-        LearnedReward(SubprocVecEnv([make_env] * 8), payment),
+        LearnedReward(SubprocVecEnv([make_env] * 8), shaping),
         learning_rate=2.5e-4,
         n_steps=128,
         batch_size=256,
@@ -196,18 +195,18 @@ def make_atari_defaults(payment: RewardShaping, training_seed: int, device: torc
 
 def make_ours(
     recipe: PolicyRecipe,
-    payment: RewardShaping,
+    shaping: RewardShaping,
     training_seed: int,
     precision: Precision,
     device: torch.device,
 ) -> ImitationPPO:
     """Return our PPO on our games."""
     games = TimedGames(recipe.n_envs, TrainingStarts(), training_seed=training_seed)
-    model = payment.model
+    model = shaping.model
     timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
-    env = TrilVecEnv(games, replace(payment, model=timed))
-    draws = Draws.of(training_seed)
-    return TimedPPO(env, recipe, 10**9, draws, lambda: None, lambda _: None, precision, device)
+    env = TrilVecEnv(games, replace(shaping, model=timed))
+    generators = TrainingGenerators.from_seed(training_seed)
+    return TimedPPO(env, recipe, 10**9, generators, lambda: None, lambda _: None, precision, device)
 
 
 def rate(model: PPO, steps: int) -> float:
@@ -224,11 +223,11 @@ def measure(
     """Measure a recipe's PPO in turns with plain PPO, print a table and return the figures."""
     recipe = replace(RECIPES[name].policy, kl_coef=0.0, critic_warm_up_steps=0, reward="level")
     network = new_network(np.random.default_rng(0))
-    payment = RewardShaping.of(RewardModel((network,), (0.0,), (1.0,)).on(device), recipe)
+    shaping = RewardShaping.of(RewardModel((network,)).on(device), recipe)
     steps = recipe.n_envs * recipe.n_steps * rollouts
-    ours = make_ours(recipe, payment, 0, precision, device)
-    plain = make_plain(recipe, payment, 0, device)
-    defaults = make_atari_defaults(payment, 0, device)
+    ours = make_ours(recipe, shaping, 0, precision, device)
+    plain = make_plain(recipe, shaping, 0, device)
+    defaults = make_atari_defaults(shaping, 0, device)
     models = {"plain": plain, "defaults": defaults, "ours": ours}
     for model in models.values():
         rate(model, 1)  # not counted: the first rollout starts processes and threads

@@ -3,9 +3,9 @@
     python -m benchmarks.learning.reward [--behaviour column-6] [--recipe paper]
 
 The games are the scripted player's twelve of a behaviour, with twelve perfect ones where the recipe
-learns from them. The times of the perfect games' copies, of the final model and of the check with
-its folds are given, in seconds and in seconds of processor time, the latter because other work on
-the machine changes it less. Prints a table and a JSON line.
+learns from them. Measures the perturbed copies of the perfect games, the final model and the check
+with its folds, in seconds and in seconds of CPU time, which depends less on other work on the
+machine. Prints a table and a JSON line.
 """
 
 import argparse
@@ -19,8 +19,8 @@ import torch
 
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
-from trainer.reward.perturbation import perturbed_copies
-from trainer.reward.preference_dataset import PerfectGames
+from trainer.reward.perturbation import perturb_demonstrations
+from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN
 from tril.demonstrator.example import make_example
@@ -32,7 +32,7 @@ Made = TypeVar("Made")
 
 
 def timed(work: Callable[[], Made]) -> tuple[Made, float, float]:
-    """Do some work; return what it made, its seconds and its processor seconds."""
+    """Return the result of some work, its seconds and its CPU seconds."""
     begin, begin_cpu = time.perf_counter(), time.process_time()
     made = work()
     return made, time.perf_counter() - begin, time.process_time() - begin_cpu
@@ -54,20 +54,19 @@ def main() -> None:
     best = [d.recording for d in shown if d.perfect]
     copies, copies_s, copies_cpu_s = timed(
         lambda: (
-            perturbed_copies(best, recipe.perturbed_copies, np.random.default_rng(0), lambda: None)
+            perturb_demonstrations(
+                best, recipe.perturbed_copies, np.random.default_rng(0), lambda: None
+            )
             if recipe.perturbed_share
             else []
         )
     )
-    perfect = PerfectGames([trajectory(one, console) for one in best], [None] * len(best), copies)
-    model, train_s, train_cpu_s = timed(
-        lambda: train_reward_model(trajectories, tiers, recipe, 0, NullProgress(), perfect=perfect)
+    perfect = PerfectDemonstrations(
+        [trajectory(one, console) for one in best], [None] * len(best), copies
     )
-    check, check_s, check_cpu_s = timed(
-        lambda: check_ranking(
-            model, trajectories, tiers, recipe, 0, NullProgress(), perfect=perfect
-        )
-    )
+    dataset = PreferenceDataset.from_demonstrations(trajectories, tiers, recipe, perfect)
+    model, train_s, train_cpu_s = timed(lambda: train_reward_model(dataset, 0, NullProgress()))
+    check, check_s, check_cpu_s = timed(lambda: check_ranking(model, dataset, 0, NullProgress()))
     assert check.held_out_accuracy is not None
     together_s, together_cpu_s = (
         copies_s + train_s + check_s,
@@ -83,14 +82,14 @@ def main() -> None:
         "pair_accuracy": check.pair_accuracy,
         "held_out_accuracy": check.held_out_accuracy,
     }
-    print(f"{'':<22}{'seconds':>9}{'processor':>11}")
+    print(f"{'':<22}{'seconds':>9}{'CPU':>11}")
     print(f"{'copies':<22}{copies_s:>9.1f}{copies_cpu_s:>11.1f}")
     print(f"{'final model':<22}{train_s:>9.1f}{train_cpu_s:>11.1f}")
     print(f"{'check and its folds':<22}{check_s:>9.1f}{check_cpu_s:>11.1f}")
     print(f"{'together':<22}{together_s:>9.1f}{together_cpu_s:>11.1f}")
     print(
         f"tau {check.tau:.3f}, fragment pairs {check.pair_accuracy:.1%},"
-        f" left-out pairs {check.held_out_accuracy:.1%}"
+        f" held-out pairs {check.held_out_accuracy:.1%}"
     )
     threads = torch.get_num_threads()
     print(json.dumps({"benchmark": "reward", "threads": threads, **vars(arguments), **result}))

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.trainer.runtime.kills import finish, flaws, kill_and_finish
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.workplace import TINY, make_workplace
-from tril.jobs import STAGES, Jobs
+from testsupport.worker_kills import finish, flaws, kill_and_finish
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import TINY, make_workplace
+from tril.jobs import Jobs
+from tril.stages import Stage
 
 
 def main() -> None:
@@ -49,7 +50,7 @@ def main() -> None:
     zygote.close()
     killed_in = Counter(outcome.killed_in)
     print(f"{'stage':<16}{'kills':>8}")
-    for stage in STAGES:
+    for stage in Stage:
         if killed_in[stage]:
             print(f"{stage:<16}{killed_in[stage]:>8}")
     whole = sum(not wrong for wrong in found.values())

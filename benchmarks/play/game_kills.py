@@ -1,12 +1,12 @@
-"""Kills the server with games on it at random moments, and looks what is left of them.
+"""Kill the server at random moments of games, and check what is left of them.
 
     python -m benchmarks.play.game_kills --games 200
 
-Some games at a time are played over real WebSockets by players who hold random keys, pause, run the
-game back and stop; at a random moment of the countdown, the game or its end, the server is killed
-with SIGKILL. What the database holds then has to be there ever after: the server is started again,
-every game goes on from exactly there and is stopped a little later, its recording has to begin with
-what was saved, and a replay has to verify it. Prints a table and a JSON line.
+Several games at a time are played over real WebSockets with random keys, pauses, rewinds and stops;
+at a random moment of the countdown, the game or its end, the server is killed with SIGKILL. Then it
+is started again and every game resumed and stopped a little later: it has to resume at the last
+saved frame, its recording has to begin with what was saved, and a replay has to verify it. Prints a
+table and a JSON line.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ import numpy as np
 from websockets.exceptions import WebSocketException
 
 from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Rewound
-from tests.server.live import Player, join
-from tests.server.processes import server_process
-from tests.workplace import Workplace, make_workplace
+from testsupport.live import GameClient, join
+from testsupport.processes import server_process
+from testsupport.workplace import Workplace, make_workplace
 from tril.game.controls import Keys
 from tril.settings import Settings
 from tril.store import games
@@ -39,6 +39,7 @@ MOST_LOST_FRAMES = 60
 GO_ON_FRAMES = 20
 CONNECT_WITHIN_S = 20.0
 BROKEN = (WebSocketException, OSError, TimeoutError)
+UNLIMITED = {"max_games": 10_000, "max_games_per_player": 10_000}
 
 
 @dataclass
@@ -46,10 +47,10 @@ class Played:
     """A game before the kill.
 
     Attributes:
-        game: The game as the server described it.
-        frame: The last frame seen; None while it is run back.
-        did: What its player did to it.
-        has_joined: Set once its page has heard of it.
+        game: The game as the API returned it.
+        frame: The last frame received; None while rewinding.
+        did: The player's commands.
+        has_joined: Set once the page has been greeted.
     """
 
     game: dict[str, Any]
@@ -60,14 +61,14 @@ class Played:
 
 @dataclass(frozen=True)
 class Saved:
-    """What the database holds of a game after the kill."""
+    """A game in the database after the kill."""
 
     actions: bytes
     is_over: bool
 
 
 def play_until_killed(settings: Settings, played: Played, rng: np.random.Generator) -> None:
-    """Play until the connection breaks, doing now and then what players do."""
+    """Play until the connection breaks, with random keys and commands."""
     try:
         with join(settings, played.game) as player:
             player.begin()
@@ -84,7 +85,7 @@ def play_until_killed(settings: Settings, played: Played, rng: np.random.Generat
         return
 
 
-def _act(player: Player, played: Played, frame: int, rng: np.random.Generator) -> None:
+def _act(player: GameClient, played: Played, frame: int, rng: np.random.Generator) -> None:
     if frame % 15 == 0:
         player.hold(Keys(int(rng.integers(3))) | Keys.FIRE)
     what = rng.random()
@@ -104,14 +105,14 @@ def _act(player: Player, played: Played, frame: int, rng: np.random.Generator) -
 
 
 def read_saved(workplace: Workplace, game_id: str) -> Saved:
-    """Read a game as it was saved last."""
+    """Read a game as it was last saved."""
     with workplace.database.reading() as session:
         row = games.get(session, game_id)
         return Saved(row.recording.actions, row.ended_at is not None)
 
 
-def go_on(workplace: Workplace, settings: Settings, played: Played, saved: Saved) -> list[str]:
-    """Go on with a game, end it, and return what is wrong with it."""
+def resume(workplace: Workplace, settings: Settings, played: Played, saved: Saved) -> list[str]:
+    """Resume and stop a game; returns what is wrong with it."""
     wrong = []
     n_saved = len(saved.actions)
     if played.frame is not None and not saved.is_over and played.frame - n_saved > MOST_LOST_FRAMES:
@@ -121,7 +122,7 @@ def go_on(workplace: Workplace, settings: Settings, played: Played, saved: Saved
             if player.close_code() != Close.GAME_OVER:
                 wrong.append("it was over and goes on")
         else:
-            # Of a game saved at its end nothing is left to play, and it ends at once.
+            # A game saved at its last frame ends at once.
             hello = player.until(Hello)
             if hello.frame != n_saved:
                 wrong.append(f"it went on at frame {hello.frame}, saved were {n_saved}")
@@ -146,7 +147,7 @@ def go_on(workplace: Workplace, settings: Settings, played: Played, saved: Saved
 
 
 def corrupt_databases(data: Path) -> list[str]:
-    """Return what SQLite finds wrong with any database of a data folder."""
+    """Return the databases of a data folder that fail SQLite's integrity check."""
     wrong = []
     for path in data.glob("*.sqlite"):
         connection = sqlite3.connect(path)
@@ -160,10 +161,9 @@ def corrupt_databases(data: Path) -> list[str]:
 def kill_once(
     workplace: Workplace, n_games: int, longest_s: float, rng: np.random.Generator
 ) -> tuple[list[Played], list[Saved], Settings]:
-    """Play games until the server is killed; returns them and what was saved of them."""
-    many = {"max_games": 10_000, "max_games_per_player": 10_000}
+    """Play games until the server is killed; returns them, what was saved, and the settings."""
     with (
-        server_process(workplace.settings.data, **many) as server,
+        server_process(workplace.settings.data, **UNLIMITED) as server,
         ThreadPoolExecutor(n_games) as threads,
     ):
         played = [Played(server.new_game()) for _ in range(n_games)]
@@ -181,28 +181,27 @@ def kill_once(
     return played, [read_saved(workplace, one.game["id"]) for one in played], server.settings
 
 
-def look_after(
+def resume_all(
     workplace: Workplace, port: int, played: Sequence[Played], saved: Sequence[Saved]
 ) -> list[str]:
-    """Start the server again and go on with every game; returns what is wrong."""
-    many = {"max_games": 10_000, "max_games_per_player": 10_000}
+    """Restart the server and resume every game; returns what is wrong."""
     with (
-        server_process(workplace.settings.data, port=port, **many) as server,
+        server_process(workplace.settings.data, port=port, **UNLIMITED) as server,
         ThreadPoolExecutor(len(played)) as threads,
     ):
-        looks = [
-            threads.submit(go_on, workplace, server.settings, one, left)
+        checks = [
+            threads.submit(resume, workplace, server.settings, one, left)
             for one, left in zip(played, saved, strict=True)
         ]
         return [
             f"game {one.game['id']} ({', '.join(one.did) or 'played'}): {what}"
-            for one, look in zip(played, looks, strict=True)
-            for what in look.result()
+            for one, check in zip(played, checks, strict=True)
+            for what in check.result()
         ]
 
 
 def main() -> None:
-    """Kill, look, and print."""
+    """Kill, resume, and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--games", type=int, default=200)
     parser.add_argument("--at-once", type=int, default=8, help="games on the server at a kill")
@@ -226,7 +225,7 @@ def main() -> None:
                 over += found.is_over
                 if one.frame is not None and not found.is_over:
                     lost.append(max(0, one.frame - len(found.actions)))
-            wrong += look_after(workplace, settings.port, played, saved)
+            wrong += resume_all(workplace, settings.port, played, saved)
             corrupt += corrupt_databases(workplace.settings.data)
             left -= n
             kills += 1

@@ -1,23 +1,20 @@
-"""How late a person sees what their keys do, in a real browser; alone and beside a training.
+"""Latency from a key to the screen in a real browser, alone and during a training.
 
     python -m benchmarks.play.latency --games 10
 
-A whole Tril (``tril up``) and Chromium on this machine. Keys are pressed at random moments of a
-game. What is timed is watched from outside the page's code: from the time stamp of a key's event
-to the moment at which the page has drawn and acknowledged the first frame that was executed with
-that key held. The display's own time is not in it, and neither are the frames that the game itself
-takes until something moves, which are counted apart on the emulator. A frame is on time if it is
-drawn within a sixtieth of a second of its due time, by the clock of the game's most punctual frame;
-one that is never drawn is not. Then a training is started, and as soon as it has come to the stage
-named, the same is measured beside it, and how fast it goes meanwhile. Prints a table and a JSON
-line.
+Runs ``tril up`` and Chromium on this machine and presses keys at random moments of a game. Latency
+is measured outside the page's code, from the time stamp of a key's event until the page has drawn
+and acknowledged the first frame that was executed with that key held. It excludes the display's own
+latency, and the frames that the game itself takes until something moves, which are counted on the
+emulator. A frame is on time if it is drawn within a sixtieth of a second of its due time, by the
+clock of the game's most punctual frame. Then a training is started, and from the given stage on the
+same is measured during it, as well as the training's speed. Prints a table and a JSON line.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
 import tempfile
 import time
 from collections.abc import Iterator
@@ -25,23 +22,20 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
-import httpx2
 import numpy as np
 from playwright.sync_api import Page, sync_playwright
 
-from scripts.browser import find_browser
-from tests.e2e.running import BROWSER_ARGUMENTS, start_tril
-from tests.server.live import cookie
+from testsupport.browser import launch_chromium
+from testsupport.processes import TrilProcess, whole_tril
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import EVALUATION_START_COUNT, Episode, evaluation_start
-from tril.jobs import STAGES
-from tril.settings import Settings
+from tril.stages import Stage
 from tril.store.database import Database, create_database
 from tril.store.training import runs
 
+STAGES = [stage.value for stage in Stage]
 KEYS = ("ArrowLeft", "ArrowRight", "Space")
 HELD_MS = (60, 160)
 BETWEEN_MS = (80, 250)
@@ -86,13 +80,13 @@ WATCH = """
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What was seen of games.
+class Measured:
+    """Measurements of games.
 
     Attributes:
         latencies_ms: From each key's event to the drawing of the first frame with it.
         n_frames: Frames executed.
-        n_on_time: Those drawn on time.
+        n_on_time: Frames drawn on time.
     """
 
     latencies_ms: list[float]
@@ -100,8 +94,8 @@ class Seen:
     n_on_time: int
 
 
-def evaluate(log: dict[str, Any]) -> Seen:
-    """Make figures of what one page saw of one game."""
+def evaluate(log: dict[str, Any]) -> Measured:
+    """Evaluate what the page's script logged of one game."""
     drawn_at = dict(log["drawn"])
     frames = [frame for frame in log["frames"] if frame[0] in drawn_at and frame[1] > 0]
     latencies = []
@@ -112,11 +106,11 @@ def evaluate(log: dict[str, Any]) -> Seen:
             latencies.append(drawn_at[shown[0]] - happened)
     offsets = np.array([drawn_at[sequence] - frame * FRAME_MS for sequence, frame, _ in frames])
     on_time = int(np.sum(offsets - offsets.min() <= FRAME_MS)) if frames else 0
-    return Seen(latencies, frames[-1][1] if frames else 0, on_time)
+    return Measured(latencies, frames[-1][1] if frames else 0, on_time)
 
 
-def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> Seen:
-    """Play one game, pressing keys at random moments."""
+def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> Measured:
+    """Play one game with keys at random moments."""
     page.goto(address)
     page.get_by_role("button", name="Start game").click()
     wait_until(page, "window.__seen.frames.some(([, frame]) => frame > 5)")
@@ -128,7 +122,7 @@ def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> 
         page.keyboard.up(key)
         page.wait_for_timeout(float(rng.uniform(*BETWEEN_MS)))
     seen = evaluate(page.evaluate("window.__seen"))
-    # A game under way would go on at the next visit.
+    # Otherwise the next visit would resume it.
     if not page.evaluate("window.__seen.over"):
         page.get_by_role("button", name="End the game here").click()
         wait_until(page, "window.__seen.over")
@@ -136,16 +130,16 @@ def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> 
 
 
 def wait_until(page: Page, holds: str) -> None:
-    """Wait until a JavaScript expression holds; Playwright's own way needs eval in the page."""
+    """Wait until a JavaScript expression is true; page.wait_for_function needs eval in the page."""
     give_up_at = time.monotonic() + START_TIMEOUT_S
     while not page.evaluate(holds):
         if time.monotonic() > give_up_at:
-            raise SystemExit(f"It never came to this: {holds}")
+            raise SystemExit(f"This never became true: {holds}")
         page.wait_for_timeout(50)
 
 
-def summed(games: list[Seen]) -> dict[str, float]:
-    """Sum games up to what is printed."""
+def summed(games: list[Measured]) -> dict[str, float]:
+    """Summarise games."""
     latencies = [ms for seen in games for ms in seen.latencies_ms]
     n_frames = sum(seen.n_frames for seen in games)
     if not latencies:
@@ -162,9 +156,9 @@ def summed(games: list[Seen]) -> dict[str, float]:
 
 
 def frames_until_something_moves() -> list[int]:
-    """Count, from many moments of games, the frames from a key to the first change it makes.
+    """Count the frames from a key to the first change on the screen, at many moments of games.
 
-    1 means that the first frame executed with the key differs from the one without.
+    1 means that the first frame executed with the key differs from the one without it.
     """
     console, counts = Console(), []
     for number in range(EVALUATION_START_COUNT):
@@ -189,18 +183,13 @@ def frames_until_something_moves() -> list[int]:
 
 @dataclass(frozen=True)
 class Training:
-    """A run that trains while games are played.
-
-    Attributes:
-        database: Where it is noted.
-        run_id: The run.
-    """
+    """A run that trains while games are played."""
 
     database: Database
     run_id: str
 
     def wait_for(self, stage: str, timeout_s: float) -> None:
-        """Wait until the run has come to a stage, or past it."""
+        """Wait until the run has reached a stage."""
         until = time.monotonic() + timeout_s
         while True:
             with self.database.reading() as session:
@@ -212,17 +201,17 @@ class Training:
             time.sleep(0.5)
 
     def done(self) -> tuple[str, float]:
-        """Return the stage and how much of it is done, 0 to 1."""
+        """Return the stage and its progress, 0 to 1."""
         with self.database.reading() as session:
             row = runs.get(session, self.run_id)
         return row.stage, row.stage_done
 
 
 @contextmanager
-def training(base_url: str, settings: Settings, recipe: str, steps: int) -> Iterator[Training]:
-    """Start a training of the example of column 1, and cancel it afterwards."""
-    database = create_database(settings.application_url)
-    with httpx2.Client(base_url=base_url, headers={"Cookie": cookie(settings)}) as http:
+def training(tril: TrilProcess, recipe: str, steps: int) -> Iterator[Training]:
+    """Train on the example of column 1 for the block, then cancel the run."""
+    database = create_database(tril.settings.application_url)
+    with tril.http() as http:
         asked = {"behaviour_id": 1, "example": True, "go_on_anyway": True}
         answer = http.post("/api/runs", json={**asked, "recipe": recipe, "steps": steps})
         answer.raise_for_status()
@@ -235,7 +224,7 @@ def training(base_url: str, settings: Settings, recipe: str, steps: int) -> Iter
 
 
 def progress_per_s(run: Training, before: tuple[str, float], since: float) -> float | None:
-    """Return how much of the stage was done a second since a moment, None if it has passed."""
+    """Return the progress per second since a moment; None if the stage has changed."""
     stage, done = run.done()
     return (done - before[1]) / (time.monotonic() - since) if stage == before[0] else None
 
@@ -258,47 +247,33 @@ def main() -> None:
     speed: dict[str, float | None] = {}
     with (
         tempfile.TemporaryDirectory(prefix="tril-latency-") as folder,
-        sync_playwright() as browsers,
+        whole_tril(Path(folder) / "data", "--workers", "1") as tril,
+        sync_playwright() as playwright,
+        launch_chromium(playwright) as browser,
     ):
-        running = start_tril(Path(folder) / "data", "--workers", "1")
-        browser = browsers.chromium.launch(
-            executable_path=str(find_browser()),
-            headless=True,
-            chromium_sandbox=os.geteuid() != 0,
-            args=BROWSER_ARGUMENTS,
-        )
-        try:
-            context = browser.new_context(viewport={"width": 1280, "height": 900})
-            context.add_init_script(WATCH)
-            page = context.new_page()
-            page.goto(running.address)
-            where = urlsplit(running.address)
-            base_url = f"{where.scheme}://{where.netloc}"
-            settings = Settings(data=running.data, port=where.port or 80)
+        context = browser.new_context(viewport={"width": 1280, "height": 900})
+        context.add_init_script(WATCH)
+        page = context.new_page()
+        page.goto(tril.address)
 
-            def games() -> dict[str, float]:
-                address = f"{base_url}/behaviours/1/play"
-                played = [
-                    play(page, address, arguments.seconds, rng) for _ in range(arguments.games)
-                ]
-                page.goto("about:blank")
-                return summed(played)
+        def games() -> dict[str, float]:
+            address = f"{tril.base_url}/behaviours/1/play"
+            played = [play(page, address, arguments.seconds, rng) for _ in range(arguments.games)]
+            page.goto("about:blank")
+            return summed(played)
 
-            rows["alone"] = games()
-            if not arguments.alone:
-                with training(base_url, settings, arguments.recipe, arguments.steps) as run:
-                    run.wait_for(arguments.stage, arguments.wait)
-                    # Whoever has just played has until the lease of the last game runs out.
-                    before, since = run.done(), time.monotonic()
-                    rows["beside a training"] = games()
-                    speed["beside play"] = progress_per_s(run, before, since)
-                    time.sleep(TRAINING_RATE_S)
-                    before, since = run.done(), time.monotonic()
-                    time.sleep(TRAINING_RATE_S)
-                    speed["without play"] = progress_per_s(run, before, since)
-        finally:
-            browser.close()
-            running.stop()
+        rows["alone"] = games()
+        if not arguments.alone:
+            with training(tril, arguments.recipe, arguments.steps) as run:
+                run.wait_for(arguments.stage, arguments.wait)
+                # Training is throttled until the lease of the last game expires.
+                before, since = run.done(), time.monotonic()
+                rows["beside a training"] = games()
+                speed["beside play"] = progress_per_s(run, before, since)
+                time.sleep(TRAINING_RATE_S)
+                before, since = run.done(), time.monotonic()
+                time.sleep(TRAINING_RATE_S)
+                speed["without play"] = progress_per_s(run, before, since)
     print(f"{'':20}{'presses':>9}{'p50 ms':>9}{'p95':>7}{'p99':>7}{'frames':>9}{'on time':>9}")
     for name, row in rows.items():
         print(

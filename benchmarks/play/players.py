@@ -1,12 +1,12 @@
-"""Many players at once: lateness, processor time and bytes, beside JPEG in JSON.
+"""Many players at once: lateness, CPU time and bytes, compared with JPEG in JSON.
 
     python -m benchmarks.play.players --players 40 --seconds 30
 
-Server processes behind one port, and players in processes of their own over real WebSockets; each
-begins a new game as soon as one is over, so that starts, ends and their verification are in the
-figures. In turns the players get Tril's own stream and every frame as JPEG in base64 in JSON, as
-CrowdPlay sends it. Late is how long after its deadline a frame begins to be executed, over the
-frames of all games; the processor time is that of all server processes with everything they do.
+Runs server processes behind one port, and players in their own processes over real WebSockets; each
+player begins a new game as soon as one is over, so that starts, ends and verification are included.
+The players alternately get Tril's stream and every frame as JPEG in base64 in JSON, as CrowdPlay
+sends it. Lateness is the time from a frame's deadline to the begin of its execution, over the
+frames of all games; CPU time is that of all server processes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 from benchmarks.play.support.crowd import running_crowd
 from benchmarks.play.support.fleet import Fleet, running_fleet
 from server.play.lateness import Lateness
-from tests.workplace import make_workplace
+from testsupport.workplace import make_workplace
 from tril.cores import core_count
 
 WAYS = {"stream": "XOR + zlib 1 (Tril)", "jpeg": "JPEG in base64 JSON (CrowdPlay)"}
@@ -31,9 +31,9 @@ FRAME_RATE_HZ = 60
 def measure(
     fleet: Fleet, stream: str, n_players: int, n_clients: int, warm_up_s: float, seconds: float
 ) -> dict[str, Any]:
-    """Let players play and return what was counted after the warm-up."""
+    """Measure a window of play after a warm-up."""
     with running_crowd(fleet.settings, n_players, n_clients, stream) as crowd:
-        crowd.counts()  # answered once they have come
+        crowd.counts()  # answered once the players have arrived
         time.sleep(warm_up_s)
         began, before, seen_before = time.monotonic(), fleet.sample(), crowd.counts()
         time.sleep(seconds)
@@ -55,7 +55,7 @@ def measure(
 
 
 def summed(rounds: list[dict[str, Any]]) -> dict[str, float]:
-    """Sum rounds up to what is printed."""
+    """Summarise windows."""
     late = sum((Lateness(one["late"]) for one in rounds), Lateness())
     total = {name: sum(one[name] for one in rounds) for name in rounds[0] if name != "late"}
     took_s, executed = total["took_s"], max(1, late.n_frames)
@@ -115,7 +115,7 @@ def main() -> None:
             f"{name:32}{row['late_p50_ms']:10}{row['late_p99_ms']:8}{row['us_per_player_frame']:10}"
             f"{row['cores']:7}{row['playing']:9}{row['kb_per_player_s']:7}{row['left_out_percent']:9}%"
         )
-    print("\nus/frame: processor time of the servers per player and frame; playing: players whose")
+    print("\nus/frame: CPU time of the servers per player and frame; playing: players whose")
     print("game ran, on average; kB/s: to a player at 60 Hz; left out: frames that nobody got.")
     print(json.dumps({"benchmark": "players", **vars(arguments), "cores": cores, **found}))
 

@@ -1,12 +1,12 @@
-"""Records many games, replays them in other processes, and counts those that verify.
+"""Record many games, replay them in other processes, and count those that verify.
 
     python -m benchmarks.play.replays --games 1000
 
-Half of the games are played with random keys, half by the scripted player that plays as a person
-does, of all behaviours in turn. Each is written down in the exchange format with its hits and the
-hash of the RAM after every second, and read and replayed by a process that has seen nothing of it.
-So that a check that never fails would be noticed, every game that hit something is replayed once
-more without the keys of the second before its first hit. Prints a table and a JSON line.
+Half of the games are played with random keys, half by the person-like scripted player, of all
+behaviours in turn. Each is written in the exchange format with its hits and a RAM hash per second,
+and read and replayed by a fresh process. As a control, every game that hit something is replayed
+once more without the keys of the second before its first hit, which has to fail. Prints a table and
+a JSON line.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ import numpy as np
 from tril.behaviours import BUILT_IN
 from tril.cores import core_count
 from tril.demonstrator import example_plans
-from tril.demonstrator.manner import HUMAN
-from tril.demonstrator.person import PersonLikePlayer
+from tril.demonstrator.error_model import HUMAN
+from tril.demonstrator.human_like import HumanLikePlayer
 from tril.demonstrator.plans import draw_hits
-from tril.demonstrator.player import Style
-from tril.exchange.formats import from_exchange, to_exchange
+from tril.demonstrator.player import PlayStyle
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start
@@ -48,7 +48,7 @@ def _console() -> Console:
 
 
 def record(number: int) -> str:
-    """Play a game; returns it in the exchange format."""
+    """Play a game and return it in the exchange format."""
     rng = np.random.default_rng(number)
     recorder = Recorder(Episode(_console(), Start(int(rng.choice(TRAINING_IDLE_FRAMES)))))
     if number % 2:
@@ -56,7 +56,7 @@ def record(number: int) -> str:
     else:
         _hold_random_keys(recorder, rng)
     played = recorder.replay()
-    return json.dumps(to_exchange(recorder.recording(), hits=played.hits, end=played.end))
+    return json.dumps(dump_recording(recorder.recording(), hits=played.hits, end=played.end))
 
 
 def _hold_random_keys(recorder: Recorder, rng: np.random.Generator) -> None:
@@ -71,24 +71,24 @@ def _play_as_a_person(recorder: Recorder, number: int, rng: np.random.Generator)
     behaviour = BUILT_IN[number % len(BUILT_IN)]
     plans = example_plans(behaviour)
     plan = plans[number // len(BUILT_IN) % len(plans)]
-    PersonLikePlayer(recorder, draw_hits(plan, rng), Style(), HUMAN, rng).play()
+    HumanLikePlayer(recorder, draw_hits(plan, rng), PlayStyle(), HUMAN, rng).play()
 
 
 def replays(line: str) -> int | None:
     """Replay a recording; returns its frames, None if it does not verify."""
     try:
-        return from_exchange(json.loads(line), _console()).recording.n_frames
+        return load_recording(json.loads(line), _console()).recording.n_frames
     except RecordingRefused:
         return None
 
 
 def without_a_second(line: str) -> str | None:
-    """Return a recording in which no key was held in the second before the first hit.
+    """Return a recording without the keys of the second before its first hit.
 
     None if nothing was hit or no key was held then.
     """
     content = json.loads(line)
-    shot = from_exchange(content, _console()).replay.hits
+    shot = load_recording(content, _console()).replay.hits
     if not shot:
         return None
     actions = bytearray(base64.b64decode(content["actions"]))
@@ -102,7 +102,7 @@ def without_a_second(line: str) -> str | None:
 
 
 def spoiled_replays(line: str) -> tuple[bool, bool]:
-    """Return whether a recording can be spoiled in this way, and whether it then verifies."""
+    """Return whether a recording could be spoiled, and whether it then verifies."""
     spoiled = without_a_second(line)
     return spoiled is not None, spoiled is not None and replays(spoiled) is not None
 
@@ -110,7 +110,7 @@ def spoiled_replays(line: str) -> tuple[bool, bool]:
 def in_fresh_processes(
     work: Callable[[_In], _Out], items: Iterable[_In], n_processes: int
 ) -> Iterator[_Out]:
-    """Do something with every item in processes that know nothing yet."""
+    """Map a function over items in spawned processes."""
     with ProcessPoolExecutor(n_processes, mp_context=get_context("spawn")) as pool:
         yield from pool.map(work, items, chunksize=4)
 

@@ -1,11 +1,11 @@
-"""Pages that stop reading: frames on their way, the server's memory, and everybody else's games.
+"""Pages that stop reading: frames in flight, the server's memory, and the other games.
 
     python -m benchmarks.play.slow_client --slow 20 --players 8 --seconds 60
 
-Players play through one server process, first among themselves, then beside pages that begin a
-game, draw some frames and then read nothing more from their connection, while they still ask the
-game to go on. At the end these pages read what had piled up for them. Their frames on the way are
-those that came since the last one they acknowledged. Prints a table and a JSON line.
+Players play on one server process, first alone, then beside pages that begin a game, draw some
+frames and then stop reading from their connection while they still ask the game to go on. At the
+end these pages read what has piled up; frames in flight are those since the last acknowledged one.
+Prints a table and a JSON line.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from benchmarks.play.support.fleet import Fleet, Sample, running_fleet
 from benchmarks.play.support.pages import Counts, Page, client_of, join, new_game
 from server.play.lateness import Lateness
 from server.play.wire.protocol import MAX_UNACKNOWLEDGED
-from tests.workplace import make_workplace
+from testsupport.workplace import make_workplace
 from tril.settings import Settings
 
 FRAMES_DRAWN = 30
@@ -36,11 +36,11 @@ DRAIN_S = 3.0
 
 @dataclass(frozen=True)
 class Stopped:
-    """What became of a page that stopped reading.
+    """A page that stopped reading.
 
     Attributes:
-        in_flight: Frames that came after the last one that it acknowledged.
-        is_closed: Whether the server closed its connection, because it answered no ping.
+        in_flight: Frames received after the last one that it acknowledged.
+        is_closed: Whether the server closed its connection for lack of pongs.
     """
 
     in_flight: int
@@ -48,7 +48,7 @@ class Stopped:
 
 
 async def stop_reading(settings: Settings, seconds: float, seed: int) -> Stopped:
-    """Play a little, then read nothing for some time while asking the game to go on."""
+    """Play briefly, then stop reading for some time while asking the game to go on."""
     counts = Counts()
     drawn = asyncio.Event()
 
@@ -78,12 +78,12 @@ async def stop_reading(settings: Settings, seconds: float, seed: int) -> Stopped
 
 
 async def stop_many(settings: Settings, n: int, seconds: float) -> list[Stopped]:
-    """Let many pages stop reading at the same time."""
+    """Run several pages that stop reading at the same time."""
     return await asyncio.gather(*(stop_reading(settings, seconds, seed) for seed in range(n)))
 
 
-async def watched(fleet: Fleet, seconds: float) -> list[Sample]:
-    """Return a sample for every second."""
+async def sample_for(fleet: Fleet, seconds: float) -> list[Sample]:
+    """Sample the servers every second."""
     samples = [await asyncio.to_thread(fleet.sample)]
     until = time.monotonic() + seconds
     while time.monotonic() < until:
@@ -95,17 +95,17 @@ async def watched(fleet: Fleet, seconds: float) -> list[Sample]:
 async def beside(
     fleet: Fleet, crowd: Crowd, n_slow: int, seconds: float
 ) -> tuple[list[Sample], list[Sample], list[Stopped]]:
-    """Watch players alone, then beside pages that stop reading."""
-    await asyncio.to_thread(crowd.counts)  # answered once they have come
+    """Sample players alone, then beside pages that stop reading."""
+    await asyncio.to_thread(crowd.counts)  # answered once the players have arrived
     await asyncio.sleep(5.0)
-    alone = await watched(fleet, seconds)
+    alone = await sample_for(fleet, seconds)
     stopping = asyncio.create_task(stop_many(fleet.settings, n_slow, seconds))
-    together = await watched(fleet, seconds)
+    together = await sample_for(fleet, seconds)
     return alone, together, await stopping
 
 
 def late_between(samples: list[Sample]) -> Lateness:
-    """Return how late frames began between the first and the last sample."""
+    """Return the lateness of frames between the first and the last sample."""
     return samples[-1].lateness - samples[0].lateness
 
 
@@ -146,7 +146,7 @@ def main() -> None:
         )
     in_flight = [page.in_flight for page in stopped]
     n_closed = sum(page.is_closed for page in stopped)
-    print(f"\nframes on their way to a page that stopped: at most {max(in_flight)}, ", end="")
+    print(f"\nframes in flight to a page that stopped: at most {max(in_flight)}, ", end="")
     print(f"allowed {MAX_UNACKNOWLEDGED}; {n_closed} of {len(stopped)} connections were closed")
     print(
         json.dumps(

@@ -1,12 +1,12 @@
-"""Bytes and microseconds per streamed frame: our codec against usual encodings, in one run.
+"""Bytes and microseconds per frame: our codec compared with common encodings.
 
     python -m benchmarks.play.streaming
 
-The frames are those of games played by a scripted player that moves and fires. All encodings get
-every frame, taking turns within blocks of frames so that other work on the machine weighs on all
-alike; of each, the mean number of bytes and the median over the blocks of the mean time are given.
-A second table tells how late the clock of a game comes that several sessions share with their
-emulators in one process. Prints tables and a JSON line.
+The frames are those of games in which a scripted player moves and fires. All encodings get every
+frame, alternating by blocks of frames so that other load on the machine affects all alike; reported
+are the mean number of bytes and the median over the blocks of the mean time. A second table gives
+the lateness of frames with several sessions and their emulators in one process. Prints tables and a
+JSON line.
 """
 
 import argparse
@@ -27,7 +27,8 @@ from server.play.conditions import PlayConditions
 from server.play.consoles import ConsolePool
 from server.play.lateness import Lateness
 from server.play.rules import PlayRules
-from server.play.session.session import PlaySession
+from server.play.session.live_game import GameInfo, LiveGame
+from server.play.session.session import PlaySession, SessionEvents, SessionResources
 from server.play.wire.codec import FrameEncoder, Screen
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
@@ -82,7 +83,7 @@ def encodings() -> dict[str, Encode]:
 
 
 def compare(screens: list[Screen]) -> list[dict[str, float | str]]:
-    """Encode every screen in every way; returns a row for each."""
+    """Encode every screen in every way; returns a row per encoding."""
     ways = encodings()
     sizes = dict.fromkeys(ways, 0)
     times: dict[str, list[float]] = {name: [] for name in ways}
@@ -104,63 +105,52 @@ def compare(screens: list[Screen]) -> list[dict[str, float | str]]:
 
 
 class ReadingPage:
-    """A page in this process that acknowledges every frame at once and notes when frames came."""
+    """A page in this process that acknowledges every frame at once and records arrival times."""
 
     def __init__(self) -> None:
         self.connection = Connection(self)
-        self.came_at: list[float] = []
+        self.arrived_s: list[float] = []
 
     async def send_bytes(self, data: bytes) -> None:
-        """Take a frame."""
-        self.came_at.append(time.perf_counter())
+        """Acknowledge a frame."""
+        self.arrived_s.append(time.perf_counter())
         self.connection.receive(AckMessage(parse_frame(data).sequence))
 
     async def send_text(self, data: str) -> None:
-        """Take a message."""
+        """Ignore a message."""
 
     async def close(self, code: int = 1000, reason: str | None = None) -> None:
-        """Take a close."""
+        """Ignore a close."""
 
 
 async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
-    """Play games side by side; returns by how much each frame came late."""
+    """Play games side by side; returns the lateness of each frame."""
 
-    async def finish(_session: PlaySession) -> None:
+    async def on_event(_session: PlaySession) -> None:
         return None
 
-    async def branch(_session: PlaySession, _frame: int) -> None:
+    async def on_rewind(_session: PlaySession, _frame: int) -> None:
         return None
 
-    consoles = ConsolePool()
-
+    resources = SessionResources(ConsolePool(), PlayRules(countdown=0), Lateness())
     pages = [ReadingPage() for _ in range(n_sessions)]
     sessions = []
     for number, page in enumerate(pages):
         recorder = Recorder(Episode(Console(), Start(number)))
-        session = PlaySession(
-            str(number),
-            number,
-            BUILT_IN[0],
-            recorder,
-            1,
-            PlayConditions(),
-            consoles,
-            PlayRules(countdown=0),
-            Lateness(),
-            branch,
-            finish,
-        )
-        await session.attach(page.connection, is_resumed=False)
+        info = GameInfo(str(number), number, BUILT_IN[0])
+        game = LiveGame(info, 1, recorder, PlayConditions())
+        session = PlaySession(game, resources, SessionEvents(on_rewind, on_event, on_event))
+        await session.attach(page.connection)
         page.connection.receive(InputMessage(Keys.RIGHT | Keys.FIRE, 1))
         sessions.append(session)
     for session in sessions:
-        await session.obey(Command("ready"))
+        await session.handle(Command("ready"))
     await asyncio.sleep(seconds)
     late = []
     for page, session in zip(pages, sessions, strict=True):
-        await session.settle()
-        # The earliest frame, measured against its deadline, stands for a clock that is on time.
-        offsets = [1000 * at - 1000 * n / 60 for n, at in enumerate(page.came_at[1:])]
+        await session.shut_down()
+        # The earliest frame relative to its deadline defines zero lateness.
+        offsets = [1000 * at - 1000 * n / 60 for n, at in enumerate(page.arrived_s[1:])]
         late += [offset - min(offsets) for offset in offsets]
     return late
 

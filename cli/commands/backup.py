@@ -1,4 +1,4 @@
-"""``tril backup``: everything a person made, copied while Tril runs, and checked."""
+"""``tril backup``: make and verify backups."""
 
 from __future__ import annotations
 
@@ -9,35 +9,35 @@ from typing import Annotated
 
 import typer
 
-from cli.output import JsonOption, console, plain_errors, print_json, read_settings
+from cli.output import JsonOption, console, print_json, read_settings, readable_errors
 from tril.errors import Invalid
 from tril.exchange.backup import Backup, check_backup, make_backup
 
 
 def backup(
     folder: Annotated[
-        Path | None, typer.Argument(help="A new folder; else backups/tril-DATE-TIME.")
+        Path | None, typer.Argument(help="New folder. Default: backups/tril-DATE-TIME.")
     ] = None,
     check: Annotated[
-        bool, typer.Option("--check", help="Check the backup that is in the folder.")
+        bool, typer.Option("--check", help="Verify an existing backup instead.")
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Back up databases and trainings to a folder, also while Tril runs; the copy is checked.
+    """Back up databases and runs to a folder, also while Tril runs, and verify the copy.
 
-    The folder can be worked on at once: TRIL_DATA=FOLDER tril up.
+    To work on the backup: TRIL_DATA=FOLDER tril up.
     """
-    with plain_errors():
+    with readable_errors():
         if check:
             if folder is None:
-                raise Invalid("Name the folder of the backup to check.")
+                raise Invalid("Name the folder of the backup to verify.")
             found = check_backup(folder)
         else:
             now = datetime.now().astimezone()
             found = make_backup(
                 read_settings(), folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}"
             )
-    _report(found, "The backup is whole" if check else "Backed up", as_json)
+    _report(found, "Backup verified" if check else "Backed up", as_json)
 
 
 def _report(found: Backup, what: str, as_json: bool) -> None:

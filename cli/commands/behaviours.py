@@ -1,4 +1,4 @@
-"""``tril behaviours``: what is being taught."""
+"""``tril behaviours``: the behaviours to teach."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from cli.workspace import find_behaviour, open_workspace
 from tril.behaviours import Cell
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
-from tril.exchange.formats import BehaviourRefused
+from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
 from tril.store import behaviours
 
-app = typer.Typer(help="What is being taught.", no_args_is_help=True)
+app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)
 
 MAX_FILE_BYTES = 256 * 2**20
-"""Largest file that is imported; 10,000 recordings take about 40 MB."""
+"""Maximum size of an imported file; 10,000 recordings take about 40 MB."""
 
 
 @app.command("list")
 def list_behaviours(as_json: JsonOption = False) -> None:
-    """List the behaviours with what there is of each."""
+    """List the behaviours with their numbers of recordings and runs."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         counts = behaviours.counts(session)
         entries = [
@@ -67,9 +67,9 @@ def add(
         list[str] | None,
         typer.Option(help="A target alien as ROW,COLUMN counted from 1, row 1 at the bottom."),
     ] = None,
-    ordered: Annotated[bool, typer.Option(help="They have to be hit in this order.")] = False,
+    ordered: Annotated[bool, typer.Option(help="Targets have to be hit in this order.")] = False,
 ) -> None:
-    """Add a behaviour of your own."""
+    """Add a behaviour."""
     with open_workspace() as workspace, workspace.database.writing() as session:
         cells = None if target is None else tuple(_cell(text) for text in target)
         row = behaviours.create(session, name, description, cells, ordered)
@@ -90,14 +90,14 @@ def export_file(
     behaviour: Annotated[str, typer.Argument(help="Short name.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File to write; else SHORT-NAME.tril.json."),
+        typer.Option("--output", "-o", help="File to write. Default: SHORT-NAME.tril.json."),
     ] = None,
 ) -> None:
-    """Write all of a behaviour to one file: target, recordings, every revision of the ranking."""
+    """Export a behaviour with its recordings and every revision of the ranking to a file."""
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             row = find_behaviour(session, behaviour)
-            content, notices = behaviour_transfer.export_whole(session, row)
+            content, notices = behaviour_transfer.export_behaviour(session, row)
         place = output or Path(f"{row.slug}.tril.json")
         try:
             write_whole(place, f"{json.dumps(content, indent=1)}\n".encode())
@@ -115,11 +115,11 @@ def export_file(
 def import_file(
     file: Annotated[Path, typer.Argument(help="A file of `tril behaviours export`.")],
     name: Annotated[
-        str | None, typer.Option(help="Import it as a new behaviour of this name.")
+        str | None, typer.Option(help="Import as a new behaviour with this name.")
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Add a behaviour from a file, all or nothing; each recording is replayed and verified."""
+    """Import a behaviour from a file after verifying each recording by a replay."""
     with open_workspace() as workspace:
         try:
             if file.stat().st_size > MAX_FILE_BYTES:
@@ -128,9 +128,9 @@ def import_file(
         except OSError as error:
             raise Invalid(f"{file} can't be read: {error.strerror}.") from error
         try:
-            outcome = behaviour_transfer.import_whole(workspace.database, content, name)
+            outcome = behaviour_transfer.import_behaviour(workspace.database, content, name)
         except BehaviourRefused as refusal:
-            raise Invalid(f"{file} is refused: {refusal}") from refusal
+            raise Invalid(f"{file} was refused: {refusal}") from refusal
     if as_json:
         print_json(asdict(outcome))
         return

@@ -1,4 +1,4 @@
-"""``tril demo``: a whole example, from scripted demonstrations to an evaluated imitator."""
+"""``tril demo``: a complete example, from scripted demonstrations to an evaluated imitator."""
 
 from __future__ import annotations
 
@@ -7,34 +7,40 @@ from typing import Annotated
 
 import typer
 
-from cli.commands.runs import chosen_recipe, print_results, start_run
-from cli.follow import follow, say_how_it_ended, standby_worker
+from cli.commands.runs import (
+    RecipeOption,
+    SeedOption,
+    SetOption,
+    StepsOption,
+    chosen_recipe,
+    print_results,
+    start_run,
+)
+from cli.follow import follow_to_end
 from cli.output import console, errors
 from cli.workspace import open_workspace
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.files.artifact_store import ArtifactStore
-from tril.recipes import RECIPES
 
 
 def demo(
     behaviour: Annotated[
         str, typer.Option("--behaviour", "-b", help="Short name of the behaviour.")
     ] = "column-1",
-    steps: Annotated[int | None, typer.Option(min=1, help="Steps; else the recipe's.")] = None,
-    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
-    training_seed: Annotated[int, typer.Option(min=0, help="Feeds every random choice.")] = 0,
-    value: Annotated[
-        list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
-    ] = None,
+    steps: StepsOption = None,
+    recipe: RecipeOption = "fast",
+    training_seed: SeedOption = 0,
+    value: SetOption = None,
     demonstrations: Annotated[
         str, typer.Option(help="; ".join(f"{kind.name}: {kind.summary}" for kind in KINDS) + ".")
     ] = SCRIPTED.name,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder of summary and pictures.")
+        Path | None, typer.Option("--output", "-o", help="Folder for summary and pictures.")
     ] = None,
 ) -> None:
     """Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures."""
-    from trainer.reporting.run_report import describe_example, write_report
+    from trainer.reporting.run_entry import describe_example
+    from trainer.reporting.run_report import write_report
 
     with open_workspace() as workspace:
         chosen = chosen_recipe(recipe, value)
@@ -48,10 +54,7 @@ def demo(
             example=True,
             example_kind=demonstrations,
         )
-        with standby_worker(workspace) as worker:
-            row = follow(workspace, run_id, worker)
-        if not say_how_it_ended(row):
-            raise typer.Exit(1)
+        row = follow_to_end(workspace, run_id)
         folder = output or workspace.settings.data / "results" / run_id
         store = ArtifactStore(workspace.settings.artifact_root)
         page = write_report(workspace.database, store, run_id, folder)

@@ -1,4 +1,4 @@
-"""``tril evaluate``: let a trained policy play again, from any evaluation starts."""
+"""``tril evaluate``: evaluate a trained policy from chosen evaluation starts."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from tril.analysis.summary import GameFigures, summarise
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
+from tril.game.episode import DEATHS
 from tril.game.starts import evaluation_start
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
-from tril.store.training import runs
+from tril.store.training import artifacts, runs
 
 
 class Policy(StrEnum):
-    """Which of a run's policies plays."""
+    """A policy of a run."""
 
     IMITATOR = "imitator"
     CLONE = "clone"
 
 
 class ActionSelection(StrEnum):
-    """How it chooses actions."""
+    """How a policy selects actions."""
 
     GREEDY = "greedy"
     SAMPLED = "sampled"
@@ -37,10 +38,10 @@ class ActionSelection(StrEnum):
 
 
 def evaluate(
-    run_id: Annotated[str, typer.Argument(help="A run whose policies are trained.")],
-    policy: Annotated[Policy, typer.Option(help="Which policy plays.")] = Policy.IMITATOR,
+    run_id: Annotated[str, typer.Argument(help="A run with trained policies.")],
+    policy: Annotated[Policy, typer.Option(help="The policy to evaluate.")] = Policy.IMITATOR,
     action_selection: Annotated[
-        ActionSelection, typer.Option(help="How it chooses actions.")
+        ActionSelection, typer.Option(help="How the policy selects actions.")
     ] = ActionSelection.GREEDY,
     starts: Annotated[str, typer.Option(help="Evaluation starts, e.g. 0,1,2 or 0-31.")] = "0-22",
     sticky: Annotated[
@@ -48,14 +49,14 @@ def evaluate(
         typer.Option(
             min=0,
             max=1,
-            help="Chance of repeating the last frame's action; else 0.25 where the selection is"
-            " sticky.",
+            help="Probability of repeating the previous frame's action. Default: 0.25 if the"
+            " selection is sticky.",
         ),
     ] = None,
-    sampling_seed: Annotated[int, typer.Option(min=0, help="Of all draws.")] = 0,
+    sampling_seed: Annotated[int, typer.Option(min=0, help="Seed of all random draws.")] = 0,
     as_json: JsonOption = False,
 ) -> None:
-    """Let a trained policy play one game from each evaluation start; nothing is stored."""
+    """Play one game from each evaluation start with a trained policy; store nothing."""
     with open_workspace() as workspace:
         numbers = _numbers(starts)
         behaviour, games = _play(
@@ -74,7 +75,7 @@ def evaluate(
             cells = ("" if value is None else str(value) for value in counts)
             table.add_row(str(number), game.end, *cells, f"{one.predicted_return:.1f}")
         console.print(table)
-        _say_means(figures)
+        _print_means(figures)
 
 
 def _play(
@@ -89,7 +90,6 @@ def _play(
     from trainer.policy.evaluation import play
     from trainer.policy.networks import load_policy
     from trainer.reward.model import RewardModel
-    from trainer.runtime.artifact_files import stored_file
     from tril.game.episode import Ending
 
     database = workspace.database
@@ -97,9 +97,9 @@ def _play(
     with database.reading() as session:
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
-    with stored_file(database, store, run_id, policy) as path:
+    with artifacts.local_file(database, store, run_id, policy) as path:
         actor = load_policy(path)
-    with stored_file(database, store, run_id, "reward_model") as path:
+    with artifacts.local_file(database, store, run_id, "reward_model") as path:
         model = RewardModel.load(path)
     with progress_bar("playing") as watched:
         games = play(
@@ -122,17 +122,17 @@ def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
         strays=result.strays if result else None,
         order_errors=result.order_errors if result else None,
         steps=game.recording.n_steps,
-        died=game.end == "hit",
+        died=game.end in DEATHS,
         predicted_return=game.predicted_return,
     )
 
 
-def _say_means(figures: list[GameFigures]) -> None:
+def _print_means(figures: list[GameFigures]) -> None:
     summary = summarise(figures)
     for name, value in (
         ("targets", summary.targets),
         ("strays", summary.strays),
-        ("share lost to a bomb", summary.death_rate),
+        ("death rate", summary.death_rate),
     ):
         if value is not None:
             console.print(
@@ -141,7 +141,7 @@ def _say_means(figures: list[GameFigures]) -> None:
 
 
 def _numbers(text: str) -> list[int]:
-    """Read "0,1,2" or "0-31" or a mixture."""
+    """Parse "0,1,2", "0-31" or a mixture."""
     numbers: list[int] = []
     try:
         for part in text.split(","):

@@ -73,12 +73,14 @@ def import_files(
     files: Annotated[list[Path], typer.Argument(help="Recordings: JSON or JSON Lines.")],
     behaviour: BehaviourOption,
     rank: Annotated[
-        bool, typer.Option("--rank", help="The files are in order from best to worst.")
+        bool, typer.Option("--rank", help="Rank the recordings in the files' order, best first.")
     ] = False,
-    perfect: Annotated[bool, typer.Option("--perfect", help="All are perfect games.")] = False,
+    perfect: Annotated[
+        bool, typer.Option("--perfect", help="Mark all recordings as perfect.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Add recordings; each is replayed and verified, and each refusal gives its reason."""
+    """Import recordings after verifying each by a replay."""
     refused = 0
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
@@ -103,10 +105,12 @@ def export(
     behaviour: BehaviourOption,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
 ) -> None:
-    """Write a behaviour's recordings as JSON Lines, the ranked ones first, best to worst."""
+    """Export a behaviour's recordings as JSON Lines, ranked ones first, best to worst."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         of = find_behaviour(session, behaviour)
-        lines = [json.dumps(entry) for entry in recording_transfer.export_behaviour(session, of.id)]
+        lines = [
+            json.dumps(entry) for entry in recording_transfer.export_recordings(session, of.id)
+        ]
     text = "".join(f"{line}\n" for line in lines)
     if output is None:
         sys.stdout.write(text)
@@ -117,7 +121,7 @@ def export(
 
 @app.command("verify")
 def verify_all(behaviour: BehaviourOption) -> None:
-    """Replay every recording of a behaviour and say which differ from what was recorded."""
+    """Verify every recording of a behaviour by a replay."""
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             rows = recordings.listing(session, find_behaviour(session, behaviour).id)
@@ -134,19 +138,19 @@ def verify_all(behaviour: BehaviourOption) -> None:
         raise typer.Exit(1)
 
 
-def _report(path: Path, outcome: recording_transfer.Imported, as_json: bool) -> None:
+def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_json: bool) -> None:
     if as_json:
         print_json(
             {
                 "file": str(path),
                 "imported": outcome.recording_ids,
-                "notices": [asdict(remark) for remark in outcome.notices],
-                "refusals": [asdict(remark) for remark in outcome.refusals],
+                "notices": [asdict(message) for message in outcome.notices],
+                "refusals": [asdict(message) for message in outcome.refusals],
             }
         )
         return
     console.print(f"{path}: {len(outcome.recording_ids)} imported")
-    for remark in outcome.notices:
-        console.print(f"  line {remark.line}: {remark.reason}")
-    for remark in outcome.refusals:
-        errors.print(f"  [red]line {remark.line} refused:[/] {remark.reason}")
+    for message in outcome.notices:
+        console.print(f"  line {message.line}: {message.reason}")
+    for message in outcome.refusals:
+        errors.print(f"  [red]line {message.line} refused:[/] {message.reason}")

@@ -1,4 +1,4 @@
-"""``tril reproduce``: every result of the published work, computed as far as it is missing."""
+"""``tril reproduce``: computes the results that a folder's ledger lacks, and writes its pages."""
 
 from __future__ import annotations
 
@@ -18,31 +18,34 @@ from tril.behaviours import BUILT_IN
 from tril.demonstrator import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained
+from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained, recipe_from_dict
+from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
 
 if TYPE_CHECKING:
-    from trainer.reporting.ledger import Cell
+    from trainer.reporting.ledger import LedgerCell
 
 POLL_S = 2.0
-COMMAND = "tril reproduce"
 ONE_AT_A_TIME = (
-    "Other demonstrations, the recipe without its factors, and the published protocol are compared"
-    " with the ordinary result, each by itself. Run the command once for each."
+    "Choose one of --demonstrations, --ablation and --own-starts: each is compared with the"
+    " ordinary result by itself. Run the command once for each."
 )
 
 
 def reproduce(
     behaviour: Annotated[
         list[str] | None,
-        typer.Option("--behaviour", "-b", help="Short name; repeat it. Else all seven."),
+        typer.Option("--behaviour", "-b", help="Short name; may be repeated. Default: all seven."),
     ] = None,
     training_seed: Annotated[
-        list[int] | None, typer.Option("--training-seed", "-s", help="Repeat it. Else 0, 1, 2.")
+        list[int] | None,
+        typer.Option("--training-seed", "-s", help="May be repeated. Default: 0, 1, 2."),
     ] = None,
     recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
-    steps: Annotated[int | None, typer.Option(min=1, help="PPO steps; else the recipe's.")] = None,
+    steps: Annotated[
+        int | None, typer.Option(min=1, help="PPO steps. Default: the recipe's.")
+    ] = None,
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
     ] = None,
@@ -50,41 +53,48 @@ def reproduce(
         list[str] | None,
         typer.Option(
             help="Kind of demonstrations, one of"
-            f" {', '.join(kind.name for kind in KINDS)}; repeat it. Else {SCRIPTED.name}.",
+            f" {', '.join(kind.name for kind in KINDS)}; may be repeated. Default:"
+            f" {SCRIPTED.name}.",
         ),
     ] = None,
     ablation: Annotated[
         bool,
-        typer.Option("--ablation", help="Also the fast recipe without each of its factors."),
+        typer.Option("--ablation", help="Also train the fast recipe without each of its factors."),
     ] = False,
     own_starts: Annotated[
         bool,
         typer.Option(
             "--own-starts",
             help="The published protocol: for each of the starts 0, 1, 2 an imitator that is"
-            " trained and judged on it alone.",
+            " trained and evaluated on that start alone.",
         ),
     ] = False,
     extrapolation: Annotated[
         bool,
         typer.Option(
-            help="Also the rewards learned from rankings by points and by shots, here and now, for"
-            " recipes whose imitator is trained on the learned reward.",
+            help="Also run the sanity experiments with rankings by points and by shots, for recipes"
+            " that train the imitator on the learned reward.",
         ),
     ] = True,
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder of the ledger, pages and pictures.")
-    ] = Path("docs/results"),
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder of ledger, pages and pictures. To go on from the ledger of another folder,"
+            " such as docs/results, copy its ledger.jsonl there first.",
+        ),
+    ] = Path("results"),
     page_only: Annotated[
-        bool, typer.Option("--page-only", help="Train nothing; write the page anew.")
+        bool, typer.Option("--page-only", help="Train nothing; write the page from the ledger.")
     ] = False,
 ) -> None:
-    """Train what the ledger lacks, for every behaviour and training seed, and write the results.
+    """Train what the ledger lacks, for each behaviour and training seed, and write the results.
 
-    A finished result is written at once, so that the command can be stopped at any time and goes on
-    where it was. Runs are queued like any other: more workers make it faster.
+    Each finished result is written at once: the command can be stopped at any time and continues
+    where it was. Runs are queued like any other, so more workers make it faster.
     """
-    from trainer.reporting.ledger import Cell, Ledger
+    from trainer.reporting.ledger import Ledger, LedgerCell
     from trainer.reporting.results_page import write_page
 
     chosen = chosen_recipe(recipe, value)
@@ -101,7 +111,7 @@ def reproduce(
             raise Invalid(ONE_AT_A_TIME)
         recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
         cells = {
-            Cell.of(slug, one, chosen_steps, seed, kind): one
+            LedgerCell.of(slug, one, chosen_steps, seed, kind): one
             for seed in training_seed or [0, 1, 2]
             for slug in slugs
             for kind in kinds
@@ -117,55 +127,51 @@ def reproduce(
             failed = 0
         if extrapolation and chosen.method == "ppo" and not page_only:
             _extrapolate(chosen, training_seed or [0, 1, 2], output)
-        page = write_page(output, COMMAND)
+        page = write_page(output)
         console.print(f"Results: {page}", soft_wrap=True)
         if failed:
             raise Invalid(
-                f"{failed} of {len(missing)} runs did not end well: see tril runs list. Run the"
-                " command again to have them computed anew."
+                f"{failed} of {len(missing)} runs were not finished; see tril runs list. Run the"
+                " command again to repeat them."
             )
 
 
 def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:
-    """Return the recipes that are compared: the chosen one, or what takes its place or joins it."""
+    """Return the recipes to be trained: the chosen one or its variants."""
     if own_starts:
         starts = chosen.evaluation.start_numbers
         return [judged_where_trained(chosen, number) for number in starts]
     if not ablation:
         return [chosen]
     if chosen != FAST:
-        raise Invalid("What can be left out is known of the recipe fast alone, as it comes.")
+        raise Invalid("--ablation applies to the built-in recipe fast alone, without --set.")
     return [chosen, *(one.recipe for one in ABLATIONS)]
 
 
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
-    """Make the sanity experiments that are missing, one after the other."""
-    from trainer.reporting import extrapolation_results as results
-    from trainer.reporting.extrapolation import QUANTITIES, extrapolate
+    """Run the sanity experiments that the ledger lacks, one after the other."""
+    from trainer.reporting.extrapolation import extrapolate
+    from trainer.reporting.ledger import Ledger
+    from trainer.reporting.skilled_games import QUANTITIES, Experiment
     from trainer.runtime.throttle import lower_priority
 
-    experiments = {
-        results.Experiment.of(quantity, recipe, seed): quantity
-        for seed in training_seeds
-        for quantity in QUANTITIES
-    }
+    experiments = [Experiment.of(q, recipe, seed) for seed in training_seeds for q in QUANTITIES]
     lower_priority()
-    for experiment in results.missing(output, list(experiments)):
-        label = f"Ranked by {experiment.quantity}, training seed {experiment.training_seed}"
+    for one in Ledger(output).missing(experiments):
+        label = f"Ranked by {one.quantity}, training seed {one.training_seed}"
         with progress_bar(label) as progress:
-            found = extrapolate(
-                experiment.quantity, recipe.reward, experiment.training_seed, progress
-            )
-        results.write(output, experiment, found)
+            found = extrapolate(one.quantity, recipe, one.training_seed, progress)
+        Ledger(output).add(found)
         console.print(f"{label}: done")
 
 
 def _compute(
-    workspace: Workspace, cells: Mapping[Cell, Recipe], output: Path, worker: StandbyWorker
+    workspace: Workspace, cells: Mapping[LedgerCell, Recipe], output: Path, worker: StandbyWorker
 ) -> int:
     """Train the cells and write each into the ledger when it is done; return how many failed."""
-    from trainer.reporting.ledger import Ledger, read_entry
+    from trainer.reporting.ledger import Ledger
     from trainer.reporting.results_page import cell_folder, write_page
+    from trainer.reporting.run_entry import read_entry
     from trainer.reporting.run_report import write_report
 
     store = ArtifactStore(workspace.settings.artifact_root)
@@ -185,23 +191,25 @@ def _compute(
             entry = read_entry(workspace.database, run_id)
             write_report(workspace.database, store, run_id, output / cell_folder(entry))
             Ledger(output).add(entry)
-            write_page(output, COMMAND)
+            write_page(output)
             console.print(f"{cell_folder(entry)}: done")
         worker.ensure()
         time.sleep(POLL_S)
     return failed
 
 
-def _runs_of(workspace: Workspace, cells: Mapping[Cell, Recipe]) -> list[str]:
-    """Return a run for each cell: one that is there and not lost, else a new one."""
-    from trainer.reporting.ledger import read_cell
+def _runs_of(workspace: Workspace, cells: Mapping[LedgerCell, Recipe]) -> list[str]:
+    """Return a run for each cell: the newest that is done or not over, else a new one."""
+    from trainer.reporting.ledger import LedgerCell
 
+    present: dict[LedgerCell, str] = {}
     with workspace.database.reading() as session:
-        present = {
-            read_cell(session, row): row.id
-            for row in reversed(runs.listing(session))
-            if _is_usable(row)
-        }
+        for slug in {cell.behaviour for cell in cells}:
+            rows = runs.listing(session, behaviours.by_slug(session, slug).id)
+            for row in filter(_is_usable, reversed(rows)):
+                recipe = recipe_from_dict(row.recipe)
+                cell = LedgerCell.of(slug, recipe, row.steps, row.training_seed, row.example_kind)
+                present[cell] = row.id
     return [
         present.get(cell)
         or start_run(

@@ -1,4 +1,4 @@
-"""``tril runs``, ``tril train`` and ``tril evaluate``: training and what came of it."""
+"""``tril train`` and ``tril runs``: training runs and their results."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from cli.follow import duration, follow, say_how_it_ended, standby_worker
+from cli.follow import duration, follow_to_end
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
 from tril.analysis.summary import PolicySummary
@@ -22,6 +22,13 @@ from tril.store.training import evaluations, runs
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
+RecipeOption = Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")]
+StepsOption = Annotated[int | None, typer.Option(min=1, help="Steps. Default: the recipe's.")]
+SeedOption = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]
+SetOption = Annotated[
+    list[str] | None, typer.Option("--set", help="Change a value of the recipe: NAME=VALUE.")
+]
+
 
 def start_run(
     workspace: Workspace,
@@ -34,7 +41,7 @@ def start_run(
     example: bool = False,
     example_kind: str = SCRIPTED.name,
 ) -> str:
-    """Make a run and enqueue it; returns its id."""
+    """Create and enqueue a run; return its id."""
     with workspace.database.writing() as session:
         row = runs.create(
             session,
@@ -58,26 +65,23 @@ def start_run(
 
 
 def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
-    """A recipe with values such as ``policy.learning_rate=0.001`` replaced."""
-    changes: dict[str, Any] = {}
+    """Return a recipe with values such as ``policy.learning_rate=0.001`` replaced."""
+    changes: dict[str, str] = {}
     for entry in values or []:
-        path, equals, text = entry.partition("=")
+        path, equals, changes[path] = entry.partition("=")
         if not equals:
             raise Invalid(f"Expected NAME=VALUE such as policy.n_epochs=4, got {entry!r}.")
-        changes[path] = _value(text)
     return with_values(recipe_named(name), changes)
 
 
 def train(
     behaviour: Annotated[str, typer.Argument(help="Short name of the behaviour.")],
-    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
-    steps: Annotated[int | None, typer.Option(min=1, help="Steps; else the recipe's.")] = None,
-    training_seed: Annotated[int, typer.Option(min=0, help="Feeds every random choice.")] = 0,
-    value: Annotated[
-        list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
-    ] = None,
+    recipe: RecipeOption = "fast",
+    steps: StepsOption = None,
+    training_seed: SeedOption = 0,
+    value: SetOption = None,
     go_on_anyway: Annotated[
-        bool, typer.Option(help="Train even if the check of the ranking fails.")
+        bool, typer.Option(help="Train even if the ranking fails its check.")
     ] = False,
     wait: Annotated[bool, typer.Option(help="Follow the run until it is over.")] = True,
 ) -> None:
@@ -95,10 +99,7 @@ def train(
         if not wait:
             console.print(run_id)
             return
-        with standby_worker(workspace) as worker:
-            row = follow(workspace, run_id, worker)
-        if not say_how_it_ended(row):
-            raise typer.Exit(1)
+        row = follow_to_end(workspace, run_id)
         print_results(workspace, row)
 
 
@@ -138,7 +139,13 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
         with workspace.database.reading() as session:
             row = runs.get(session, run_id)
         if as_json:
-            print_json(run_entry(row) | {"outcome": row.outcome, "recipe_values": row.recipe})
+            print_json(
+                run_entry(row)
+                | {
+                    "outcome": row.outcome.model_dump(mode="json", exclude_unset=True),
+                    "recipe_values": row.recipe,
+                }
+            )
             return
         console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
         print_results(workspace, row)
@@ -154,14 +161,14 @@ def cancel(run_id: str) -> None:
 
 @app.command()
 def resume(run_id: str) -> None:
-    """Let a cancelled, stopped or failed run go on from its last checkpoint."""
+    """Resume a cancelled, stopped or failed run from its last checkpoint."""
     with open_workspace() as workspace, workspace.jobs() as jobs:
         jobs.resume(run_id)
         console.print("Resumed.")
 
 
 def run_entry(row: RunRow) -> dict[str, Any]:
-    """A run as data for scripts."""
+    """Return a run as JSON data."""
     return {
         "id": row.id,
         "behaviour_id": row.behaviour_id,
@@ -178,7 +185,7 @@ def run_entry(row: RunRow) -> dict[str, Any]:
 
 
 def print_results(workspace: Workspace, row: RunRow) -> None:
-    """Print the evaluation games of a run and their means, policy by policy."""
+    """Print the evaluation games of a run and their means by policy."""
     with workspace.database.reading() as session:
         of = behaviours.get(session, row.behaviour_id)
         games = evaluations.listing(session, row.id)
@@ -199,12 +206,12 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
 
 
 def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
-    """Print what the games from held-out starts come to."""
+    """Print the means over games from held-out starts."""
     if not summaries:
         return
     title = "Means over held-out starts, with 95% intervals"
     table = Table("policy", "actions", title=title, box=None, title_justify="left")
-    for heading in ("games", "targets", "strays", "lost to a bomb"):
+    for heading in ("games", "targets", "strays", "death rate"):
         table.add_column(heading, justify="right")
     for (policy, action_selection), one in summaries.items():
         cells = (
@@ -213,17 +220,3 @@ def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
         )
         table.add_row(policy, action_selection, str(one.steps.n), *cells)
     console.print(table)
-
-
-def _value(text: str) -> Any:
-    """Read a value: true or false, a number, numbers with commas between, or a word."""
-    if "," in text:
-        return tuple(_value(part) for part in text.split(",") if part)
-    if text in {"true", "false"}:
-        return text == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text

@@ -1,4 +1,4 @@
-"""The processes of ``tril up`` one by one, migrations, and health checks."""
+"""Single processes of ``tril up``, migrations, and health checks."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from cli.output import console, plain_errors, read_settings
+from cli.output import console, read_settings, readable_errors
 from cli.supervision.servers import supervise_servers
-from cli.workspace import bring_up_to_date
+from cli.workspace import migrate_databases
 from tril.errors import Unavailable
 from tril.settings import Settings
 
@@ -27,16 +27,16 @@ class Service(StrEnum):
 def serve(
     servers: Annotated[
         int | None,
-        typer.Option(min=1, max=64, help="Processes behind the port; TRIL_SERVER_PROCESSES."),
+        typer.Option(min=1, max=64, help="Server processes. Default: TRIL_SERVER_PROCESSES."),
     ] = None,
     share_port: Annotated[
-        bool, typer.Option(help="Run one process, beside others that were started with this.")
+        bool, typer.Option(help="Share the port with other processes started with this option.")
     ] = False,
 ) -> None:
-    """Run the web server alone (``tril up`` runs everything)."""
+    """Run only the web server (``tril up`` runs everything)."""
     from server.main import run_server
 
-    with plain_errors():
+    with readable_errors():
         settings = read_settings()
         if servers is not None:
             settings = settings.model_copy(update={"server_processes": servers})
@@ -47,10 +47,10 @@ def serve(
 
 
 def worker() -> None:
-    """Run a training worker alone; any number may run beside each other."""
+    """Run a training worker. Several may run at the same time."""
     from trainer.runtime.worker import run_worker
 
-    with plain_errors():
+    with readable_errors():
         run_worker(read_settings())
 
 
@@ -58,20 +58,20 @@ def inference() -> None:
     """Run the inference process, which evaluates trained networks."""
     from trainer.runtime.inference import run_inference
 
-    with plain_errors():
+    with readable_errors():
         run_inference(read_settings())
 
 
 def migrate() -> None:
     """Migrate the databases to this version."""
-    with plain_errors():
-        bring_up_to_date(read_settings())
+    with readable_errors():
+        migrate_databases(read_settings())
     console.print("The database is up to date.")
 
 
 def health(service: Service) -> None:
-    """Exit with status 0 if a process of this data folder is healthy, else with 1."""
-    with plain_errors():
+    """Check a process of this data folder; exit with status 0 if it is healthy, else 1."""
+    with readable_errors():
         settings = read_settings()
         if service is Service.SERVER:
             ask_server(settings)
@@ -83,16 +83,16 @@ def health(service: Service) -> None:
 
 
 def address() -> None:
-    """Print the page's address with its key, for a server that runs in a container."""
+    """Print the page's address with its key, e.g. for a server in a container."""
     from server.web.security import address_with_token
 
-    with plain_errors():
+    with readable_errors():
         settings = read_settings()
         typer.echo(address_with_token(settings, server_url(settings)))
 
 
 def server_url(settings: Settings) -> str:
-    """Return the URL at which this machine reaches the server."""
+    """Return the server's URL on this machine."""
     host = "127.0.0.1" if settings.host in {"0.0.0.0", "::"} else settings.host
     return f"http://{f'[{host}]' if ':' in host else host}:{settings.port}"
 
@@ -127,6 +127,6 @@ def ask_worker(settings: Settings) -> None:
     try:
         with database.reading() as session:
             if not processes.is_kind_alive(session, "worker"):
-                raise Unavailable("No worker is running; start one with `tril worker`.")
+                raise Unavailable("No worker is running. Start one with `tril worker`.")
     finally:
         database.close()

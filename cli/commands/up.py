@@ -1,4 +1,4 @@
-"""``tril up``: everything a person needs on one machine, supervised."""
+"""``tril up``: all processes on one machine, supervised."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from cli.commands.services import (
     ask_worker,
     server_url,
 )
-from cli.output import console, plain_errors, read_settings, say
+from cli.output import console, print_process_line, read_settings, readable_errors
 from cli.supervision.lock import lock_data_folder
-from cli.supervision.servers import held_port, server_children, server_environment
+from cli.supervision.servers import reserved_port, server_children, server_environment
 from cli.supervision.supervisor import Child, Supervisor, numbered, running, tril_command
-from cli.workspace import bring_up_to_date, create_data_folder
+from cli.workspace import create_data_folder, migrate_databases
 from tril.errors import TrilError, Unavailable
 from tril.settings import Settings
 
@@ -30,15 +30,13 @@ READY_TIMEOUT_S = 60.0
 
 
 def up(
-    workers: Annotated[int, typer.Option(min=0, help="Training workers to run.")] = 1,
+    workers: Annotated[int, typer.Option(min=0, help="Number of training workers.")] = 1,
     servers: Annotated[
         int | None,
-        typer.Option(
-            min=1, max=64, help="Server processes behind the port; TRIL_SERVER_PROCESSES."
-        ),
+        typer.Option(min=1, max=64, help="Server processes. Default: TRIL_SERVER_PROCESSES."),
     ] = None,
     port: Annotated[
-        int | None, typer.Option(min=0, max=65535, help="Port; 0 takes any free one.")
+        int | None, typer.Option(min=0, max=65535, help="Port; 0 takes a free one.")
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page when it is ready.")] = True,
 ) -> None:
@@ -47,7 +45,7 @@ def up(
     from server.web.security import address_with_token
 
     chosen = {"port": port, "server_processes": servers}
-    with plain_errors():
+    with readable_errors():
         settings = read_settings().model_copy(
             update={name: value for name, value in chosen.items() if value is not None}
         )
@@ -56,10 +54,10 @@ def up(
         create_data_folder(settings)
         with lock_data_folder(settings.data, server_url(settings)):
             _check_port(settings)
-            check_frontend()
-            console.print(f"Data is kept in {escape(str(settings.data))}")
-            bring_up_to_date(settings)
+            console.print(f"Data folder: {escape(str(settings.data))}")
+            migrate_databases(settings)
             url = address_with_token(settings, server_url(settings))
+            check_frontend()
             _supervise(settings, workers, url, browser)
 
 
@@ -69,8 +67,8 @@ def _supervise(settings: Settings, workers: int, url: str, browser: bool) -> Non
         Child("inference", tril_command("inference")),
         *(Child(name, tril_command("worker")) for name in numbered("worker", workers)),
     ]
-    supervisor = Supervisor(children, say, server_environment(settings))
-    with held_port(settings), running(supervisor):
+    supervisor = Supervisor(children, print_process_line, server_environment(settings))
+    with reserved_port(settings), running(supervisor):
         threading.Thread(
             target=_announce_when_ready,
             args=(settings, supervisor, workers, url, browser),
@@ -97,14 +95,14 @@ def _announce_when_ready(
             checks.pop(0)
         except TrilError as error:
             if time.monotonic() > deadline:
-                say("tril", f"{error} Still trying.")
+                print_process_line("tril", f"{error} Still trying.")
                 deadline = float("inf")
             time.sleep(0.1)
     if supervisor.stop_requested:
         return
     if browser and _has_browser():
         webbrowser.open(url)
-    console.print("\nTril is ready. Open this address (keep it to yourself, it is the key):")
+    console.print("\nTril is ready. Open this address (keep it secret, it contains the key):")
     console.print(f"  [bold]{escape(url)}[/]\n", soft_wrap=True)
 
 
@@ -126,9 +124,8 @@ def _check_port(settings: Settings) -> None:
             probe.bind((settings.host, settings.port))
         except OSError as error:
             raise Unavailable(
-                f"Port {settings.port} on {settings.host} can't be used ({error.strerror}). "
-                "If Tril already runs, open its page; else choose another port: "
-                f"TRIL_PORT={settings.port + 1} make run"
+                f"Port {settings.port} on {settings.host} can't be used ({error.strerror})."
+                " Stop the program that uses it, or choose another port with TRIL_PORT."
             ) from error
 
 

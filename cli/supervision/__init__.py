@@ -1,1 +1,1 @@
-"""Child processes: started, restarted, stopped."""
+"""Supervision of child processes."""

@@ -1,4 +1,4 @@
-"""A lock that lets one ``tril up`` at a time run on a data folder."""
+"""A lock against several ``tril up`` on one data folder."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ def lock_data_folder(folder: Path, url: str) -> Iterator[None]:
     """Hold a data folder's lock, which the kernel releases when this process ends.
 
     Args:
-        folder: The data folder, which exists.
-        url: Where this process serves the page, for the message that others get.
+        folder: The existing data folder.
+        url: The page's URL, for the error message of other processes.
 
     Raises:
         Unavailable: Another process holds the lock.

@@ -1,6 +1,6 @@
-"""Processes that end with the one that started them, even if that is killed.
+"""Let child processes end with their parent, even if it is killed.
 
-Imports nothing but the standard library, so that a child watches its parent from its first moment.
+Imports only the standard library, so that a child watches its parent from the start.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def child_environment() -> dict[str, str]:
 
 
 def exit_with_parent() -> None:
-    """Send this process SIGTERM once its parent is gone, and end it if that does not.
+    """Send this process SIGTERM once its parent has ended, and exit if that has no effect.
 
     Does nothing in a process that was not started with ``child_environment``.
     """

@@ -1,17 +1,17 @@
-"""Server processes that share one port."""
+"""Server processes that share a port."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 
-from cli.output import say
+from cli.output import print_process_line
 from cli.supervision.supervisor import Child, Supervisor, numbered, running, tril_command
 from tril.settings import Settings
 
 
 def server_children(n_processes: int) -> list[Child]:
-    """Return the server processes to supervise; several share the port."""
+    """Return the server processes to supervise."""
     if n_processes == 1:
         return [Child("server", tril_command("serve"))]
     command = tril_command("serve", "--share-port")
@@ -19,7 +19,7 @@ def server_children(n_processes: int) -> list[Child]:
 
 
 def server_environment(settings: Settings) -> dict[str, str]:
-    """Return the settings that all child processes share."""
+    """Return the environment variables shared by all child processes."""
     return {
         "TRIL_PORT": str(settings.port),
         "TRIL_DATA": str(settings.data),
@@ -28,8 +28,8 @@ def server_environment(settings: Settings) -> dict[str, str]:
 
 
 @contextmanager
-def held_port(settings: Settings) -> Iterator[None]:
-    """Reserve the port while several server processes share it.
+def reserved_port(settings: Settings) -> Iterator[None]:
+    """Reserve the port if several server processes share it.
 
     Raises:
         Unavailable: Another program uses the port.
@@ -44,6 +44,6 @@ def held_port(settings: Settings) -> Iterator[None]:
 def supervise_servers(settings: Settings) -> None:
     """Run several server processes until a signal ends them."""
     children = server_children(settings.server_processes)
-    supervisor = Supervisor(children, say, server_environment(settings))
-    with held_port(settings), running(supervisor):
+    supervisor = Supervisor(children, print_process_line, server_environment(settings))
+    with reserved_port(settings), running(supervisor):
         supervisor.watch()

@@ -15,9 +15,9 @@ from typing import Any
 
 from cli.supervision.orphans import child_environment
 
-FIRST_BACKOFF_S = 1.0
-LONGEST_BACKOFF_S = 30.0
-SETTLED_AFTER_S = 60.0
+MIN_BACKOFF_S = 1.0
+MAX_BACKOFF_S = 30.0
+STABLE_AFTER_S = 60.0
 POLL_S = 0.1
 
 
@@ -35,7 +35,7 @@ class _Running:
     process: subprocess.Popen[str] | None = None
     started_at: float = 0.0
     start_again_at: float = 0.0
-    backoff_s: float = FIRST_BACKOFF_S
+    backoff_s: float = MIN_BACKOFF_S
     readers: list[threading.Thread] = field(default_factory=list)
 
 
@@ -48,7 +48,7 @@ class Supervisor:
 
     Args:
         children: Processes to run, in starting order.
-        say: Called with a source and a line: the children's output and the supervisor's actions.
+        print_line: Called with a source and a line of output, its own messages included.
         environment: Variables added to this process's environment for the children.
         stop_timeout_s: Seconds after which a stopping child is killed.
     """
@@ -56,12 +56,12 @@ class Supervisor:
     def __init__(
         self,
         children: Sequence[Child],
-        say: Callable[[str, str], None],
+        print_line: Callable[[str, str], None],
         environment: Mapping[str, str] | None = None,
         stop_timeout_s: float = 10.0,
     ) -> None:
         self._running = [_Running(child) for child in children]
-        self._say = say
+        self._print_line = print_line
         self._environment = {
             **child_environment(),
             **(environment or {}),
@@ -110,7 +110,7 @@ class Supervisor:
             try:
                 running.process.wait(max(0.0, deadline - time.monotonic()))
             except subprocess.TimeoutExpired:
-                self._say("tril", f"{running.child.name} did not stop in time and is killed.")
+                self._print_line("tril", f"{running.child.name} did not stop in time; killing it.")
             self._kill_group(running.process)
             running.process.wait()
             for reader in running.readers:
@@ -138,7 +138,7 @@ class Supervisor:
         assert process.stdout is not None
         with process.stdout:
             for line in process.stdout:
-                self._say(name, line.rstrip())
+                self._print_line(name, line.rstrip())
 
     def _restart_if_ended(self, running: _Running) -> None:
         process = running.process
@@ -146,21 +146,20 @@ class Supervisor:
             code = process.poll()
             if code is None:
                 return
-            if time.monotonic() - running.started_at > SETTLED_AFTER_S:
-                running.backoff_s = FIRST_BACKOFF_S
+            if time.monotonic() - running.started_at > STABLE_AFTER_S:
+                running.backoff_s = MIN_BACKOFF_S
             why = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-            self._say(
+            self._print_line(
                 "tril",
-                f"{running.child.name} stopped ({why}); it starts again in "
-                f"{running.backoff_s:.0f} s.",
+                f"{running.child.name} stopped ({why}); restarting in {running.backoff_s:.0f} s.",
             )
             self._kill_group(process)
             running.process = None
             running.start_again_at = time.monotonic() + running.backoff_s
-            running.backoff_s = min(LONGEST_BACKOFF_S, running.backoff_s * 2)
+            running.backoff_s = min(MAX_BACKOFF_S, running.backoff_s * 2)
         elif time.monotonic() >= running.start_again_at:
             self._start(running)
-            self._say("tril", f"{running.child.name} started again.")
+            self._print_line("tril", f"{running.child.name} restarted.")
 
     @staticmethod
     def _kill_group(process: subprocess.Popen[str]) -> None:

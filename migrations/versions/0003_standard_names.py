@@ -35,6 +35,11 @@ RECIPE_NAMES = {
     "cloning": {"left_out_share": "validation_share"},
 }
 SUMMARY_NAMES = {"hit_share": "death_rate"}
+CURVE_NAMES = SUMMARY_NAMES | {
+    "left_out_accuracy": "held_out_accuracy",
+    "paid_return": "shaped_return",
+    "pull": "kl_to_start",
+}
 CONDITION_NAMES = {"choice": "action_selection"}
 
 RUNS = sa.table(
@@ -49,7 +54,7 @@ RECORDINGS = sa.table(
 def upgrade() -> None:
     op.execute("ALTER TABLE behaviours RENAME COLUMN ready_made TO built_in")
     _rename_selection("choice", "action_selection")
-    _rename_stored(RECIPE_NAMES, SUMMARY_NAMES, CONDITION_NAMES)
+    _rename_stored(RECIPE_NAMES, SUMMARY_NAMES, CURVE_NAMES, CONDITION_NAMES)
 
 
 def downgrade() -> None:
@@ -58,6 +63,7 @@ def downgrade() -> None:
     _rename_stored(
         {part: _reversed(names) for part, names in RECIPE_NAMES.items()},
         _reversed(SUMMARY_NAMES),
+        _reversed(CURVE_NAMES),
         _reversed(CONDITION_NAMES),
     )
 
@@ -76,7 +82,10 @@ def _rename_selection(old: str, new: str) -> None:
 
 
 def _rename_stored(
-    recipe: dict[str, dict[str, str]], summary: dict[str, str], conditions: dict[str, str]
+    recipe: dict[str, dict[str, str]],
+    summary: dict[str, str],
+    curves: dict[str, str],
+    conditions: dict[str, str],
 ) -> None:
     connection = op.get_bind()
     for row in connection.execute(sa.select(RUNS)).all():
@@ -93,8 +102,10 @@ def _rename_stored(
         connection.execute(
             RUNS.update().where(RUNS.c.id == row.id).values(recipe=values, outcome=outcome)
         )
-    imitator = sa.select(METRICS.c.id, METRICS.c["values"]).where(METRICS.c.stage == "imitator")
-    _rewrite(METRICS, "values", imitator, summary)
+    policies = METRICS.c.stage.in_(("clone", "imitator"))
+    _rewrite(
+        METRICS, "values", sa.select(METRICS.c.id, METRICS.c["values"]).where(policies), curves
+    )
     played = sa.select(RECORDINGS.c.id, RECORDINGS.c.conditions)
     _rewrite(RECORDINGS, "conditions", played.where(RECORDINGS.c.source == "policy"), conditions)
 

@@ -22,7 +22,7 @@ def get_artifact(request: Request, artifact_id: ArtifactId) -> Response:
     services = services_of(request)
     with services.database.reading() as session:
         row = artifacts.get(session, artifact_id)
-    # A file of this id and name may be written anew when its run goes on from a checkpoint.
+    # A run that resumes from a checkpoint may rewrite the file.
     return Response(
         services.artifacts.get(row.path),
         media_type=row.media_type,

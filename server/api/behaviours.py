@@ -1,23 +1,24 @@
-"""What is being taught."""
+"""Behaviours and their checklists."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 
 from fastapi import APIRouter
 from sqlalchemy.orm import Session
 
-from server.api.schemas import (
+from server.api.schemas.base import Cell
+from server.api.schemas.behaviours import (
     Behaviour,
     BehaviourNew,
     BehaviourUpdate,
-    Cell,
     Checklist,
     PlannedDemonstration,
 )
-from server.dependencies import BehaviourId, Reading, Writing
+from server.dependencies import BehaviourId, ReadSession, WriteSession
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.demonstrator import PlayedGame, example_plans, tick
+from tril.demonstrator import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
 from tril.game.episode import EndReason
 from tril.store import behaviours, recordings
@@ -27,27 +28,25 @@ router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 
 
 @router.get("")
-def list_behaviours(session: Reading) -> list[Behaviour]:
-    """Return all behaviours, those that come ready first."""
+def list_behaviours(session: ReadSession) -> list[Behaviour]:
+    """Return all behaviours, the built-in ones first."""
     counts = behaviours.counts(session)
-    return [
-        _shown(row, counts.get(row.id, behaviours.Counts())) for row in behaviours.listing(session)
-    ]
+    return [_view(row, counts) for row in behaviours.listing(session)]
 
 
 @router.post("", status_code=201, responses=CONFLICT)
-def create_behaviour(session: Writing, new: BehaviourNew) -> Behaviour:
-    """Add a behaviour of one's own."""
+def create_behaviour(session: WriteSession, new: BehaviourNew) -> Behaviour:
+    """Add a behaviour."""
     row = behaviours.create(session, new.name, new.description, _cells(new.target), new.ordered)
     return _one(session, row)
 
 
 @router.get("/{behaviour_id}/checklist", responses=NOT_FOUND)
-def get_checklist(session: Reading, behaviour_id: BehaviourId) -> Checklist:
-    """Return the demonstrations that exemplify a behaviour, and which of them were played.
+def get_checklist(session: ReadSession, behaviour_id: BehaviourId) -> Checklist:
+    """Return the demonstrations that exemplify a behaviour, and which of them exist.
 
-    The rules are the demonstrator's; of the library's verified recordings, whoever played them,
-    it counts what they hit, and that they were survived to their end.
+    The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
+    what a plan asks for and ends without the player's death.
     """
     behaviour = behaviours.as_behaviour(behaviours.get(session, behaviour_id))
     try:
@@ -59,31 +58,24 @@ def get_checklist(session: Reading, behaviour_id: BehaviourId) -> Checklist:
         for row in recordings.listing(session, behaviour_id)
         if row.verification == Verification.VERIFIED
     }
-    ticks = tick(plans, games)
+    ticks = match_plans(plans, games)
     return Checklist(
-        planned=[
-            PlannedDemonstration(
-                number=plan.number,
-                description=plan.description,
-                recording_id=ticks[plan.number],
-            )
-            for plan in plans
-        ],
+        planned=[PlannedDemonstration.of(plan, recording_id=ticks[plan.number]) for plan in plans],
         note="",
     )
 
 
 @router.get("/{behaviour_id}", responses=NOT_FOUND)
-def get_behaviour(session: Reading, behaviour_id: BehaviourId) -> Behaviour:
+def get_behaviour(session: ReadSession, behaviour_id: BehaviourId) -> Behaviour:
     """Return one behaviour."""
     return _one(session, behaviours.get(session, behaviour_id))
 
 
 @router.patch("/{behaviour_id}", responses=NOT_FOUND | CONFLICT)
 def update_behaviour(
-    session: Writing, behaviour_id: BehaviourId, update: BehaviourUpdate
+    session: WriteSession, behaviour_id: BehaviourId, update: BehaviourUpdate
 ) -> Behaviour:
-    """Change a behaviour; fields that are left out stay."""
+    """Change a behaviour; omitted fields stay."""
     row = behaviours.get(session, behaviour_id)
     given = update.model_fields_set
     before = behaviours.as_behaviour(row)
@@ -99,13 +91,13 @@ def update_behaviour(
 
 
 @router.delete("/{behaviour_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_behaviour(session: Writing, behaviour_id: BehaviourId) -> None:
-    """Take a behaviour out of the lists."""
+def delete_behaviour(session: WriteSession, behaviour_id: BehaviourId) -> None:
+    """Delete a behaviour; its trainings remain."""
     behaviours.delete(session, behaviours.get(session, behaviour_id))
 
 
-def _played(row: RecordingRow) -> PlayedGame:
-    return PlayedGame(
+def _played(row: RecordingRow) -> GameOutcome:
+    return GameOutcome(
         hits=tuple((hit.row, hit.column) for hit in recordings.hits_of(row)),
         end=None if row.end is None else EndReason(row.end),
         n_frames=row.n_frames,
@@ -113,22 +105,12 @@ def _played(row: RecordingRow) -> PlayedGame:
 
 
 def _one(session: Session, row: BehaviourRow) -> Behaviour:
-    counts = behaviours.counts(session, row.id)
-    return _shown(row, counts.get(row.id, behaviours.Counts()))
+    return _view(row, behaviours.counts(session, row.id))
 
 
-def _shown(row: BehaviourRow, counts: behaviours.Counts) -> Behaviour:
+def _view(row: BehaviourRow, counts: Mapping[int, behaviours.Counts]) -> Behaviour:
     target = behaviours.as_behaviour(row).target
-    return Behaviour(
-        id=row.id,
-        slug=row.slug,
-        name=row.name,
-        description=row.description,
-        target=None if target is None else list(target),
-        ordered=row.ordered,
-        built_in=row.built_in,
-        **asdict(counts),
-    )
+    return Behaviour.of(row, target=target, **asdict(counts.get(row.id, behaviours.Counts())))
 
 
 def _cells(target: list[Cell] | None) -> tuple[Cell, ...] | None:

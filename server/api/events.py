@@ -1,4 +1,4 @@
-"""What changes, as server-sent events."""
+"""The change stream as server-sent events."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ router = APIRouter(tags=["events"])
     responses={
         200: {
             "content": {"text/event-stream": {"schema": {"type": "string"}}},
-            "description": 'Events named "change" with data {"topic", "key"}; they say what to '
-            "load again. A comment every 15 s keeps the connection open.",
+            "description": 'Events named "change" with data {"topic", "key"}: what to load again. '
+            "A comment every 15 s keeps the connection open.",
         }
     },
 )
 async def stream_events(request: Request) -> StreamingResponse:
-    """Stream what changes, from now on."""
+    """Stream changes from now on."""
     return StreamingResponse(
         services_of(request).changes.stream(),
         media_type="text/event-stream",

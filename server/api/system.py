@@ -1,42 +1,28 @@
-"""Whether Tril is well."""
+"""The processes and the disk usage."""
 
 from __future__ import annotations
 
 import shutil
-from dataclasses import asdict
-from importlib.metadata import version
 
 from fastapi import APIRouter, Request
 
-from server.api.schemas import Health, ProcessStatus, Storage, System
-from server.dependencies import Reading, services_of
+from server.api.schemas.system import ProcessStatus, Storage, System
+from server.dependencies import ReadSession, services_of
+from tril import __version__
 from tril.store import processes
 
 router = APIRouter(tags=["system"])
 
 
-@router.get("/health")
-def get_health(session: Reading) -> Health:
-    """Say that the server answers and reaches its database. Needs no cookie."""
-    processes.statuses(session)
-    return Health(status="ok")
-
-
 @router.get("/system")
-def get_system(request: Request, session: Reading) -> System:
-    """Return which processes live and how much room there is."""
+def get_system(request: Request, session: ReadSession) -> System:
+    """Return the state of the processes and the disk usage."""
     services = services_of(request)
     settings, use = services.settings, services.storage.use()
     return System(
-        version=version("tril"),
-        processes=[ProcessStatus(**asdict(found)) for found in processes.statuses(session)],
+        version=__version__,
+        processes=[ProcessStatus.model_validate(found) for found in processes.statuses(session)],
         disk_free_bytes=shutil.disk_usage(settings.data).free,
         data_bytes=use.total_bytes,
-        storage=Storage(
-            databases_bytes=use.databases_bytes,
-            artifacts_bytes=use.artifacts_bytes,
-            cache_bytes=use.cache_bytes,
-            cache_limit_bytes=settings.cache_limit_bytes,
-            other_bytes=use.other_bytes,
-        ),
+        storage=Storage.of(use, cache_limit_bytes=settings.cache_limit_bytes),
     )

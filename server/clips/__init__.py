@@ -1,8 +1,4 @@
-"""Recordings as moving pictures to take away: GIF, WebP and MP4.
-
-They are made in a process of their own at the lowest priority, so that nobody's game waits for
-them, whatever a codec does.
-"""
+"""Recordings as GIF, WebP and MP4, encoded in a process of their own at the lowest priority."""
 
 from server.clips.maker import ClipMaker
 from server.clips.request import MEDIA_TYPES, ClipKind

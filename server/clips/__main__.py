@@ -1,11 +1,11 @@
-"""Make one clip: the request comes over standard input, the file goes to standard output."""
+"""Makes one clip: reads the request from standard input, writes the file to standard output."""
 
 from __future__ import annotations
 
 import os
 import sys
 
-# Before anything heavy is loaded: whoever plays comes first.
+# Before the heavy imports, so that games come first.
 os.nice(19)
 
 from server.clips.maker import REFUSED  # noqa: E402

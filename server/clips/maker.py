@@ -1,4 +1,4 @@
-"""Has clips made by a process of their own, one after the other."""
+"""Runs the process that makes clips, one clip at a time."""
 
 from __future__ import annotations
 
@@ -15,38 +15,38 @@ from tril.recording import Recording
 _LOG = logging.getLogger(__name__)
 
 REFUSED = 3
-"""The process's exit status where the recording doesn't replay; its standard error says why."""
+"""Exit status if the recording does not replay; standard error says why."""
 
 TIMEOUT_S = 120.0
 """A full game takes about 3 s on an idle core."""
 MAX_WAITING = 4
-"""Most that wait for their turn: each holds a thread of the server."""
+"""Most requests that wait: each holds a thread of the server."""
 
 
 class ClipMaker:
-    """Makes clips; safe to call from several threads, which wait for each other.
+    """Makes one clip at a time; thread-safe.
 
     Args:
-        timeout_s: How long one may take.
-        max_waiting: How many may wait for their turn before others are turned away.
+        timeout_s: How long a clip may take.
+        max_waiting: How many requests may wait before further ones are refused.
     """
 
     def __init__(self, timeout_s: float = TIMEOUT_S, max_waiting: int = MAX_WAITING) -> None:
         self._timeout_s = timeout_s
-        self._turn = threading.Lock()
+        self._lock = threading.Lock()
         self._places = threading.BoundedSemaphore(1 + max_waiting)
 
     def make(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a file of this kind.
 
         Raises:
-            Unavailable: Very many are being made, or this one failed or took too long.
-            Invalid: The recording doesn't replay.
+            Unavailable: Too many requests wait, or this one failed or took too long.
+            Invalid: The recording does not replay.
         """
         if not self._places.acquire(blocking=False):
             raise Unavailable("Several clips are being made already. Try again in a minute.")
         try:
-            with self._turn:
+            with self._lock:
                 return self._run(write_request(recording, kind))
         finally:
             self._places.release()
@@ -59,7 +59,7 @@ class ClipMaker:
                 capture_output=True,
                 timeout=self._timeout_s,
                 check=False,
-                # As many threads as cores would take them from those who play.
+                # A thread for each core would slow down games.
                 env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
             )
         except subprocess.TimeoutExpired as error:

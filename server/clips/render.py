@@ -1,12 +1,11 @@
-"""Recordings to GIF, WebP and MP4, at the speed at which they were played.
+"""Encodes recordings as GIF, WebP and MP4 at their original speed.
 
-The console's pixels are about twice as wide as they are high on a television, so each becomes two
-by one of the clip's, or four by two where colours have half the resolution.
+The console's pixels are about twice as wide as high, so each becomes 2x1 pixels of the clip, or 4x2
+in a video, whose colours have half the resolution.
 
 MP4 has all 60 frames a second. GIF counts in hundredths of a second and WebP in thousandths, so
-both show every third frame's place in time, 20 a second: of three frames each pixel is the
-brightest. Some things on the screen are drawn on every other frame only, and a choice of single
-frames would hide them or not by chance.
+both have 20 pictures a second, each the pixel-wise brightest of three frames. The console draws
+some objects in every other frame only; sampled frames would show or hide them by chance.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ PICTURE_MS = FRAMES_PER_PICTURE * 1000 // game.FRAME_RATE_HZ
 
 WIDTH_SCALE = 2
 VIDEO_SCALE = 2
-"""A video is so many times larger than a picture in either direction: its colours have half the
-resolution, which then is that of the game's own pixels."""
+"""Enlargement of a video in either direction, so that its colours, which have half the resolution,
+have that of the game's pixels."""
 
 _CRF = "18"
-"""x264's quality, which people can't tell from the original."""
+"""x264's quality factor: visually lossless."""
 
 # ITU-R BT.601, 8 bits, limited range: Y, Cb, Cr of red, green, blue in 0..1.
 _YCBCR = np.array([[65.481, 128.553, 24.966], [-37.797, -74.203, 112.0], [112.0, -93.786, -18.214]])
@@ -59,7 +58,7 @@ def render(recording: Recording, kind: ClipKind, console: Console | None = None)
 
 
 def brightest(screens: Screens, n: int = FRAMES_PER_PICTURE) -> Screens:
-    """Return of each n screens in a row the brightest of every pixel, ceil(len / n) screens."""
+    """Return the pixel-wise brightest of every n successive screens, ceil(len / n) screens."""
     gray = palette_grayscale()
     shown = np.empty((-(-len(screens) // n), *screens.shape[1:]), np.uint8)
     for index, picture in enumerate(shown):
@@ -98,7 +97,7 @@ def _webp(screens: Screens) -> bytes:
         for screen in brightest(screens):
             yield Image.fromarray(colours[screen.repeat(WIDTH_SCALE, axis=1)])
 
-    # Its quality is the effort spent on being small; it loses nothing either way.
+    # For lossless files, quality is the effort of compression.
     return _animated(pictures(), "WEBP", lossless=True, quality=20, method=0)
 
 
@@ -118,7 +117,7 @@ def _animated(pictures: Iterator[Image.Image], form: str, **options: object) -> 
 
 
 def _mp4(screens: Screens) -> bytes:
-    # A file, because the index is put before the pictures at the end, so that it plays at once.
+    # faststart moves the index to the beginning, for which the output has to be seekable.
     with tempfile.TemporaryDirectory(prefix="tril-clip-") as folder:
         place = Path(folder) / "clip.mp4"
         with av.open(str(place), "w", options={"movflags": "faststart"}) as file:
@@ -146,7 +145,7 @@ def _planes(screen: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
 
 @cache
 def palette_ycbcr() -> npt.NDArray[np.uint8]:
-    """Return the colours as a video has them, uint8 (3, 256): Y, Cb, Cr by palette value."""
+    """Return the palette in BT.601, uint8 (3, 256): Y, Cb, Cr by palette value."""
     values = palette_rgb() / 255 @ _YCBCR.T + _YCBCR_OFFSET
     colours: npt.NDArray[np.uint8] = np.rint(values).astype(np.uint8).T.copy()
     colours.setflags(write=False)

@@ -1,16 +1,16 @@
-"""What is asked of the process that makes a clip, and how it travels there."""
+"""The request to the process that makes a clip."""
 
 from __future__ import annotations
 
 import json
 from enum import StrEnum
 
-from tril.exchange.formats import from_exchange, to_exchange
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.recording import Recording
 
 
 class ClipKind(StrEnum):
-    """What a recording can be made into."""
+    """The formats of clips."""
 
     GIF = "gif"
     WEBP = "webp"
@@ -25,15 +25,15 @@ MEDIA_TYPES = {
 
 
 def write_request(recording: Recording, kind: ClipKind) -> bytes:
-    """Return what `read_request` reads: the recording in the exchange format, and the kind."""
-    return json.dumps({"kind": kind, "recording": to_exchange(recording)}).encode()
+    """Encode a request: the recording in the exchange format, and the kind."""
+    return json.dumps({"kind": kind, "recording": dump_recording(recording)}).encode()
 
 
 def read_request(content: bytes) -> tuple[Recording, ClipKind]:
-    """Return the recording, verified by a replay, and what to make of it.
+    """Decode a request and verify its recording by a replay.
 
     Raises:
-        RecordingRefused: Its replay differs from what was recorded.
+        RecordingRefused: The replay differs from what was recorded.
     """
     given = json.loads(content)
-    return from_exchange(given["recording"]).recording, ClipKind(given["kind"])
+    return load_recording(given["recording"]).recording, ClipKind(given["kind"])

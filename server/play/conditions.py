@@ -1,37 +1,44 @@
-"""How a game was played: what its recording says of latency and of helps to play well. Pure."""
+"""How a game was played: latency, slow motion, single steps and pauses. Pure."""
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from tril.game.space_invaders import MAX_FRAMES
 
 KEY = "play"
-"""Under which a recording's conditions hold these."""
+"""The key of a recording's conditions that holds these."""
 
 FULL_SPEED_PERCENT = 100
 SLOWEST_PERCENT = 25
 
+MAX_ENTRIES = 10 * MAX_FRAMES
+"""Bound on each list: about one entry per frame is what an honest page can reach."""
+
 BAD_P95_MS = 100.0
-"""A press in twenty that shows later than six frames at 60 Hz is more than a person steers by."""
+"""Six frames at 60 Hz; people steer poorly beyond that."""
 BAD_DROPPED_SHARE = 0.05
-"""One frame in twenty that was not drawn can be seen as stutter."""
+"""One frame in twenty that was not drawn is visible as stutter."""
 
 
 @dataclass(frozen=True)
 class Latency:
-    """How late a game was seen.
+    """Latency of a game as its player saw it.
 
     Attributes:
-        presses: How many presses of a key were timed.
-        p50_ms: Milliseconds from the event of a key to the drawing of the first frame shown that
-            was executed with it, the median by nearest rank; None without presses.
-        p95_ms: The same for 95 of 100 presses.
+        presses: Number of timed key presses.
+        p50_ms: Median (nearest rank) of the milliseconds from a key's event to the drawing of the
+            first frame executed with it; None without presses.
+        p95_ms: 95th percentile of the same.
         frames_dropped: Frames that were executed and not drawn.
-        is_bad: Whether that was too late or too many to play well by.
+        is_bad: Whether presses were too late or too many frames dropped to play well.
     """
 
     presses: int
@@ -41,45 +48,81 @@ class Latency:
     is_bad: bool
 
 
-@dataclass
-class PlayConditions:
-    """How a game was played, by the frame, so that what is run back can be taken out again.
+Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
+_Frames = Annotated[list[int], Field(max_length=MAX_ENTRIES)]
+
+
+def _increasing(speeds: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    if any(frame >= after for (frame, _), (after, _) in pairwise(speeds)):
+        raise ValueError("Expected one speed per frame, in order of frames.")
+    return speeds
+
+
+class PlayConditions(BaseModel):
+    """How a game was played, by frame, so that a rewind can remove what came after a frame.
 
     Attributes:
         presses: (frame, milliseconds from the key's event to the frame's drawing).
         dropped: Frames that were executed and not drawn.
-        speeds: (frame, percent of 60 Hz): the speed from after this frame on; 100 at first.
+        speeds: (frame, percent of 60 Hz), frames strictly increasing: the speed after this frame;
+            100 at first.
         single_steps: Frames that were executed one at a time.
         pauses: Frames after which the player paused.
     """
 
-    presses: list[tuple[int, float]] = field(default_factory=list)
-    dropped: list[int] = field(default_factory=list)
-    speeds: list[tuple[int, int]] = field(default_factory=list)
-    single_steps: list[int] = field(default_factory=list)
-    pauses: list[int] = field(default_factory=list)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    presses: Annotated[list[tuple[int, float]], Field(max_length=MAX_ENTRIES)] = []
+    dropped: _Frames = []
+    speeds: Annotated[
+        list[tuple[Annotated[int, Field(ge=0, le=MAX_FRAMES)], Percent]],
+        Field(max_length=MAX_FRAMES + 1),
+        AfterValidator(_increasing),
+    ] = []
+    single_steps: _Frames = []
+    pauses: _Frames = []
+
+    @classmethod
+    def from_conditions(cls, conditions: Mapping[str, Any]) -> Self | None:
+        """Parse a recording's conditions; None if they are missing, malformed or too many.
+
+        Imported files carry conditions of any origin, so none of it is trusted.
+        """
+        try:
+            return cls.model_validate(conditions.get(KEY))
+        except ValidationError:
+            return None
+
+    def to_conditions(self) -> dict[str, Any]:
+        """Return these as a part of a recording's conditions, JSON-serialisable."""
+        return {KEY: self.model_dump(mode="json")}
 
     @property
     def speed_percent(self) -> int:
-        """The speed at present."""
+        """The current speed."""
         return self.speeds[-1][1] if self.speeds else FULL_SPEED_PERCENT
 
     def set_speed(self, frame: int, percent: int) -> None:
-        """Go on at another speed after a frame."""
+        """Change the speed after a frame; replaces a change at the same frame."""
         if self.speeds and self.speeds[-1][0] == frame:
             self.speeds.pop()
         if percent != self.speed_percent:
             self.speeds.append((frame, percent))
 
     def note_press(self, frame: int, latency_ms: float) -> None:
-        """Take note of a latency; slow motion's and single steps' would say nothing of the way."""
-        if frame not in self.single_steps and self._speed_of(frame) == FULL_SPEED_PERCENT:
+        """Record a press's latency, unless in slow motion or single steps, which distort it."""
+        is_normal = frame not in self.single_steps and self._speed_at(frame) == FULL_SPEED_PERCENT
+        if is_normal and len(self.presses) < MAX_ENTRIES:
             self.presses.append((frame, latency_ms))
 
+    def note_pause(self, frame: int) -> None:
+        """Record that the player paused after a frame."""
+        if len(self.pauses) < MAX_ENTRIES:
+            self.pauses.append(frame)
+
     def until(self, frame: int) -> Self:
-        """Return the conditions of the frames up to this one; the present speed holds on."""
-        kept = replace(
-            self,
+        """Return the conditions of the frames up to this one, keeping the current speed."""
+        kept = type(self)(
             presses=[(at, ms) for at, ms in self.presses if at <= frame],
             dropped=[at for at in self.dropped if at <= frame],
             speeds=[(at, percent) for at, percent in self.speeds if at < frame],
@@ -90,42 +133,17 @@ class PlayConditions:
         return kept
 
     def slowest_percent(self, n_frames: int) -> int:
-        """The slowest speed at which any of so many frames was executed."""
-        return min(map(self._speed_of, self._beginnings(n_frames)), default=FULL_SPEED_PERCENT)
+        """Return the slowest speed at which any of the first ``n_frames`` frames was executed."""
+        executed = (percent for frame, percent in self.speeds if frame < n_frames)
+        return min(executed, default=FULL_SPEED_PERCENT)
 
-    def _beginnings(self, n_frames: int) -> list[int]:
-        """The first frame of every stretch of one speed."""
-        return [f for f in (1, *(frame + 1 for frame, _ in self.speeds)) if f <= n_frames]
-
-    def _speed_of(self, frame: int) -> int:
-        """The speed at which a frame was executed."""
-        before = [percent for at, percent in self.speeds if at < frame]
-        return before[-1] if before else FULL_SPEED_PERCENT
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the conditions as data."""
-        return {
-            "presses": [[frame, ms] for frame, ms in self.presses],
-            "dropped": list(self.dropped),
-            "speeds": [[frame, percent] for frame, percent in self.speeds],
-            "single_steps": list(self.single_steps),
-            "pauses": list(self.pauses),
-        }
-
-    @classmethod
-    def from_conditions(cls, conditions: Mapping[str, Any]) -> Self | None:
-        """Read them from a recording's conditions; None if it has none that can be read.
-
-        Conditions come with imported files, so that nothing can be taken for granted.
-        """
-        try:
-            stored = _Stored.model_validate(conditions.get(KEY))
-        except ValidationError:
-            return None
-        return cls(**{name: getattr(stored, name) for name in _Stored.model_fields})
+    def _speed_at(self, frame: int) -> int:
+        """Return the speed at which a frame was executed."""
+        n_before = bisect_left(self.speeds, frame, key=lambda change: change[0])
+        return self.speeds[n_before - 1][1] if n_before else FULL_SPEED_PERCENT
 
     def latency(self, n_frames: int) -> Latency:
-        """Sum up how late a game of so many frames was seen."""
+        """Summarise the latency of a game of ``n_frames`` frames."""
         times = [ms for _, ms in self.presses]
         p95_ms = _nearest_rank(times, 0.95)
         is_late = p95_ms is not None and p95_ms > BAD_P95_MS
@@ -138,21 +156,8 @@ class PlayConditions:
         )
 
 
-Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
-
-
-class _Stored(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    presses: list[tuple[int, float]]
-    dropped: list[int]
-    speeds: list[tuple[int, Percent]]
-    single_steps: list[int]
-    pauses: list[int]
-
-
 def _nearest_rank(values: Sequence[float], share: float) -> float | None:
-    """The smallest value that so large a share of the values does not exceed."""
+    """Return the smallest value that at least this share of the values does not exceed."""
     if not values:
         return None
     return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]

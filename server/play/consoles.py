@@ -1,8 +1,8 @@
-"""Consoles at hand, loaded while nobody plays.
+"""A pool of consoles, loaded while no game runs.
 
 The emulator holds Python's lock while it loads the ROM, 85 ms in which no game of the process
-advances; while it runs frames it lets go of it. So a game's start and its replay may take place in
-threads while others play, but loading may not.
+advances, and releases it while it runs frames. So games may start and be replayed in threads while
+others run, but consoles may not be loaded.
 """
 
 from __future__ import annotations
@@ -12,31 +12,31 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from tril.game.console import Console, KnownStarts
+from tril.game.console import Console, StartCache
 from tril.game.episode import Start
 
 PATIENCE_S = 2.0
-"""How long somebody who needs a console waits for a moment in which nobody plays."""
+"""Longest wait for a moment without a running game before a console is loaded anyway."""
 
-BREATH_S = 0.3
-"""Between two consoles loaded ahead, so that requests are answered in good time meanwhile."""
+PAUSE_S = 0.3
+"""Between two consoles loaded ahead, so that requests are served meanwhile."""
 
 
 class ConsolePool:
-    """Consoles, lent one at a time to threads; safe to use from several threads.
+    """A thread-safe pool of consoles.
 
-    All that were ever needed at the same time are kept, 0.7 MB each. They share the starts that
-    were reached, so that a start takes at most 127 frames and mostly none.
+    It never shrinks; a console takes 0.7 MB. Consoles share the starts that were reached, so that
+    a start takes at most 127 frames and mostly none.
 
     Args:
-        n_ahead: How many are loaded ahead, whether or not they are needed.
+        n_ahead: Number of consoles to load ahead.
     """
 
     def __init__(self, n_ahead: int = 0) -> None:
         self._n_ahead = n_ahead
         self._n_loaded = 0
         self._idle: list[Console] = []
-        self._known_starts: KnownStarts = {}
+        self._start_cache: StartCache = {}
         self._n_clocks = 0
         self._stopped = False
         self._changed = threading.Condition()
@@ -45,15 +45,15 @@ class ConsolePool:
 
     @property
     def n_loaded(self) -> int:
-        """How many there are, lent or idle."""
+        """Number of loaded consoles, taken or idle."""
         return self._n_loaded
 
     def start(self) -> None:
-        """Begin to load ahead."""
+        """Start loading ahead."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Load no more ahead."""
+        """Stop loading ahead."""
         with self._changed:
             self._stopped = True
             self._changed.notify_all()
@@ -61,8 +61,8 @@ class ConsolePool:
             self._thread.join()
 
     @contextmanager
-    def undisturbed(self) -> Iterator[None]:
-        """Load none during a block, in which a game's clock runs."""
+    def loading_suspended(self) -> Iterator[None]:
+        """Suspend loading for a block in which a game's clock runs."""
         with self._changed:
             self._n_clocks += 1
         try:
@@ -73,7 +73,7 @@ class ConsolePool:
                 self._changed.notify_all()
 
     def take(self) -> Console:
-        """Take a console; loads one if none is idle. Call it in a thread, not in the loop."""
+        """Take an idle console, or load one; blocks, so call it in a thread."""
         give_up_at = time.monotonic() + PATIENCE_S
         with self._changed:
             while not self._idle and self._n_clocks:
@@ -83,19 +83,19 @@ class ConsolePool:
                 return self._idle.pop()
         with self._loading:
             with self._changed:
-                if self._idle:  # the one that was just loaded ahead
+                if self._idle:  # loaded ahead meanwhile
                     return self._idle.pop()
             return self._load()
 
     def give_back(self, console: Console) -> None:
-        """Return a console, whatever state it is in."""
+        """Return a console, in any state."""
         with self._changed:
             self._idle.append(console)
             self._changed.notify_all()
 
     @contextmanager
     def lent(self) -> Iterator[Console]:
-        """Give a console for a block."""
+        """Take a console for a block."""
         console = self.take()
         try:
             yield console
@@ -103,9 +103,9 @@ class ConsolePool:
             self.give_back(console)
 
     def _load(self) -> Console:
-        """Load a console; only by whoever holds the lock for it."""
-        console = Console(self._known_starts)
-        # The reset holds Python's lock too, 4 ms; no other start needs one after this.
+        """Load a console; call with the lock for loading held."""
+        console = Console(self._start_cache)
+        # The first reset holds Python's lock too, for 4 ms; later starts restore a state.
         console.start(Start(0))
         self._n_loaded += 1
         return console
@@ -121,4 +121,4 @@ class ConsolePool:
                 if self._n_loaded < self._n_ahead:
                     self.give_back(self._load())
             with self._changed:
-                self._changed.wait_for(lambda: self._stopped, BREATH_S)
+                self._changed.wait_for(lambda: self._stopped, PAUSE_S)

@@ -1,24 +1,25 @@
-"""How late the frames of a process's games begin. Pure."""
+"""How late the frames of a process's games begin."""
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Sequence
 
+_LOG = logging.getLogger(__name__)
+
 BIN_MS = 0.25
 LATE_MS = 8.0
-"""Half a frame: when frames begin later than this, they begin to pile up."""
+"""Half a frame: beyond this, frames begin to pile up."""
 N_BINS = 256
-"""The last bin holds all that was later: 63.75 ms are almost four frames."""
+"""The last bin also holds all later frames: 63.75 ms are almost four frames."""
 
 
 class Lateness:
-    """A histogram of milliseconds between a frame's deadline and the moment it began.
-
-    Adding to it costs a microsecond, whatever was added before.
+    """A histogram of the milliseconds from a frame's deadline to its actual begin.
 
     Args:
-        counts: How many frames there are in each bin already; none if left out.
+        counts: Initial number of frames in each bin; empty if left out.
     """
 
     def __init__(self, counts: Sequence[int] = (0,) * N_BINS) -> None:
@@ -28,16 +29,16 @@ class Lateness:
 
     @property
     def n_frames(self) -> int:
-        """How many frames were counted."""
+        """Total number of frames."""
         return sum(self._counts)
 
     @property
     def counts(self) -> list[int]:
-        """How many frames there are in each bin of a quarter of a millisecond, from 0 on."""
+        """Number of frames in each bin of a quarter of a millisecond, from 0 on."""
         return list(self._counts)
 
     def note(self, late_s: float) -> None:
-        """Count a frame that began so many seconds after its deadline."""
+        """Add a frame that began this many seconds after its deadline."""
         self._counts[min(N_BINS - 1, max(0, int(1000 * late_s / BIN_MS)))] += 1
 
     def __add__(self, other: Lateness) -> Lateness:
@@ -47,47 +48,37 @@ class Lateness:
         return Lateness([a - b for a, b in zip(self._counts, earlier._counts, strict=True)])
 
     def percentile_ms(self, share: float) -> float | None:
-        """Return what so large a share of the frames was not later than, in whole bins.
+        """Return the upper edge, in ms, of the bin that holds a percentile; None without frames.
 
         Args:
-            share: From 0 to 1, e.g. 0.99.
-
-        Returns:
-            Milliseconds, None without frames.
+            share: 0 to 1, e.g. 0.99.
         """
-        wanted = max(1, math.ceil(share * self.n_frames))
+        rank = max(1, math.ceil(share * self.n_frames))
         seen = 0
         for n, count in enumerate(self._counts, start=1):
             seen += count
-            if seen >= wanted:
+            if seen >= rank:
                 return n * BIN_MS
         return None
 
 
-class Complaints:
-    """Says in words when frames begin too late.
-
-    Args:
-        lateness: What is added to all the time.
-    """
+class LatenessLog:
+    """Logs a warning when frames begin too late."""
 
     def __init__(self, lateness: Lateness) -> None:
         self._lateness = lateness
-        self._told = Lateness()
+        self._logged = Lateness()
 
-    def since_last(self, n_games: int) -> str | None:
-        """Return a complaint about what came since the last call, None if all was well.
-
-        Args:
-            n_games: How many games this process has.
-        """
-        recent, self._told = self._lateness - self._told, self._lateness + Lateness()
+    def report(self, n_games: int) -> None:
+        """Log a warning, with the number of games, if frames since the last report were late."""
+        recent, self._logged = self._lateness - self._logged, self._lateness + Lateness()
         p99_ms = recent.percentile_ms(0.99)
         if p99_ms is None or p99_ms <= LATE_MS:
-            return None
-        return (
-            f"In the last minute one frame in a hundred began more than {p99_ms - BIN_MS:.0f} ms "
-            f"late, with {n_games} games in this process. More server processes "
-            "(TRIL_SERVER_PROCESSES, up to one per core), fewer games (TRIL_MAX_GAMES) or less "
-            "other work help."
+            return
+        _LOG.warning(
+            "In the last minute one frame in a hundred began more than %.0f ms late, with %d games "
+            "in this process. More server processes (TRIL_SERVER_PROCESSES, up to one per core), "
+            "fewer games (TRIL_MAX_GAMES) or less other work help.",
+            p99_ms - BIN_MS,
+            n_games,
         )

@@ -1,4 +1,4 @@
-"""How many games may be open at the same time, over all server processes."""
+"""Limits on the number of open games, over all server processes."""
 
 from __future__ import annotations
 
@@ -17,37 +17,37 @@ class TooManyGames(Unavailable):
 
 @dataclass(frozen=True)
 class GameLimits:
-    """How many games may be open, see tril.store.games.count_open.
+    """Limits on the number of open games, see tril.store.games.count_open.
 
     Attributes:
-        in_all: Of everybody together.
+        total: Of all players together.
         per_player: Of one player.
     """
 
-    in_all: int
+    total: int
     per_player: int
 
     @classmethod
-    def of(cls, settings: Settings, per_process: int) -> GameLimits:
-        """Read them from the settings.
+    def from_settings(cls, settings: Settings, per_process: int) -> GameLimits:
+        """Return the configured limits.
 
         Args:
-            settings: Where 0 games in all stands for as many as all processes together can play.
-            per_process: How many one process can play.
+            settings: The settings; max_games of 0 means as many as all processes can play.
+            per_process: How many games one process can play.
         """
-        in_all = settings.max_games or per_process * settings.server_processes
-        return cls(in_all, settings.max_games_per_player)
+        total = settings.max_games or per_process * settings.server_processes
+        return cls(total, settings.max_games_per_player)
 
     def check(self, session: Session, player_id: int | None, n_counted: int = 0) -> None:
-        """Make sure that one more game may be opened, in the transaction that opens it.
+        """Check that one more game may be opened, in the transaction that opens it.
 
         Args:
             session: The transaction.
-            player_id: Whose game it is.
-            n_counted: 1 if the transaction has opened it already.
+            player_id: The game's player.
+            n_counted: 1 if the transaction has opened the game already.
 
         Raises:
-            TooManyGames: There is no place left.
+            TooManyGames: A limit is reached.
         """
         if player_id is not None:
             players.lock(session, player_id)
@@ -58,8 +58,8 @@ class GameLimits:
                     "(TRIL_MAX_GAMES_PER_PLAYER). Finish or stop one; a game whose tab is closed "
                     "counts for about a minute longer."
                 )
-        if games.count_open(session) - n_counted >= self.in_all:
+        if games.count_open(session) - n_counted >= self.total:
             raise TooManyGames(
-                f"All {self.in_all} places are taken at the moment. Games are short: try again in "
+                f"All {self.total} places are taken at the moment. Games are short: try again in "
                 "a minute. Whoever runs this server can allow more (TRIL_MAX_GAMES)."
             )

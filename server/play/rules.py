@@ -1,4 +1,4 @@
-"""The times by which games are played and kept."""
+"""Timing and limits of games in a process."""
 
 from __future__ import annotations
 
@@ -8,22 +8,21 @@ from datetime import timedelta
 
 @dataclass(frozen=True)
 class PlayRules:
-    """The times by which games are played and kept.
+    """Timing and limits of games in a process.
 
     Attributes:
-        countdown: Whole seconds counted down before a game goes on.
-        countdown_second_s: How long such a second lasts.
-        save_every_s: Most seconds between commits of a game. With the time that a commit itself
-            takes, less than a second of a game, 60 frames, is ever not on disk.
-        stalled_after_s: A game is paused when its page draws nothing for so long.
-        forgotten_after_s: A game without a page leaves this process's memory after so long; it
-            goes on from what is saved.
-        idle_after: A game that stands still before its page for so long, never begun or paused,
-            becomes an unfinished recording.
-        abandoned_after: A game that nobody plays for so long becomes an unfinished recording.
-        decided_after: A finished game that nobody decided about is kept after so long.
+        countdown: Whole seconds counted down before a game resumes.
+        countdown_second_s: Duration of one such second.
+        save_every_s: Longest time between commits of a game, seconds. With the time that a commit
+            takes, a crash loses less than a second of a game, 60 frames.
+        stalled_after_s: Seconds without an acknowledgement after which a game is paused.
+        forgotten_after_s: Seconds after which a game without a page is unloaded from memory.
+        idle_after: When a game that was never begun, or was paused, before its page ends as an
+            unfinished recording.
+        abandoned_after: When a game that nobody plays ends as an unfinished recording.
+        decided_after: When a finished game that its player neither kept nor discarded is kept.
         sweep_every_s: Seconds between looks for such games.
-        max_games: Most games that one process plays at the same time; so many consoles are loaded.
+        max_games: Most games in one process; as many consoles are loaded ahead.
     """
 
     countdown: int = 3
@@ -39,4 +38,3 @@ class PlayRules:
 
 
 DEFAULT_RULES = PlayRules()
-"""The times by which people play."""

@@ -1,4 +1,4 @@
-"""The WebSocket of a game: what a page sends, and what becomes of it."""
+"""The WebSocket of a game: receives a page's messages and passes them to its session."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from tril.store.games import GameOver
 
 router = APIRouter()
 
-_TRY_AGAIN_LATER = 1013
 _TAB = re.compile(r"[0-9A-Za-z-]{1,36}")
 
 
@@ -33,7 +32,7 @@ async def play(
 async def play_over(
     websocket: WebSocket, connection: Connection, game_id: str, tab: str | None
 ) -> None:
-    """Play a game over a WebSocket, shown by a connection of it, until it closes."""
+    """Play a game over a WebSocket and a connection on top of it, until it closes."""
     await websocket.accept()
     tab = tab or str(uuid4())
     if not _TAB.fullmatch(tab):
@@ -43,21 +42,19 @@ async def play_over(
         session = await services_of(websocket).games.join(game_id, tab, connection)
     except NotFound:
         await connection.close(Close.NO_SUCH_GAME, "There is no such game.")
-        return
     except GameOver as error:
         await connection.close(Close.GAME_OVER, str(error))
-        return
     except Unavailable as error:
-        await connection.close(_TRY_AGAIN_LATER, str(error))
-        return
-    try:
-        await _listen(websocket, connection, session)
-    finally:
-        connection.is_open = False
-        await session.detach(connection)
+        await connection.close(Close.TRY_AGAIN_LATER, str(error))
+    else:
+        try:
+            await _receive(websocket, connection, session)
+        finally:
+            connection.is_open = False
+            await session.detach(connection)
 
 
-async def _listen(websocket: WebSocket, connection: Connection, session: PlaySession) -> None:
+async def _receive(websocket: WebSocket, connection: Connection, session: PlaySession) -> None:
     while True:
         event = await websocket.receive()
         if event["type"] == "websocket.disconnect":
@@ -66,7 +63,7 @@ async def _listen(websocket: WebSocket, connection: Connection, session: PlaySes
         try:
             message = parse_client(event.get("text") or "" if data is None else data)
             if isinstance(message, Command):
-                await session.obey(message)
+                await session.handle(message)
             elif isinstance(message, SpeedMessage):
                 session.set_speed(message.percent)
             else:

@@ -1,13 +1,11 @@
-"""Middleware at the door, as pure ASGI: it sees HTTP and WebSockets alike, before any route.
+"""ASGI middleware for HTTP and WebSockets: security headers, origin, authentication, body size.
 
-Neither uvicorn nor Starlette checks the Origin of a WebSocket, and cookies of 127.0.0.1 go to
-every port of it: a page of another local server is kept out here.
+Neither uvicorn nor Starlette checks the Origin of a WebSocket, and browsers send the cookies of
+127.0.0.1 to each of its ports: without these checks a page of another local server could connect.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
 from urllib.parse import urlsplit
 
 from fastapi import HTTPException
@@ -18,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from server.dependencies import services_of
 from server.web.problems import problem
 
-OPEN_PATHS = frozenset({"/api/health"})
+PUBLIC_PATHS = frozenset({"/api/health"})
 CLOSE_UNAUTHORISED = 4401
 
 MAX_BODY_BYTES = 1024 * 1024
@@ -44,11 +42,11 @@ SECURITY_HEADERS = {
 
 
 class SameOrigin:
-    """Refuses requests that name a host that isn't ours, or come from another site's page.
+    """Refuses requests to an unknown host name and requests from other sites' pages (403).
 
     Args:
-        app: What comes behind.
-        host_names: Lower-case names (without port) under which this server is reached.
+        app: The application behind.
+        host_names: Names of this server, lower case and without port.
     """
 
     def __init__(self, app: ASGIApp, host_names: frozenset[str]) -> None:
@@ -56,11 +54,11 @@ class SameOrigin:
         self._host_names = host_names
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on or refuse it with 403; a WebSocket's handshake alike."""
+        """Pass a request on or refuse it."""
         if scope["type"] in {"http", "websocket"} and (refusal := self._refusal(scope)):
             await _refuse(scope, receive, send, 403, refusal)
-            return
-        await self._app(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> str | None:
         headers = Headers(scope=scope)
@@ -81,8 +79,8 @@ class SameOrigin:
         return None
 
 
-class SignedIn:
-    """Refuses requests to the API without a good cookie: 401, or a WebSocket closed with 4401."""
+class Authentication:
+    """Refuses requests to the API without a valid cookie (401; 4401 closes a WebSocket)."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -90,35 +88,35 @@ class SignedIn:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on or refuse it."""
         if (
-            scope["type"] in {"http", "websocket"}
-            and _is_api(scope)
-            and scope["path"] not in OPEN_PATHS
-            and not has_cookie(HTTPConnection(scope))
+            scope["type"] not in {"http", "websocket"}
+            or not _is_api(scope)
+            or scope["path"] in PUBLIC_PATHS
+            or is_signed_in(HTTPConnection(scope))
         ):
-            why = "You are not signed in. Open the address that Tril printed when it started."
-            if scope["type"] == "websocket":
-                await send({"type": "websocket.accept"})
-                await send({"type": "websocket.close", "code": CLOSE_UNAUTHORISED, "reason": why})
-            else:
-                await _refuse(scope, receive, send, 401, why)
+            await self._app(scope, receive, send)
             return
-        await self._app(scope, receive, send)
+        why = "You are not signed in. Open the address that Tril printed when it started."
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.accept"})
+            await send({"type": "websocket.close", "code": CLOSE_UNAUTHORISED, "reason": why})
+        else:
+            await _refuse(scope, receive, send, 401, why)
 
 
-def has_cookie(connection: HTTPConnection) -> bool:
-    """Whether a request carries a good cookie."""
+def is_signed_in(connection: HTTPConnection) -> bool:
+    """Whether a request carries a valid cookie."""
     access = services_of(connection).access
     return access.is_cookie(connection.cookies.get(access.cookie_name, ""))
 
 
-class BoundedBody:
-    """Refuses bodies that are too large, also those that don't say how large they are."""
+class BodyLimit:
+    """Refuses bodies that are too large, whether or not they declare their length (413)."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, counting what its body brings."""
+        """Pass a request on and count the bytes of its body."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -130,7 +128,7 @@ class BoundedBody:
             return
         received = 0
 
-        async def counted() -> Message:
+        async def receive_counted() -> Message:
             nonlocal received
             message = await receive()
             received += len(message.get("body", b""))
@@ -138,22 +136,19 @@ class BoundedBody:
                 raise HTTPException(413, too_large)
             return message
 
-        await self._app(scope, counted, send)
+        await self._app(scope, receive_counted, send)
 
 
 class SecurityHeaders:
-    """Adds to every answer what browsers have to be told."""
+    """Adds security headers to every answer, and no-store to those of the API."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and complete its answer."""
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
+        """Pass a request on and complete the headers of its answer."""
 
-        async def completed(message: Message) -> None:
+        async def send_completed(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 for name, value in SECURITY_HEADERS.items():
@@ -162,17 +157,7 @@ class SecurityHeaders:
                     headers.setdefault("Cache-Control", "no-store")
             await send(message)
 
-        await self._app(scope, receive, completed)
-
-
-def layers(host_names: frozenset[str]) -> list[tuple[Callable[..., Any], dict[str, Any]]]:
-    """Return the middleware with its arguments, outermost first."""
-    return [
-        (SecurityHeaders, {}),
-        (SameOrigin, {"host_names": host_names}),
-        (SignedIn, {}),
-        (BoundedBody, {}),
-    ]
+        await self._app(scope, receive, send_completed)
 
 
 def _is_api(scope: Scope) -> bool:
@@ -193,7 +178,7 @@ def _host_and_port(url: str) -> tuple[str, int] | None:
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, why: str) -> None:
     if scope["type"] == "websocket":
-        # Closed before it was accepted: the browser sees a refused handshake.
+        # Closing before accepting refuses the handshake.
         await send({"type": "websocket.close", "code": 1008, "reason": why})
         return
     await problem(status, why)(scope, receive, send)

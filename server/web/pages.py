@@ -1,4 +1,4 @@
-"""The page: the built frontend's files, and the way in by token."""
+"""The pages: the files of the built frontend, and sign-in by token."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, R
 from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
-from server.web.middleware import has_cookie
+from server.web.middleware import is_signed_in
 from server.web.problems import problem
 from server.web.security import COOKIE_LIFETIME_S
 from tril.errors import Unavailable
 
-FRONTEND = Path(__file__).resolve().parents[2] / "frontend" / "dist"
+FRONTEND = Path(__file__).with_name("static")
 _HASHED = "/assets/"
-"""Under which the build puts files whose names change with their content."""
-_FOR_EVER = "public, max-age=31536000, immutable"
+"""Where the build puts files whose names change with their content."""
+_IMMUTABLE = "public, max-age=31536000, immutable"
 
 _PAGE = """<!doctype html>
 <html lang="en">
@@ -34,10 +34,10 @@ _PAGE = """<!doctype html>
 
 
 class Frontend:
-    """The built frontend. Only files that were found by listing it can be asked for.
+    """The built frontend; only files found by listing its folder are served.
 
     Args:
-        folder: Where the build is.
+        folder: The build.
     """
 
     def __init__(self, folder: Path = FRONTEND) -> None:
@@ -47,7 +47,7 @@ class Frontend:
 
     @property
     def index(self) -> Path:
-        """The one page.
+        """The application's page.
 
         Raises:
             Unavailable: The frontend was not built.
@@ -60,7 +60,7 @@ class Frontend:
         return path
 
     def find(self, path: str) -> Path | None:
-        """Return the file of the build under a URL path, None if there is none."""
+        """Return the file for a URL path, None if there is none."""
         built_at = self.index.stat().st_mtime_ns
         if built_at != self._built_at:
             self._files = {
@@ -78,7 +78,7 @@ def check_frontend(folder: Path = FRONTEND) -> None:
 
 
 class Pages:
-    """Answers whatever no route of the API answers: files, pages, and the way in.
+    """Answers what no route of the API matches: files, pages and sign-in.
 
     Args:
         frontend: The built frontend.
@@ -105,22 +105,22 @@ class Pages:
 
     def _page(self, request: Request, path: str) -> Response:
         if path == "/" and "token" in request.query_params:
-            return _let_in(request)
+            return _sign_in(request)
         file = self._frontend.find(path)
         if file is not None and file != self._frontend.index:
             media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
-            cached = _FOR_EVER if path.startswith(_HASHED) else "no-cache"
+            cached = _IMMUTABLE if path.startswith(_HASHED) else "no-cache"
             return FileResponse(file, media_type=media_type, headers={"Cache-Control": cached})
         if "." in path.rpartition("/")[2]:
             return PlainTextResponse("There is no such file.", 404)
-        if not has_cookie(request):
-            return _keep_out(request)
+        if not is_signed_in(request):
+            return _not_signed_in(request)
         return FileResponse(
             self._frontend.index, media_type="text/html", headers={"Cache-Control": "no-store"}
         )
 
 
-def _let_in(request: Request) -> Response:
+def _sign_in(request: Request) -> Response:
     access = services_of(request).access
     if not access.is_token(request.query_params["token"]):
         return _small_page(
@@ -142,11 +142,11 @@ def _let_in(request: Request) -> Response:
     return answer
 
 
-def _keep_out(request: Request) -> Response:
-    # Browsers keep a SameSite=Strict cookie back when a link on another site leads here; once this
-    # page is shown, loading it again comes from here and brings the cookie.
+def _not_signed_in(request: Request) -> Response:
+    # Browsers withhold a SameSite=Strict cookie when a link on another site leads here. A reload
+    # starts from this page and sends the cookie.
     again = request.headers.get("sec-fetch-site") in {"cross-site", "same-site"}
-    # One slash at the start and everything quoted: the address stays one of this server.
+    # One leading slash and everything quoted, so that the address stays on this server.
     here = quote("/" + request.url.path.lstrip("/"))
     head = f'\n<meta http-equiv="refresh" content="0; url={here}">' * again
     return _small_page(

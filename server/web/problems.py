@@ -1,4 +1,4 @@
-"""Errors to answers: every one is a Problem that says what is wrong and what to do."""
+"""Error responses: each is a Problem that says what is wrong and what to do."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DATABASE_BUSY = "The database is busy with another change. Try again in a moment
 
 
 class Problem(BaseModel):
-    """Every error's body. ``detail`` says what is wrong and what to do."""
+    """The body of every error. ``detail`` says what is wrong and what to do."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -48,24 +48,24 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
     422: {"model": Problem, "description": "What was given can't be accepted."},
     503: {"model": Problem, "description": "A part of Tril is not running or out of room."},
 }
-"""Answers that any route may give."""
+"""Errors that any route may answer."""
 
 NOT_FOUND: dict[int | str, dict[str, Any]] = {
-    404: {"model": Problem, "description": "There is no such thing (any more)."}
+    404: {"model": Problem, "description": "It does not exist."}
 }
 CONFLICT: dict[int | str, dict[str, Any]] = {
-    409: {"model": Problem, "description": "It contradicts what has happened since."}
+    409: {"model": Problem, "description": "The current state does not allow it."}
 }
 
 
 def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None) -> JSONResponse:
-    """Build the answer for an error."""
+    """Build an error response."""
     body = Problem(detail=detail, errors=errors).model_dump()
     return JSONResponse(body, status_code=status)
 
 
 def explain_database_error(error: OperationalError) -> Unavailable | None:
-    """Return what a person can do about a failure of the database, None if that is unknown."""
+    """Return what the user can do about a database error, None if that is unknown."""
     text = str(error.orig).lower()
     if "disk is full" in text or "no space left" in text:
         return Unavailable(DISK_FULL)
@@ -75,7 +75,7 @@ def explain_database_error(error: OperationalError) -> Unavailable | None:
 
 
 def install(app: FastAPI) -> None:
-    """Make the application answer every error with a Problem."""
+    """Answer every error of an application with a Problem."""
     app.add_exception_handler(TrilError, _on_tril_error)
     app.add_exception_handler(HTTPException, _on_http_exception)
     app.add_exception_handler(RequestValidationError, _on_validation_error)
@@ -83,7 +83,7 @@ def install(app: FastAPI) -> None:
 
 
 def status_of(error: TrilError) -> int:
-    """Return the HTTP status that stands for a situation."""
+    """Return the HTTP status of an error."""
     for kind, status in _STATUS.items():
         if isinstance(error, kind):
             return status

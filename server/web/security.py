@@ -1,4 +1,4 @@
-"""Who may talk to the server: one token, a signed cookie, and requests from this page only."""
+"""Authentication: one access token, exchanged for a signed cookie."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _CLOCK_SLACK_S = 300
 
 @dataclass(frozen=True)
 class Secrets:
-    """What only this installation knows; kept in a file that only its owner can read.
+    """The secrets of this installation, kept in a file that only its owner can read.
 
     Attributes:
-        token: What the printed address carries.
-        cookie_key: Key with which cookies are signed.
+        token: The access token in the printed address.
+        cookie_key: The key that signs cookies.
     """
 
     token: str
@@ -41,10 +41,10 @@ class Secrets:
 
 
 def load_secrets(path: Path) -> Secrets:
-    """Read the secrets, making them the first time; the same ones come back ever after.
+    """Read the secrets, or make them the first time.
 
     Raises:
-        Unavailable: The file is there but can't be read.
+        Unavailable: The file exists but can't be read.
     """
     if not path.exists():
         _make_secrets(path)
@@ -71,7 +71,7 @@ def _make_secrets(path: Path) -> None:
     ready = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
         write_whole(ready, json.dumps(content).encode(), mode=0o600)
-        # Unlike a rename, a link fails when the name is taken: whoever came first has won.
+        # Unlike a rename, a link fails if the name is taken: the first process wins.
         os.link(ready, path)
     except FileExistsError:
         pass
@@ -83,8 +83,8 @@ class Access:
     """Checks tokens and cookies.
 
     Args:
-        settings: Say where the secrets are and which port names the cookie: cookies of one host
-            are shared by all its ports, and two Trils may run side by side.
+        settings: The file of the secrets and the port. The port is part of the cookie's name,
+            because the ports of a host share its cookies and two Trils may run side by side.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -92,16 +92,16 @@ class Access:
         self.cookie_name = cookie_name(settings)
 
     def is_token(self, token: str) -> bool:
-        """Whether this is the installation's token; takes the same time for any wrong one."""
+        """Whether this is the installation's token, compared in constant time."""
         return hmac.compare_digest(token.encode(), self._secrets.token.encode())
 
     def new_cookie(self) -> str:
-        """Return a cookie for a browser that showed the token."""
+        """Return a cookie for a browser that has shown the token."""
         issued = str(int(time.time()))
         return f"{issued}.{self._signature(issued)}"
 
     def is_cookie(self, cookie: str) -> bool:
-        """Whether a cookie was issued here and is still good."""
+        """Whether a cookie was issued here and has not expired."""
         issued, _, signature = cookie.partition(".")
         if not hmac.compare_digest(signature.encode(), self._signature(issued).encode()):
             return False
@@ -114,12 +114,12 @@ class Access:
 
 
 def cookie_name(settings: Settings) -> str:
-    """Return the name of the cookie of a server."""
+    """Return the name of a server's cookie."""
     return f"tril_{settings.port}"
 
 
 def address_with_token(settings: Settings, url: str) -> str:
-    """Return the address that lets a browser in: a server's URL with the token in it."""
+    """Return a server's address with the access token, which signs a browser in."""
     return f"{url.rstrip('/')}/?token={quote(load_secrets(settings.token_file).token)}"
 
 
@@ -127,7 +127,7 @@ _TOKEN = re.compile(r"(token=)[^&\s\"']+", re.IGNORECASE)
 
 
 class MaskToken(logging.Filter):
-    """Keeps the token out of a log, whatever logs an address that carries it."""
+    """Logging filter that masks the access token in addresses."""
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Mask the token in a record's message and its arguments."""

@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from cli.commands.reproduce import _is_usable
 from cli.main import app
-from tril.store.models import RunRow, RunStatus
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 runner = CliRunner()
@@ -48,7 +46,7 @@ def test_recordings_are_imported_in_order_and_exported_again(three: Path, tmp_pa
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_what_is_missing_for_a_training_is_said() -> None:
+def test_a_training_without_a_ranking_is_refused() -> None:
     output = _run("train", "column-3", status=1)
     assert "at least two tiers" in output
 
@@ -72,9 +70,7 @@ def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
 
 
 @pytest.mark.usefixtures("data_folder")
-def test_a_behaviour_goes_into_a_file_and_comes_back_as_another(
-    three: Path, tmp_path: Path
-) -> None:
+def test_an_exported_behaviour_is_imported_as_a_new_one(three: Path, tmp_path: Path) -> None:
     _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
     file = tmp_path / "column-1.tril.json"
     output = _run("behaviours", "export", "column-1", "-o", str(file))
@@ -110,7 +106,7 @@ def test_a_backup_is_made_checked_and_worked_on(
     assert (found["n_recordings"], found["n_runs"]) == (3, 0)
     assert "not empty" in _run("backup", str(tmp_path / "backup"), status=1)
     assert "Name the folder" in _run("backup", "--check", status=1)
-    assert "no backup" in _run("backup", str(tmp_path), "--check", status=1)
+    assert "not a Tril backup" in _run("backup", str(tmp_path), "--check", status=1)
     monkeypatch.setenv("TRIL_DATA", str(tmp_path / "backup"))
     assert "3 of 3 recordings verify" in _run("recordings", "verify", "-b", "column-1")
 
@@ -124,35 +120,4 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 @pytest.mark.usefixtures("data_folder")
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
-    assert "there are scripted, human, six, twenty-four, no-wrong, no-gradual" in output
-
-
-@pytest.mark.parametrize(
-    ("example", "status", "usable"),
-    [
-        (True, RunStatus.DONE, True),
-        (True, RunStatus.QUEUED, True),
-        (True, RunStatus.FAILED, False),
-        (False, RunStatus.DONE, False),
-    ],
-)
-def test_results_are_made_from_examples_that_are_not_lost(
-    example: bool, status: RunStatus, usable: bool
-) -> None:
-    row = RunRow(example=example, status=status)
-    assert _is_usable(row) is usable
-
-
-@pytest.mark.usefixtures("data_folder")
-def test_only_the_fast_recipe_as_it_comes_is_tried_without_its_factors(tmp_path: Path) -> None:
-    for change in (["--recipe", "paper"], ["--set", "policy.n_epochs=9"]):
-        output = _run("reproduce", "--ablation", *change, "-o", str(tmp_path), status=1)
-        assert "known of the recipe fast alone" in output
-    for two in (
-        ["--ablation", "--own-starts"],
-        ["--ablation", "--demonstrations", "human"],
-        ["--own-starts", "--demonstrations", "six"],
-    ):
-        assert "each by itself" in _run("reproduce", *two, "-o", str(tmp_path), status=1)
-    output = _run("reproduce", "--demonstrations", "seven", "-o", str(tmp_path), status=1)
-    assert "there are scripted, human, six" in output
+    assert "choose one of scripted, human, six, twenty-four, no-wrong, no-gradual" in output

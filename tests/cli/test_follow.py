@@ -11,8 +11,8 @@ import pytest
 
 from cli.follow import MAX_WORKER_FAILURES, follow, standby_worker
 from cli.workspace import Workspace
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Unavailable
 from tril.store.models import RunStatus
 

@@ -16,8 +16,8 @@ from pathlib import Path
 import psutil
 
 from cli.supervision.supervisor import Child, Supervisor
-from cli.workspace import bring_up_to_date
-from tests.waiting import wait_until
+from cli.workspace import migrate_databases
+from testsupport.waiting import wait_until
 from tril.settings import Settings
 
 Lines = queue.Queue[tuple[str, str]]
@@ -66,7 +66,7 @@ def test_a_killed_child_is_announced_and_started_again() -> None:
     with _supervised(Child("one", _python(WAITING))) as (lines, _):
         first = int(_next(lines, "one"))
         os.kill(first, signal.SIGKILL)
-        assert _next(lines, "tril") == "one stopped (signal SIGKILL); it starts again in 1 s."
+        assert _next(lines, "tril") == "one stopped (signal SIGKILL); restarting in 1 s."
         second = int(_next(lines, "one"))
         assert second != first
     assert not _is_alive(second)
@@ -74,9 +74,9 @@ def test_a_killed_child_is_announced_and_started_again() -> None:
 
 def test_the_delay_before_a_restart_doubles() -> None:
     with _supervised(Child("one", _python("raise SystemExit(3)"))) as (lines, _):
-        assert _next(lines, "tril") == "one stopped (exit code 3); it starts again in 1 s."
-        assert _next(lines, "tril") == "one started again."
-        assert _next(lines, "tril") == "one stopped (exit code 3); it starts again in 2 s."
+        assert _next(lines, "tril") == "one stopped (exit code 3); restarting in 1 s."
+        assert _next(lines, "tril") == "one restarted."
+        assert _next(lines, "tril") == "one stopped (exit code 3); restarting in 2 s."
 
 
 def test_stop_ends_children_that_ignore_the_request_and_what_they_left() -> None:
@@ -107,7 +107,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 def test_a_child_ends_when_its_supervisor_is_killed_before_the_child_has_imported_anything(
     data_folder: Path,
 ) -> None:
-    bring_up_to_date(Settings())  # without it the worker ends by itself
+    migrate_databases(Settings())  # without it the worker ends by itself
     assert data_folder.exists()
     done = subprocess.run(_python(STARTS_AND_DIES), stdout=subprocess.PIPE, text=True)
     child = int(done.stdout)

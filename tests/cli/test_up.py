@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from cli.main import app
 from cli.supervision.lock import lock_data_folder
-from cli.workspace import bring_up_to_date
+from cli.workspace import migrate_databases
 from tril.errors import Unavailable
 from tril.settings import Settings
 
@@ -66,7 +66,7 @@ def test_a_damaged_database_is_named_with_a_way_out(
 
 def test_damaged_secrets_are_refused_before_anything_starts(data_folder: Path) -> None:
     settings = Settings()
-    bring_up_to_date(settings)
+    migrate_databases(settings)
     settings.token_file.write_text("{")
     assert f"{settings.token_file} can't be read" in _refusal("up", "--port", "0", "--no-browser")
     assert data_folder.exists()

@@ -8,7 +8,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize
 
-from tests.server.live import LiveServer, cookie
+from testsupport.live import LiveServer, cookie
 
 DESKTOP = ViewportSize(width=1280, height=900)
 PATIENCE_MS = 15_000

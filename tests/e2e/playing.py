@@ -9,7 +9,7 @@ from typing import Any
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.pages import signed_in
-from tests.server.live import LiveServer
+from testsupport.live import LiveServer
 
 FULL_TIME = "20.0 s"
 

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, CDPSession, Locator, Page, expect
 
 from tests.e2e.pages import DESKTOP
 from tests.e2e.playing import expect_running, kept_as, play_page
-from tests.server.live import LiveServer
+from testsupport.live import LiveServer
 from tril.game.space_invaders import Action
 
 PHONE: dict[str, Any] = {

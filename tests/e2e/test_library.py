@@ -16,8 +16,8 @@ from playwright.sync_api import Browser, Page, expect
 
 from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
-from tests.server.live import LiveServer, live_server
-from tests.workplace import FRAMES, Workplace
+from testsupport.live import LiveServer, live_server
+from testsupport.workplace import FRAMES, Workplace
 from tril.game.episode import Episode
 from tril.game.palette import palette_rgb
 from tril.recording import replay

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 
-from tests.e2e.running import RunningTril
+from testsupport.processes import TrilProcess
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 GAME_TIMEOUT_MS = 45_000
@@ -18,7 +18,7 @@ DRAG_TIMEOUT_S = 20
 BEHAVIOUR_1 = re.compile(r"/behaviours/\d+")
 
 
-def test_play_rank_train_and_look(page: Page, tmp_path: Path, running_tril: RunningTril) -> None:
+def test_play_rank_train_and_look(page: Page, tmp_path: Path, running_tril: TrilProcess) -> None:
     page.get_by_role("link", name=re.compile("Column 1")).first.click()
     page.wait_for_url(BEHAVIOUR_1)
     _play_for_twenty_seconds(page)

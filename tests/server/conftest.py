@@ -11,8 +11,8 @@ from starlette.testclient import TestClient
 from server import services
 from server.play.replays import ReplayProcess
 from tests.server.clients import build_frontend, signed_in
-from tests.server.live import LiveServer, live_server
-from tests.workplace import Workplace, make_workplace
+from testsupport.live import LiveServer, live_server
+from testsupport.workplace import Workplace, make_workplace
 
 
 class SharedReplays(ReplayProcess):

@@ -15,29 +15,22 @@ from starlette.testclient import TestClient
 
 from server.clips import ClipKind, ClipMaker
 from server.clips.render import FRAMES_PER_PICTURE, PICTURE_MS, brightest
-from tests.workplace import FRAMES, Workplace
+from tests.server.clients import replayed, stored
+from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
-from tril.game.episode import Episode
+from tril.game.console import Console
 from tril.game.palette import palette_grayscale, palette_rgb
-from tril.recording import Recording, replay
-from tril.store import recordings
+from tril.recording import Recording
 
 
 @pytest.fixture
 def recording(workplace: Workplace) -> Recording:
-    with workplace.database.reading() as session:
-        return recordings.as_recording(recordings.get(session, workplace.ranked[3]))
+    return stored(workplace.database, workplace.ranked[3])
 
 
 @pytest.fixture
 def screens(recording: Recording) -> npt.NDArray[np.uint8]:
-    seen: list[npt.NDArray[np.uint8]] = []
-
-    def look(episode: Episode) -> None:
-        seen.append(episode.console.screen_palette())
-
-    replay(recording, on_frame=look)
-    return np.array(seen)
+    return np.array(replayed(recording, Console.screen_palette))
 
 
 def clip(client: TestClient, recording_id: int, kind: str) -> bytes:

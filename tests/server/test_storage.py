@@ -1,4 +1,4 @@
-"""How much room Tril takes, by what for."""
+"""Disk usage by purpose."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.storage import StorageMeter, StorageUse, measure
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.settings import Settings
 
 

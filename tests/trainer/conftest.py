@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.workplace import Workplace
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import Workplace
 from tril.jobs import Jobs
 
 

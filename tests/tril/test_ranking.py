@@ -54,7 +54,7 @@ def test_a_recording_has_only_one_place() -> None:
         normalise([[4, 4]])
 
 
-def test_recordings_are_taken_out_with_the_tiers_that_this_empties() -> None:
+def test_removing_recordings_drops_empty_tiers() -> None:
     assert Ranking(((1,), (2, 3), (4,))).without({1, 3}) == Ranking(((2,), (4,)))
 
 

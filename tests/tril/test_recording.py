@@ -121,7 +121,7 @@ def test_a_changed_action_is_noticed_as_soon_as_it_changes_the_ram_at_a_hash(
     if ram_each_second(recording.actions) == ram_each_second(bytes(changed)):
         assert verify(forged, console=console).replay.ram_hashes == recording.ram_hashes
     else:
-        with pytest.raises(RecordingRefused, match="differs from what was recorded"):
+        with pytest.raises(RecordingRefused, match="differs from the recording"):
             verify(forged, console=console)
 
 
@@ -177,7 +177,7 @@ def test_an_episode_under_way_is_not_recorded_from_the_middle(console: Console) 
 
 
 @pytest.mark.parametrize("extra", [1, 59, 60, 500])
-def test_what_follows_the_hit_on_the_player_is_cut(
+def test_actions_after_the_hit_on_the_player_are_cut(
     console: Console, hit_game: Recording, extra: int
 ) -> None:
     actions = hit_game.actions + bytes(extra)

@@ -1,7 +1,7 @@
-"""Attention maps: where in a state the reward model looks (thesis, section 6.1).
+"""Attention maps by occlusion: what the reward model looks at in a state (thesis, section 6.1).
 
-A 3x3 patch of the game's background is moved over each of the four screens of an observation, one
-screen at a time. The absolute change of R is added to the nine pixels that the patch covers.
+A 3x3 patch of the game's background occludes each place of each of an observation's four screens.
+The absolute change of R is added to the nine pixels under the patch.
 """
 
 from __future__ import annotations
@@ -16,49 +16,42 @@ import torch
 from trainer.explain.occlusion import PATCH, OccludedOutputs
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
+from tril.analysis.outcome import AttentionState
 from tril.game.observation import OBSERVATION_SHAPE
 from tril.game.space_invaders import BACKGROUND
 
 POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
-"""Patches per side, all that lie wholly inside. (T-REX's code leaves the last two out.)"""
+"""Positions per side of patches that lie inside the screen; T-REX's code omits the last two."""
 
 BATCH = 128
-"""Masked observations per forward pass."""
-
-STATES = (
-    ("minimum", 0.0),
-    ("90th percentile", 0.9),
-    ("95th percentile", 0.95),
-    ("maximum", 1.0),
-)
-"""The states that the thesis looks at, by their place among all states sorted by R."""
+"""Occluded observations per forward pass."""
 
 
 @dataclass(frozen=True)
 class NamedState:
-    """A state of a demonstration, picked by its reward.
+    """A state of a demonstration, chosen by its reward.
 
     Attributes:
-        name: One of the names in STATES.
+        name: Which of the states that the thesis looks at.
         trajectory: Index of the trajectory.
         step: Index of the observation in it; 0 is the start.
         reward: R of the observation.
     """
 
-    name: str
+    name: AttentionState
     trajectory: int
     step: int
     reward: float
 
 
 def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState, ...]:
-    """Pick the states of minimum, 90th and 95th percentile, and maximum R (thesis, section 6.1).
+    """Return the states of minimum, 90th and 95th percentile, and maximum R (thesis, section 6.1).
 
     Args:
         rewards: For each ranked demonstration R of its observations, float32 (T + 1,).
 
     Returns:
-        The states in the order of STATES; of equal rewards the earliest comes first.
+        The states in the order of AttentionState; of equal rewards the earliest comes first.
     """
     if not rewards or not sum(len(part) for part in rewards):
         raise ValueError("Expected at least one state to pick from.")
@@ -66,8 +59,8 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
     origins = [(i, step) for i, part in enumerate(rewards) for step in range(len(part))]
     order = np.argsort(values, kind="stable")
     picked = []
-    for name, share in STATES:
-        at = int(order[round(share * (len(values) - 1))])
+    for name in AttentionState:
+        at = int(order[round(name.quantile * (len(values) - 1))])
         trajectory, step = origins[at]
         picked.append(NamedState(name, trajectory, step, float(values[at])))
     return tuple(picked)
@@ -76,20 +69,18 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
 def attention_map(
     model: RewardModel, observation: npt.NDArray[np.uint8], progress: Progress | None = None
 ) -> npt.NDArray[np.float32]:
-    """Return the attention of the reward model in one state.
+    """Return the attention map of the reward model in one state.
 
-    Only patches that change something are tried, and only what they change of the first two layers
-    is computed anew (see OccludedOutputs). Up to rounding, the result equals trying every position
-    by brute force.
+    Patches that change no pixel are skipped, and only what a patch changes of the first two layers
+    is recomputed (see OccludedOutputs). The result equals brute force up to rounding.
 
     Args:
         model: The reward model; its raw R is used.
         observation: uint8 (4, 84, 84).
-        progress: Told about every batch.
+        progress: Counts patches.
 
     Returns:
-        float32 (4, 84, 84), non-negative, one map for each of the four screens; the published
-        map is their sum.
+        float32 (4, 84, 84), non-negative, one map per screen; the published map is their sum.
 
     Raises:
         ValueError: The observation has another shape or dtype.
@@ -109,7 +100,7 @@ def changes_at(
     positions: npt.NDArray[np.int64],
     progress: Progress,
 ) -> npt.NDArray[np.float32]:
-    """Return |R(masked) - R|, float32 (N,), for patches int64 (N, 3): screen, row, column."""
+    """Return |R(occluded) - R|, float32 (N,), for patches int64 (N, 3): screen, row, column."""
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
         pixels = torch.from_numpy(observation.astype(np.float32))
@@ -133,7 +124,7 @@ def changing_positions(observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.int
 def spread(
     positions: npt.NDArray[np.int64], changes: npt.NDArray[np.float32]
 ) -> npt.NDArray[np.float32]:
-    """Add each patch's change to the nine pixels that it covers; float32 (4, 84, 84)."""
+    """Add each patch's change to the nine pixels under it; float32 (4, 84, 84)."""
     at_corner = np.zeros((OBSERVATION_SHAPE[0], POSITIONS, POSITIONS), np.float64)
     at_corner[tuple(positions.T)] = changes
     result = np.zeros(OBSERVATION_SHAPE, np.float64)

@@ -1,4 +1,4 @@
-"""Observations as networks read them fastest."""
+"""Observations in channels-last memory order, which convolutions read fastest."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from tril.game.observation import SIZE, STACK, Observations
 
 
 def channels_last_screens(observations: Observations, out: Observations | None = None) -> Tensor:
-    """Return observations in channels-last order, uint8 (N, 4, 84, 84).
+    """Return observations as a tensor in channels-last order, uint8 (N, 4, 84, 84).
 
-    Convolutions read that order. Turning bytes into numbers is 20 times as fast from it as from
-    the order in which games are observed, and interleaving bytes is what OpenCV is fastest at.
+    Converting bytes to floats is 20 times as fast from this order as from the one in which games
+    are observed, and OpenCV interleaves bytes fastest.
 
     Args:
         observations: uint8 (N, 4, 84, 84).
-        out: Where to put them, uint8 (N, 84, 84, 4). Without it into new memory, unless they are in
-            that order already.
+        out: Memory to write to, uint8 (N, 84, 84, 4). By default new memory, or none for
+            observations that are in this order already.
     """
     first, *others = observations.strides
     if out is None and first >= 0 and tuple(others) == (1, SIZE * STACK, STACK):
@@ -32,7 +32,7 @@ def channels_last_screens(observations: Observations, out: Observations | None =
 
 
 def take_screens(screens: Tensor, indices: Tensor) -> Tensor:
-    """Return some of these observations, in channels-last order as they are themselves.
+    """Return the observations at some indices, in channels-last order.
 
     Args:
         screens: uint8 (N, 4, 84, 84), in channels-last order.

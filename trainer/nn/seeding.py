@@ -1,18 +1,17 @@
-"""PyTorch's own generator, held to an explicit one where something draws from it."""
+"""Explicit seeding of PyTorch's global generator, for code that draws from it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import torch
 
-Made = TypeVar("Made")
 
-
-def torch_generator_from(rng: np.random.Generator, make: Callable[[], Made]) -> Made:
-    """Call ``make`` while PyTorch's generator follows ``rng``, and leave it as it was after."""
+@contextmanager
+def torch_seeded(rng: np.random.Generator) -> Iterator[None]:
+    """Seed PyTorch's global generator from ``rng`` within the block and restore it afterwards."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(int(rng.integers(2**63)))
-        return make()
+        yield

@@ -1,7 +1,7 @@
 """Checkpoints of a PPO training: everything that its future depends on, in one file.
 
-A training that is killed and goes on from its checkpoint ends with the same weights, bit by bit,
-as one that was not, given the same number of threads, on the processor. A GPU may round otherwise.
+A training that is killed and continues from its checkpoint ends with the same weights, bit by bit,
+as an uninterrupted one, on the CPU with the same number of threads. A GPU may round differently.
 """
 
 from __future__ import annotations
@@ -13,15 +13,20 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save
+from safetensors import SafetensorError
 from torch import Tensor
 
-from trainer.nn.optimizers import optimizer_tensors, restore_optimizer
+from trainer.nn.checkpoints import (
+    by_prefix,
+    load_tensors,
+    optimizer_tensors,
+    prefixed,
+    restore_optimizer,
+    save_tensors,
+)
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.vec_env import TrilVecEnv
 from tril.errors import Invalid
-from tril.files.artifact_store import write_whole
 
 FORMAT = "tril-ppo-checkpoint"
 FORMAT_VERSION = 1
@@ -32,81 +37,74 @@ def save_checkpoint(
     ppo: ImitationPPO,
     env: TrilVecEnv,
     extra: dict[str, Any],
-    beside: Mapping[str, Tensor] | None = None,
+    discriminator: Mapping[str, Tensor],
 ) -> None:
-    """Write a checkpoint; call it between two rollouts only.
+    """Write a checkpoint, between two rollouts.
 
     Args:
-        path: The file, replaced whole.
+        path: The file, replaced as a whole.
         ppo: The training.
-        env: Its games.
-        extra: What else is to be kept, JSON-ready.
-        beside: Tensors of what learns beside the policy.
+        env: Its environments.
+        extra: Further JSON-ready state.
+        discriminator: Tensors of GAIL's discriminator; empty without one.
     """
     arrays = {f"games/{name}": array for name, array in env.save().items()}
     arrays["last/observations"] = ppo._last_obs
     arrays["last/episode_starts"] = ppo._last_episode_starts
+    parameters = dict(ppo.policy.named_parameters())
     tensors = {name: torch.from_numpy(np.array(array)) for name, array in arrays.items()}
-    tensors |= {f"policy/{name}": t for name, t in _own_tensors(ppo).items()}
-    adam = optimizer_tensors(ppo.policy.optimizer, list(ppo.policy.parameters()))
-    tensors |= {f"optimizer/{name}": t for name, t in adam.items()}
-    tensors |= {f"beside/{name}": tensor for name, tensor in (beside or {}).items()}
-    tensors["draws/actions"] = ppo.draws.actions.get_state()
+    # Not state_dict, which has the features extractor under three names.
+    tensors |= prefixed("policy", {name: p.detach() for name, p in parameters.items()})
+    adam = optimizer_tensors(ppo.policy.optimizer, list(parameters.values()))
+    tensors |= prefixed("optimizer", adam) | prefixed("beside", discriminator)
+    tensors["draws/actions"] = ppo.generators.actions.get_state()
     state = {
         "steps": ppo.num_timesteps,
         "updates": ppo._n_updates,
-        "order": ppo.draws.order.bit_generator.state,
+        "order": ppo.generators.minibatches.bit_generator.state,
         "extra": extra,
     }
     metadata = {"format": FORMAT, "version": str(FORMAT_VERSION), "state": json.dumps(state)}
-    write_whole(path, save({name: t.contiguous() for name, t in tensors.items()}, metadata))
+    save_tensors(path, tensors, metadata)
 
 
 def load_checkpoint(
     path: Path, ppo: ImitationPPO, env: TrilVecEnv
 ) -> tuple[dict[str, Any], dict[str, Tensor]]:
-    """Put a training where its checkpoint was; returns ``extra`` and ``beside``.
+    """Restore a training from its checkpoint.
 
     Args:
         path: The file.
-        ppo: A training made with the same recipe, as yet untrained.
-        env: Its games, not begun.
+        ppo: A new training by the same recipe.
+        env: Its environments, not reset yet.
+
+    Returns:
+        What save_checkpoint got as ``extra`` and ``discriminator``.
 
     Raises:
-        Invalid: The file is no checkpoint of this version.
+        Invalid: The file is no checkpoint of this format version.
     """
     try:
-        with safe_open(str(path), framework="pt") as file:
-            metadata = file.metadata() or {}
-            if (metadata.get("format"), metadata.get("version")) != (FORMAT, str(FORMAT_VERSION)):
-                raise Invalid(
-                    f"{path} is no checkpoint that this version can go on from. Remove it and the"
-                    " training begins anew."
-                )
-            state = json.loads(metadata["state"])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        tensors, metadata = load_tensors(path)
     except SafetensorError as error:
         raise Invalid(f"{path} cannot be read: {error}. Remove it to begin anew.") from error
-    groups: dict[str, dict[str, Tensor]] = {}
-    for name, tensor in tensors.items():
-        group, _, rest = name.partition("/")
-        groups.setdefault(group, {})[rest] = tensor
+    if (metadata.get("format"), metadata.get("version")) != (FORMAT, str(FORMAT_VERSION)):
+        raise Invalid(
+            f"{path} is no checkpoint that this version can continue from. Remove it and the"
+            " training begins anew."
+        )
+    state = json.loads(metadata["state"])
+    groups = by_prefix(tensors)
+    parameters = dict(ppo.policy.named_parameters())
     with torch.no_grad():
-        for name, parameter in ppo.policy.named_parameters():
+        for name, parameter in parameters.items():
             parameter.copy_(groups["policy"][name])
-    restore_optimizer(
-        ppo.policy.optimizer, list(ppo.policy.parameters()), groups.get("optimizer", {})
-    )
-    ppo.draws.actions.set_state(groups["draws"]["actions"])
-    ppo.draws.order.bit_generator.state = state["order"]
+    restore_optimizer(ppo.policy.optimizer, list(parameters.values()), groups.get("optimizer", {}))
+    ppo.generators.actions.set_state(groups["draws"]["actions"])
+    ppo.generators.minibatches.bit_generator.state = state["order"]
     ppo.num_timesteps = state["steps"]
     ppo._n_updates = state["updates"]
     env.restore({name: tensor.numpy() for name, tensor in groups["games"].items()})
     ppo._last_obs = groups["last"]["observations"].numpy()
     ppo._last_episode_starts = groups["last"]["episode_starts"].numpy()
     return state["extra"], groups.get("beside", {})
-
-
-def _own_tensors(ppo: ImitationPPO) -> dict[str, Tensor]:
-    # Not state_dict: that has the features extractor under three names.
-    return {name: tensor.detach() for name, tensor in ppo.policy.named_parameters()}

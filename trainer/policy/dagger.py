@@ -1,16 +1,16 @@
 """DAgger (Ross, Gordon, Bagnell 2011): a policy learned from an expert's corrections of its games.
 
 The expert is the scripted demonstrator. It is privileged: it reads the emulator's memory and looks
-ahead on the saved game. What comes of it shows what imitation could reach with a teacher that
-answers in every state; nothing else here learns from it.
+ahead in the saved game. The result is an upper bound: what imitation could reach with a teacher
+that answers in every state. Nothing else here learns from it.
 
 Algorithm 3.1 with these choices:
 
-- Iteration i plays by the expert with a probability of beta_i = p^(i-1) at each step, else by what
-  the policy finds likeliest. All states but the last one of each game are labelled.
-- The policy is learned anew on everything collected, as clones are (trainer.policy.cloning).
-- The policy kept is the best by what the learned reward pays in games from training starts, as
-  with PPO, instead of by the loss on a validation set.
+- In iteration i each step is the expert's with probability beta_i = p^(i-1), else the policy's
+  likeliest action. All states but the last one of each game are labelled.
+- The policy is trained anew on everything collected, as clones are (trainer.policy.cloning).
+- The policy kept is the one with the highest return of the learned reward in games from training
+  starts, as with PPO, instead of the one with the lowest loss on a validation set.
 """
 
 from __future__ import annotations
@@ -29,22 +29,24 @@ import torch
 
 from trainer.nn.devices import CPU
 from trainer.nn.precision import Precision
-from trainer.policy.cloning import CloneResult, clone
-from trainer.policy.imitator import (
+from trainer.policy.cloning import CloneResult, train_clone
+from trainer.policy.imitation import (
     ImitationTask,
     ImitatorResult,
     SnapshotScore,
-    game_values,
-    judge,
+    best_snapshot,
+    episode_metrics,
+    evaluate_snapshot,
 )
 from trainer.policy.networks import Policy, load_policy, save_policy
-from trainer.policy.reward_shaping import DEATHS, RewardShaping
-from trainer.progress import Progress, Ticking
+from trainer.policy.reward_shaping import RewardShaping
+from trainer.progress import CallbackProgress, Progress
 from tril.demonstrator import Expert
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
 from tril.game.agent import AgentGame
 from tril.game.console import Console
+from tril.game.episode import DEATHS
 from tril.game.starts import Start, draw_start
 from tril.recording import Recording, Trajectory, trajectory
 
@@ -56,14 +58,14 @@ _CHECKPOINT = "checkpoint.json"
 
 @dataclass(frozen=True, eq=False)
 class LabelledGame:
-    """A game that was played, with what the expert would have done in each of its states.
+    """A game with the expert's action in each of its states.
 
     Attributes:
-        seen: The observations and what was *labelled*, not what was done.
+        seen: The observations and their *labels*, not the actions taken.
         executed: The action of every frame, one byte each.
         start: How the game began.
         agreed: Share of the states in which the policy's likeliest action is the label, 0 to 1;
-            None where no policy was asked.
+            None where no policy played.
     """
 
     seen: Trajectory
@@ -77,36 +79,31 @@ def train_by_dagger(
     path: Path,
     checkpoint_folder: Path,
     progress: Progress,
-    *,
-    n_processes: int | None = None,
-    precision: Precision = Precision.FLOAT32,
     device: torch.device = CPU,
 ) -> ImitatorResult:
-    """Train an imitator by DAgger, or go on training it, and save the best policy.
+    """Train an imitator by DAgger and save its best policy.
 
     Args:
-        task: What it is trained from: the behaviour, and the learned reward to choose by. The
-            demonstrations are not looked at. Its steps are rounded up to whole games, which end at
-            the hit in any case: after it there is nothing to be done.
+        task: What it is trained from: the behaviour, and the learned reward to choose by, but no
+            demonstrations. Steps are rounded up to whole games, which always end at the hit: after
+            it there is nothing to label.
         path: Where the policy is saved, for plain ``PPO.load``.
-        checkpoint_folder: An existing folder of this training alone. What a training that was
-            killed left there is gone on from; it loses at most a game, or the training of one
-            iteration's policy.
-        progress: Told of steps, with the curves after every iteration.
-        n_processes: Not used: the games are played one after the other.
-        precision: Not used: it learns by classification, in 32 bits.
-        device: Where each policy is learned.
+        checkpoint_folder: An existing folder of this training alone, from which an interrupted
+            training continues. At most a game or the training of one policy is lost.
+        progress: Counts steps; receives the curves after every iteration.
+        device: Device that policies learn on.
 
     Raises:
-        Invalid: The demonstrator knows nothing of this behaviour, or the checkpoint can't be read.
+        Invalid: The demonstrator can't show this behaviour, or the checkpoint can't be read.
         RunCancelled: Raised by ``progress``.
     """
     training = _Training(task, checkpoint_folder, progress, device)
-    training.begin()
+    training.restore_or_start()
     while not training.is_done:
         training.iterate()
     write_whole(path, training.best.read_bytes())
-    return ImitatorResult(tuple(training.snapshots), training.best_steps, Precision.FLOAT32)
+    snapshots = tuple(training.snapshots)
+    return ImitatorResult(snapshots, best_snapshot(snapshots).steps, Precision.FLOAT32)
 
 
 def play_labelled(
@@ -115,17 +112,17 @@ def play_labelled(
     policy: Policy | None,
     expert_share: float,
     rng: np.random.Generator,
-    tick: Callable[[], None],
+    on_step: Callable[[], None],
 ) -> LabelledGame:
-    """Play a game from a drawn training start and have all of its states labelled.
+    """Play a game from a random training start and have all of its states labelled.
 
     Args:
-        game: Where it is played.
-        expert: Who labels; not on the same console.
-        policy: Who plays beside the expert; None leaves all to the expert.
+        game: Plays.
+        expert: Labels; not on the same console.
+        policy: Plays beside the expert; None leaves all steps to the expert.
         expert_share: Probability with which a step is the expert's.
-        rng: Where all chances of the game come from.
-        tick: Called after every step; what it raises ends the game.
+        rng: Source of randomness.
+        on_step: Called after every step; what it raises ends the game.
     """
     (expert_rng,) = rng.spawn(1)
     start = draw_start(rng)
@@ -143,18 +140,18 @@ def play_labelled(
         game.step(action)
         observations.append(game.observation)
         labels.append(label)
-        tick()
+        on_step()
     seen = Trajectory(np.stack(observations), np.array(labels, np.int64), game.hits, game.end)
     share = None if policy is None else agreed / len(labels)
     return LabelledGame(seen, game.episode.actions, start, share)
 
 
 class _Training:
-    """The training as it stands, which its checkpoint holds.
+    """The state of a training, which its checkpoint holds.
 
-    An iteration plays games, each of them kept in the checkpoint, and then learns a policy, which
-    is kept in a file of its own. What is drawn for a game depends on the training seed and the
-    game's number alone.
+    An iteration plays games, each of which is saved in the checkpoint, and then learns a policy,
+    which is saved in a file of its own. What is sampled for a game depends on the training seed and
+    the game's number alone.
     """
 
     def __init__(
@@ -168,9 +165,9 @@ class _Training:
         self._device = device
         self._expert = Expert(task.behaviour, Console())
         self._game = AgentGame(Console())
-        self._payment = RewardShaping.of(task.model, task.recipe.policy)
+        self._shaping = RewardShaping.of(task.model, task.recipe.policy)
         self._games: list[LabelledGame] = []
-        self._learned_from = 0
+        self._n_learned = 0
         self.snapshots: list[SnapshotScore] = []
         self._since = time.monotonic()
         self._steps_since = 0
@@ -181,14 +178,9 @@ class _Training:
         return self._learned_steps >= self._task.steps
 
     @property
-    def best_steps(self) -> int:
-        """Steps of the best policy; of equally good ones the latest."""
-        return max(self.snapshots, key=lambda one: (one.predicted_return, one.steps)).steps
-
-    @property
     def best(self) -> Path:
         """File of the best policy."""
-        return self._policy_file(self.best_steps)
+        return self._policy_file(best_snapshot(self.snapshots).steps)
 
     @property
     def _steps(self) -> int:
@@ -200,50 +192,51 @@ class _Training:
         """Steps that the latest policy was learned from."""
         return self.snapshots[-1].steps if self.snapshots else 0
 
-    def begin(self) -> None:
-        """Take the checkpoint up if there is one."""
+    def restore_or_start(self) -> None:
+        """Continue from the checkpoint if there is one."""
         if (self._folder / _CHECKPOINT).exists():
             self._load()
         else:
-            self._tick(0)
+            self._report_steps(0)
         self._steps_since = self._steps
 
     def iterate(self) -> None:
-        """Play the games of an iteration that are missing, learn from all games, and judge."""
+        """Play the iteration's missing games, learn from all games, and evaluate the policy."""
         iteration = len(self.snapshots)
         policy = load_policy(self._policy_file(self._learned_steps)) if iteration else None
-        recipe = self._task.recipe
-        share = float(recipe.dagger.expert_decay**iteration)
-        enough = self._learned_steps + max(1, recipe.dagger.steps_per_iteration)
+        recipe = self._task.recipe.dagger
+        expert_share = float(recipe.expert_decay**iteration)
+        enough = self._learned_steps + recipe.steps_per_iteration
         while self._steps < min(enough, self._task.steps):
             rng = np.random.default_rng([self._task.training_seed, len(self._games)])
             game = play_labelled(
                 self._game,
                 self._expert,
                 policy,
-                share,
+                expert_share,
                 rng,
-                lambda: self._tick(self._steps + self._game.steps),
+                lambda: self._report_steps(self._steps + self._game.steps),
             )
             self._games.append(game)
             self._save()
-        self._report(share, self._learn())
-        self._learned_from = len(self._games)
+        # Reported before it is saved, so that a training that continues leaves no point out.
+        self._report_curves(expert_share, self._learn())
+        self._n_learned = len(self._games)
         self._save()
         self._drop_superseded()
 
-    def _tick(self, steps: int) -> None:
-        """Say where the training is; a cancelled run stops here."""
+    def _report_steps(self, steps: int) -> None:
+        """Report the steps done; a cancelled run stops here."""
         self._progress.advance(min(steps, self._task.steps), self._task.steps)
 
     def _learn(self) -> CloneResult:
-        """Learn the next policy from all games, judge it and write it to its file."""
+        """Learn the next policy from all games, evaluate and save it."""
         recipe, steps = self._task.recipe, self._steps
 
-        def tick() -> None:
-            self._tick(steps)
+        def on_step() -> None:
+            self._report_steps(steps)
 
-        learned, result = clone(
+        policy, result = train_clone(
             [game.seen for game in self._games],
             replace(
                 recipe.cloning,
@@ -251,60 +244,55 @@ class _Training:
                 learning_rate=recipe.policy.learning_rate,
             ),
             self._task.training_seed,
-            Ticking(tick),
+            CallbackProgress(on_step),
             self._device,
         )
-        learned.set_training_mode(False)
-        judged = judge(Policy(learned), self._payment, recipe, tick)
-        save_policy(learned, self._policy_file(steps))
-        self.snapshots.append(SnapshotScore(steps, judged))
+        policy.set_training_mode(False)
+        found = evaluate_snapshot(Policy(policy), self._shaping, recipe, on_step)
+        save_policy(policy, self._policy_file(steps))
+        self.snapshots.append(SnapshotScore(steps, found))
         return result
 
-    def _report(self, share: float, result: CloneResult) -> None:
-        """Pass the curves' next point on: means over the iteration's games, and what was learned.
-
-        It comes before the checkpoint, so that a training which goes on leaves no point out.
-        """
-        points = [self._values(game) for game in self._games[self._learned_from :]]
+    def _report_curves(self, expert_share: float, result: CloneResult) -> None:
+        """Report a point of the curves: means over the iteration's games, and the training."""
+        points = [self._game_metrics(game) for game in self._games[self._n_learned :]]
         values = {name: float(np.mean([point[name] for point in points])) for name in points[0]}
         now = time.monotonic()
         values["steps_per_s"] = (self._steps - self._steps_since) / max(1e-9, now - self._since)
         self._since, self._steps_since = now, self._steps
-        values |= {"expert_share": share, "accuracy": result.accuracy}
-        if result.left_out_accuracy is not None:
-            values["left_out_accuracy"] = result.left_out_accuracy
-        done = min(self._steps, self._task.steps)
-        self._progress.advance(done, self._task.steps, values)
+        values |= {"expert_share": expert_share, "accuracy": result.accuracy}
+        if result.held_out_accuracy is not None:
+            values["held_out_accuracy"] = result.held_out_accuracy
+        self._progress.advance(min(self._steps, self._task.steps), self._task.steps, values)
 
-    def _values(self, game: LabelledGame) -> dict[str, float]:
+    def _game_metrics(self, game: LabelledGame) -> dict[str, float]:
         seen = game.seen
-        scores = self._task.model.score(seen.observations[1:])
-        values = {"predicted_return": float(scores.sum(dtype=np.float64))}
-        values |= game_values(self._task.behaviour, seen.n_steps, seen.hits, seen.end in DEATHS)
+        rewards = self._task.model.score(seen.observations[1:])
+        values = {"predicted_return": float(rewards.sum(dtype=np.float64))}
+        died = seen.end in DEATHS
+        values |= episode_metrics(self._task.behaviour, seen.n_steps, seen.hits, died)
         if game.agreed is not None:
             values["agreement"] = game.agreed
         return values
-
-    # Files
 
     def _policy_file(self, steps: int) -> Path:
         return self._folder / f"policy-{steps}.zip"
 
     def _drop_superseded(self) -> None:
         """Remove all policies but the best and the latest."""
-        wanted = {self.best, self._policy_file(self._learned_steps)}
+        kept = {self.best, self._policy_file(self._learned_steps)}
         for path in self._folder.glob("policy-*.zip"):
-            if path not in wanted:
+            if path not in kept:
                 path.unlink()
 
     def _save(self) -> None:
-        """Keep the games as their actions, from which a replay makes the observations again."""
+        """Save the games as their actions, whose replay gives the observations again."""
         state = {
             "format": FORMAT,
             "version": FORMAT_VERSION,
-            "learned_from": self._learned_from,
+            "learned_from": self._n_learned,
             "snapshots": [asdict(snapshot) for snapshot in self.snapshots],
-            "games": [_stored(game) for game in self._games],
+            "games": [_to_dict(game) for game in self._games],
         }
         write_whole(self._folder / _CHECKPOINT, json.dumps(state).encode())
 
@@ -314,20 +302,20 @@ class _Training:
             state = json.loads(path.read_bytes())
             if (state["format"], state["version"]) != (FORMAT, FORMAT_VERSION):
                 raise Invalid(
-                    f"{path} is no checkpoint that this version can go on from. Remove it and the"
-                    " training begins anew."
+                    f"{path} is no checkpoint that this version can continue from. Remove it and"
+                    " the training begins anew."
                 )
-            self._learned_from = state["learned_from"]
+            self._n_learned = state["learned_from"]
             self.snapshots = [SnapshotScore(**snapshot) for snapshot in state["snapshots"]]
-            for stored in state["games"]:
-                # The curves end there.
-                self._tick(self._learned_steps)
-                self._games.append(_replayed(stored, self._game.console))
+            for game in state["games"]:
+                # The curves end at the latest policy.
+                self._report_steps(self._learned_steps)
+                self._games.append(_from_dict(game, self._game.console))
         except (ValueError, KeyError, TypeError) as error:
             raise Invalid(f"{path} cannot be read: {error}. Remove it to begin anew.") from error
 
 
-def _stored(game: LabelledGame) -> dict[str, Any]:
+def _to_dict(game: LabelledGame) -> dict[str, Any]:
     return {
         "start": asdict(game.start),
         "executed": base64.b64encode(game.executed).decode(),
@@ -336,10 +324,9 @@ def _stored(game: LabelledGame) -> dict[str, Any]:
     }
 
 
-def _replayed(stored: dict[str, Any], console: Console) -> LabelledGame:
-    start, executed = Start(**stored["start"]), base64.b64decode(stored["executed"])
-    labels: npt.NDArray[np.int64] = np.frombuffer(base64.b64decode(stored["labels"]), np.uint8)
+def _from_dict(data: dict[str, Any], console: Console) -> LabelledGame:
+    start, executed = Start(**data["start"]), base64.b64decode(data["executed"])
+    labels: npt.NDArray[np.uint8] = np.frombuffer(base64.b64decode(data["labels"]), np.uint8)
     seen = trajectory(Recording(start, executed), console)
-    return LabelledGame(
-        replace(seen, actions=labels.astype(np.int64)), executed, start, stored["agreed"]
-    )
+    seen = replace(seen, actions=labels.astype(np.int64))
+    return LabelledGame(seen, executed, start, data["agreed"])

@@ -1,14 +1,13 @@
-"""GAIL's discriminator: tells the states of demonstrations from those that a policy sees.
+"""GAIL's discriminator, which tells states of demonstrations from those that a policy visits.
 
 Generative adversarial imitation learning (Ho and Ermon 2016, algorithm 1) with these differences:
 
-- It looks at observations alone, not at observations and actions. An observation holds the
-  screens of the last four steps, in which one sees what was done. The action that stands for a
-  step of a person's recording is only the one held longest in it, and comes a quarter of a second
-  after what it answers: by its actions alone a policy, which holds each for a whole step, would
-  be told from a person.
-- The policy takes its step by PPO instead of TRPO, and before the discriminator instead of after
-  it, so that it is paid by the one that it has met while playing.
+- It sees observations only, not actions. An observation holds the screens of four steps, in which
+  actions show. The action recorded for a step of a person's game is only the one held longest in
+  it, a quarter of a second after what it reacts to: by its actions alone a policy, which holds each
+  for a whole step, would be told from a person.
+- The policy's update is PPO's instead of TRPO's, and comes before the discriminator's instead of
+  after it, so that its rewards are those it collected while playing.
 """
 
 from __future__ import annotations
@@ -20,12 +19,15 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
+from trainer.nn.checkpoints import restore_training, training_tensors
 from trainer.nn.devices import CPU
-from trainer.nn.optimizers import optimizer_tensors, restore_optimizer
-from trainer.nn.screens import take_screens
-from trainer.reward.model import RewardModel, RewardNetwork
-from trainer.reward.reward_trainer import new_network
+from trainer.nn.screens import channels_last_screens, take_screens
+from trainer.policy.imitation import ImitationTask
+from trainer.reward.model import RewardModel, RewardNetwork, new_network
+from tril.errors import Invalid
+from tril.game.console import Console
 from tril.recipes import GailRecipe
+from tril.recording import trajectory
 
 _WEIGHTS, _BATCHES = range(2)
 
@@ -33,14 +35,14 @@ _WEIGHTS, _BATCHES = range(2)
 class Discriminator:
     """A reward network whose output is the logit of "this state is from a demonstration".
 
-    What is drawn for a round depends on the training seed and the round's number alone, so that a
-    training that was interrupted goes on as if it had not been.
+    What is sampled for a round depends on the training seed and the round's number alone, so that
+    an interrupted training continues as if it had not been interrupted.
 
     Args:
         demonstrated: The observations in which the demonstrations acted, uint8 (N, 4, 84, 84).
         recipe: How it is learned.
-        training_seed: Feeds every random choice.
-        device: Where it is learned, and where its model is.
+        training_seed: Seeds all random numbers.
+        device: Device of the network and of ``model``.
 
     Attributes:
         model: The network as a reward model, as of the last round.
@@ -59,71 +61,78 @@ class Discriminator:
         self._recipe = recipe
         self._training_seed = training_seed
         self._network = new_network(np.random.default_rng([training_seed, _WEIGHTS])).to(device)
-        self._parameters = list(self._network.parameters())
         self._optimizer = torch.optim.Adam(
-            self._parameters, lr=recipe.learning_rate, weight_decay=recipe.weight_decay
+            self._network.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay
         )
         with torch.random.fork_rng(devices=[]):
-            self.model = RewardModel((RewardNetwork().to(device),), (0.0,), (1.0,))
+            self.model = RewardModel((RewardNetwork().to(device),))
         self.rounds = 0
-        self._publish()
+        self._update_model()
 
-    def learn(self, played: Tensor, tick: Callable[[], None]) -> dict[str, float]:
+    @classmethod
+    def of(cls, task: ImitationTask, device: torch.device) -> Discriminator:
+        """Return an untrained discriminator of a task's perfect demonstrations.
+
+        Raises:
+            Invalid: There is none.
+        """
+        console = Console()
+        shown = [trajectory(recording, console) for recording in task.perfect if recording.actions]
+        if not shown:
+            raise Invalid("GAIL needs at least one perfect demonstration to learn from.")
+        # Not the last states: the policy's rollouts have none in which a game was over either.
+        acted_in = np.concatenate([one.observations[:-1] for one in shown])
+        screens = channels_last_screens(acted_in)
+        return cls(screens, task.recipe.gail, task.training_seed, device)
+
+    def learn(self, played: Tensor, on_step: Callable[[], None]) -> dict[str, float]:
         """Learn to tell the states of a rollout from demonstrated ones.
 
         Args:
-            played: The observations in which the policy acted, uint8 (M, 4, 84, 84), preprocessed
-                as the demonstrated ones.
-            tick: Called after every update; what it raises ends the round.
+            played: The observations in which the policy acted, uint8 (M, 4, 84, 84).
+            on_step: Called after every update; what it raises ends the round.
 
         Returns:
             Means over the round for the curves: discriminator_loss, in nats, and
-            discriminator_accuracy, 0 to 1, of which 0.5 is what chance gives.
+            discriminator_accuracy, 0 to 1, which is 0.5 by chance.
         """
         size = self._recipe.batch_size
         played = played.to(self._device)
         rng = np.random.default_rng([self._training_seed, _BATCHES, self.rounds])
-        wanted = torch.cat([torch.zeros(size), torch.ones(size)]).to(self._device)
+        labels = torch.cat([torch.zeros(size), torch.ones(size)]).to(self._device)
         losses, right = [], []
         for _ in range(self._recipe.updates):
-            batch = torch.cat([_drawn(played, size, rng), _drawn(self._demonstrated, size, rng)])
+            batch = torch.cat([_sample(played, size, rng), _sample(self._demonstrated, size, rng)])
             logits = self._network(batch)
-            loss = F.binary_cross_entropy_with_logits(logits, wanted)
+            loss = F.binary_cross_entropy_with_logits(logits, labels)
             self._optimizer.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             self._optimizer.step()
             losses.append(loss.detach())
-            right.append(((logits.detach() > 0) == (wanted > 0)).float().mean())
-            tick()
+            right.append(((logits.detach() > 0) == (labels > 0)).float().mean())
+            on_step()
         self.rounds += 1
-        self._publish()
+        self._update_model()
         return {
             "discriminator_loss": torch.stack(losses).mean().item(),
             "discriminator_accuracy": torch.stack(right).mean().item(),
         }
 
     def tensors(self) -> dict[str, Tensor]:
-        """Return all that its future depends on, its rounds apart, for a checkpoint."""
-        own = {f"network.{name}": tensor for name, tensor in self._network.state_dict().items()}
-        adam = optimizer_tensors(self._optimizer, self._parameters)
-        return own | {f"optimizer.{name}": tensor for name, tensor in adam.items()}
+        """Return all that its future depends on, except its rounds, for a checkpoint."""
+        return training_tensors(self._network, self._optimizer, ".")
 
     def restore(self, rounds: int, tensors: Mapping[str, Tensor]) -> None:
-        """Go on from what ``tensors`` returned after so many rounds."""
-        parts: dict[str, dict[str, Tensor]] = {"network": {}, "optimizer": {}}
-        for name, tensor in tensors.items():
-            part, _, rest = name.partition(".")
-            parts[part][rest] = tensor
-        self._network.load_state_dict(parts["network"])
-        restore_optimizer(self._optimizer, self._parameters, parts["optimizer"])
+        """Restore what ``tensors`` returned after so many rounds."""
+        restore_training(self._network, self._optimizer, tensors, ".")
         self.rounds = rounds
-        self._publish()
+        self._update_model()
 
-    def _publish(self) -> None:
+    def _update_model(self) -> None:
         self.model.members[0].load_state_dict(self._network.state_dict())
 
 
-def _drawn(observations: Tensor, count: int, rng: np.random.Generator) -> Tensor:
-    """Draw some observations, each as likely as the others."""
-    places = torch.from_numpy(rng.integers(len(observations), size=count))
-    return take_screens(observations, places.to(observations.device))
+def _sample(observations: Tensor, count: int, rng: np.random.Generator) -> Tensor:
+    """Return observations sampled uniformly with replacement."""
+    indices = torch.from_numpy(rng.integers(len(observations), size=count))
+    return take_screens(observations, indices.to(observations.device))

@@ -1,4 +1,4 @@
-"""Evaluation: a trained policy plays whole games, each of which becomes a recording."""
+"""Evaluation games of trained policies, as recordings."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from tril.recording import Recording
 from tril.store.training.evaluations import ActionSelection
 
 STICKY_ACTION_PROBABILITY = 0.25
-"""Of the action selection "sticky", as Machado et al. 2018, section 5.1, propose."""
+"""Of the action selection "sticky" (Machado et al. 2018, section 5.1)."""
 
 
 class Actor(Protocol):
-    """A policy that can be asked what it would do."""
+    """A policy."""
 
     def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
         """Return the probability of each action, float32 (N, 6).
@@ -34,15 +34,15 @@ class Actor(Protocol):
 
 
 @dataclass(frozen=True)
-class PlayedGame:
-    """One game that a policy has played.
+class EvaluatedGame:
+    """A game that a policy has played.
 
     Attributes:
         start: How it began.
-        recording: The actions executed, without RAM hashes; a verifying replay adds them.
+        recording: The actions executed, without RAM hashes, which a verifying replay adds.
         hits: The aliens shot, in order of time.
         end: Why it ended.
-        shots: Missiles that left the cannon.
+        shots: Missiles fired.
         rewards: R of the start and of the state after each of T steps, float32 (T + 1,); None
             without a reward model.
     """
@@ -71,22 +71,22 @@ def play(
     sticky_action_probability: float | None = None,
     n_processes: int | None = None,
     progress: Progress | None = None,
-) -> list[PlayedGame]:
-    """Let a policy play one game from each start, all side by side.
+) -> list[EvaluatedGame]:
+    """Let a policy play one game from each start, all in parallel.
 
     Args:
         actor: The policy.
         starts: Where the games begin.
-        action_selection: "greedy" takes the likeliest action, "sampled" draws by the probabilities,
-            "sticky" takes the likeliest one while actions stick.
+        action_selection: "greedy" takes the likeliest action, "sampled" samples actions by their
+            probabilities, "sticky" takes the likeliest action while actions stick.
         model: Scores the states that the policy reaches.
-        ending: Which rule for the player's death ends a game.
-        sampling_seed: Of the draws; each game has generators of its own, so that a game does not
-            depend on which others are played beside it.
-        sticky_action_probability: Of repeating the action of the frame before; the recordings
-            hold what was executed. None means that of the action selection.
-        n_processes: As of VectorGame.
-        progress: Told about steps, of the most that a game can have.
+        ending: Which event of the player's death ends a game.
+        sampling_seed: Seeds one generator per game, so that a game does not depend on which others
+            are played beside it.
+        sticky_action_probability: Of repeating the last frame's action; recordings hold the
+            executed actions. By default that of the action selection.
+        n_processes: See VectorGame.
+        progress: Counts steps, up to the maximum of a game.
 
     Returns:
         The games in the order of the starts.
@@ -114,7 +114,7 @@ def play(
         while len(playing):
             actions = np.zeros(len(starts), np.int64)
             probabilities = actor.probabilities(observations[playing])
-            actions[playing] = _choose(
+            actions[playing] = _select_actions(
                 probabilities, action_selection, [generators[i] for i in playing]
             )
             step = games.step(actions)
@@ -127,17 +127,24 @@ def play(
             progress.advance(int(step.steps.max(initial=0)), game.MAX_STEPS)
     progress.advance(game.MAX_STEPS, game.MAX_STEPS)
     return [
-        _played(finished[index], None if model is None else np.array(scores, np.float32))
-        for index, scores in enumerate(rewards)
+        EvaluatedGame(
+            start=one.start,
+            recording=Recording(one.start, one.actions, ending=ending),
+            hits=one.hits,
+            end=one.end,
+            shots=one.shots,
+            rewards=None if model is None else np.array(rewards[index], np.float32),
+        )
+        for index, one in sorted(finished.items())
     ]
 
 
 def stickiness(action_selection: ActionSelection) -> float:
-    """Return the probability with which games repeat the action of the frame before."""
+    """Return the probability with which games repeat the last frame's action."""
     return STICKY_ACTION_PROBABILITY if action_selection == "sticky" else 0.0
 
 
-def _choose(
+def _select_actions(
     probabilities: npt.NDArray[np.float32],
     action_selection: ActionSelection,
     generators: Sequence[np.random.Generator],
@@ -145,11 +152,11 @@ def _choose(
     if action_selection != "sampled":
         best: npt.NDArray[np.int64] = probabilities.argmax(1)
         return best
-    draws = np.array([rng.random() for rng in generators])
+    quantiles = np.array([rng.random() for rng in generators])
     cumulative = probabilities.astype(np.float64).cumsum(1)
-    drawn = (cumulative < draws[:, None] * cumulative[:, -1:]).sum(1)
+    sampled = (cumulative < quantiles[:, None] * cumulative[:, -1:]).sum(1)
     last = probabilities.shape[1] - 1
-    actions: npt.NDArray[np.int64] = np.minimum(drawn, last).astype(np.int64)
+    actions: npt.NDArray[np.int64] = np.minimum(sampled, last).astype(np.int64)
     return actions
 
 
@@ -159,18 +166,7 @@ def _score(
     playing: npt.NDArray[np.int64],
     rewards: list[list[float]],
 ) -> None:
-    """Add R of the states of the games that are being played to their lists."""
+    """Append R of the states of the games in play to their rewards."""
     if model is not None:
         for index, reward in zip(playing.tolist(), model.score(states[playing]), strict=True):
             rewards[index].append(float(reward))
-
-
-def _played(one: FinishedGame, rewards: npt.NDArray[np.float32] | None) -> PlayedGame:
-    return PlayedGame(
-        start=one.start,
-        recording=Recording(one.start, one.actions),
-        hits=one.hits,
-        end=one.end,
-        shots=one.shots,
-        rewards=rewards,
-    )

@@ -1,9 +1,9 @@
-"""The policies' networks: how they are trained, and how plain stable-baselines3 stores them.
+"""Policy networks, and their files for plain stable-baselines3.
 
-Both are the convolutional network of Mnih et al. 2015 as stable-baselines3 has it (NatureCNN); the
-small one has fewer channels. Training runs them on uint8 input and in channels-last order. A saved
-policy is stable-baselines3's own ActorCriticCnnPolicy with its own NatureCNN: a small network's
-channels are its first ones and the others are zero, which gives the same outputs.
+Both sizes are stable-baselines3's NatureCNN (Mnih et al. 2015), the small one with fewer channels.
+Training runs them on uint8 input in channels-last order. A saved policy is stable-baselines3's own
+ActorCriticCnnPolicy with its own NatureCNN: a small network's channels come first and the others
+are zero, which gives the same outputs.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from torch.nn import functional as F
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision, layer_dtype
 from trainer.nn.screens import channels_last_screens
-from trainer.nn.seeding import torch_generator_from
+from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
 from tril.game.observation import OBSERVATION_SHAPE, check_observations
@@ -40,11 +40,11 @@ ACTION_SPACE = spaces.Discrete(len(Action))
 
 @dataclass(frozen=True)
 class NetworkSize:
-    """How large a policy's network is.
+    """Size of a policy's network.
 
     Attributes:
         channels: Output channels of the three convolutions.
-        features: Outputs of the linear layer behind them.
+        features: Outputs of the linear layer after them.
     """
 
     channels: tuple[int, int, int]
@@ -55,10 +55,10 @@ SIZES = {"nature": NetworkSize((32, 64, 64), 512), "small": NetworkSize((16, 32,
 
 
 class ScreenFeatures(BaseFeaturesExtractor):
-    """NatureCNN on uint8 input, in channels-last order and of any number of channels.
+    """NatureCNN of any size, on uint8 input in channels-last order.
 
-    The division by 255 is done on the first layer's weights, which gives the same sums with one
-    pass less over the input. Its parameters have the names that they have in NatureCNN.
+    The division by 255 is applied to the first layer's weights, which gives the same sums and saves
+    a pass over the input. Parameters have the names that they have in NatureCNN.
     """
 
     def __init__(self, observation_space: spaces.Box, size: NetworkSize) -> None:
@@ -86,7 +86,7 @@ class ScreenFeatures(BaseFeaturesExtractor):
 
 
 class ScreenPolicy(ActorCriticCnnPolicy):
-    """stable-baselines3's policy over ScreenFeatures; observations stay uint8 up to them."""
+    """stable-baselines3's policy over ScreenFeatures, which take uint8 observations."""
 
     def extract_features(  # type: ignore[override]
         self, obs: Tensor, features_extractor: BaseFeaturesExtractor | None = None
@@ -100,18 +100,18 @@ class ScreenPolicy(ActorCriticCnnPolicy):
 
     def heads(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """Return logits, float32 (N, 6), and values, float32 (N,), of features."""
-        with Precision.FLOAT32.multiplying(features.device):
+        with Precision.FLOAT32.autocast(features.device):
             return self.action_net(features), self.value_net(features).squeeze(1)
 
 
 def policy_arguments(network: str) -> dict[str, Any]:
-    """Return the ``policy_kwargs`` with which PPO makes a ScreenPolicy of this network."""
+    """Return the ``policy_kwargs`` of PPO for a ScreenPolicy of this size."""
     return {
         "net_arch": [],
         "features_extractor_class": ScreenFeatures,
         "features_extractor_kwargs": {"size": SIZES[network]},
         "normalize_images": False,
-        # eps is stable-baselines3's own for Adam; the fused step is the same one, but faster.
+        # eps is stable-baselines3's; the fused step computes the same faster.
         "optimizer_kwargs": {"eps": 1e-5, "fused": True},
     }
 
@@ -119,23 +119,24 @@ def policy_arguments(network: str) -> dict[str, Any]:
 def new_policy(
     network: str, learning_rate: float, rng: np.random.Generator, device: torch.device = CPU
 ) -> ScreenPolicy:
-    """Make a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
-    arguments = policy_arguments(network)
-    policy = torch_generator_from(
-        rng,
-        lambda: ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: learning_rate, **arguments),
-    )
+    """Return a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
+    with torch_seeded(rng):
+        policy = _screen_policy(policy_arguments(network), learning_rate)
     return channels_last(policy.to(device))
 
 
+def _screen_policy(arguments: dict[str, Any], learning_rate: float = 0.0) -> ScreenPolicy:
+    return ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: learning_rate, **arguments)
+
+
 def channels_last(policy: ScreenPolicy) -> ScreenPolicy:
-    """Lay the convolutions' weights out as they are fastest here, in place."""
+    """Put the convolutions' weights into channels-last order, in place."""
     policy.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     return policy
 
 
 class Policy:
-    """A trained policy that can be asked what it would do.
+    """A trained policy for inference.
 
     Args:
         network: The policy's network.
@@ -171,7 +172,7 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
 
     Args:
         policy: The policy; its optimizer is not saved.
-        path: The file, replaced whole.
+        path: The file, replaced as a whole.
     """
     features = policy.features_extractor.features_dim
     plain = PPO(
@@ -198,12 +199,12 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
 
 
 def load_policy(path: Path) -> Policy:
-    """Load a policy that ``save_policy`` saved, to ask it; raises what ``load_network`` raises."""
+    """Load a policy that ``save_policy`` saved, for inference; raises as ``load_network``."""
     return Policy(load_network(path))
 
 
 def load_network(path: Path) -> ScreenPolicy:
-    """Load the network of a policy that ``save_policy`` saved; nothing in the file is executed.
+    """Load the network of a policy that ``save_policy`` saved, without executing its pickles.
 
     Raises:
         Invalid: The file is no such policy.
@@ -227,7 +228,7 @@ def load_network(path: Path) -> ScreenPolicy:
 
 
 def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
-    """Make a network of the smallest known size that holds all weights that are not zero."""
+    """Return a network of the smallest size that holds all weights other than zero."""
     features = weights["features_extractor.linear.0.weight"].shape[0]
     for size in sorted(SIZES.values(), key=lambda one: one.channels):
         rest = [
@@ -238,6 +239,5 @@ def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
             arguments = policy_arguments("nature")
             arguments["features_extractor_kwargs"] = {"size": size}
             with torch.random.fork_rng(devices=[]):
-                policy = ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: 0.0, **arguments)
-            return channels_last(policy)
-    raise Invalid("The policy's network has a size that is not known here.")
+                return channels_last(_screen_policy(arguments))
+    raise Invalid("The policy's network has an unknown size.")

@@ -1,10 +1,10 @@
-"""Proximal policy optimisation (Schulman et al. 2017): stable-baselines3's, faster on processors.
+"""Proximal policy optimisation (Schulman et al. 2017): stable-baselines3's, faster on CPUs.
 
-The algorithm, its advantages and its losses are stable-baselines3's, and a test holds a whole
-update equal to its own. What is different is where time was lost (see ScreenRolloutBuffer and
-trainer.policy.networks; numbers of a minibatch are read once per rollout), explicit generators, a
-stop within a minibatch's time, and three additions that are off unless the recipe asks for them:
-a pull to the policy that training started from, a warm-up of the critic, and falling step sizes.
+The algorithm, its advantages and its losses are stable-baselines3's; a test compares a whole update
+with its own. The differences are speed (see ScreenRolloutBuffer and trainer.policy.networks;
+statistics of minibatches are read once per rollout), explicit generators, cancellation within a
+minibatch, and three options: a KL penalty towards the policy that training started from, a warm-up
+of the critic, and annealing of the learning rate.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from torch.nn import functional as F
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision
 from trainer.nn.screens import channels_last_screens
-from trainer.nn.seeding import torch_generator_from
+from trainer.nn.seeding import torch_seeded
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollout_buffer import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
@@ -33,22 +33,22 @@ from tril.recipes import PolicyRecipe
 
 
 @dataclass
-class Draws:
-    """The generators of a training, all made of its training seed.
+class TrainingGenerators:
+    """The random number generators of a training.
 
     Attributes:
-        weights: Of the first weights; used once.
-        actions: Of the actions taken in rollouts.
-        order: Of the order in which rollouts are learned from.
+        weights: For the initial weights; used once.
+        actions: For the actions sampled in rollouts.
+        minibatches: For the order of a rollout's steps in minibatches.
     """
 
     weights: np.random.Generator
     actions: torch.Generator
-    order: np.random.Generator
+    minibatches: np.random.Generator
 
     @classmethod
-    def of(cls, training_seed: int) -> Draws:
-        """Make the generators."""
+    def from_seed(cls, training_seed: int) -> TrainingGenerators:
+        """Return independent generators of a training seed."""
         sequences = np.random.SeedSequence(training_seed).spawn(3)
         actions = torch.Generator()
         actions.manual_seed(int(sequences[1].generate_state(1, np.uint64)[0] >> 1))
@@ -61,15 +61,19 @@ class ImitationPPO(PPO):
     """PPO on a TrilVecEnv, by a PolicyRecipe.
 
     Args:
-        env: The games and what is paid for them.
+        env: The environments.
         recipe: Hyperparameters.
         steps: Length of the whole training, in steps.
-        draws: Where chance comes from.
-        tick: Called after every step of the games and every minibatch; what it raises ends the
-            training there.
+        generators: Sources of randomness.
+        on_step: Called after every step of the environments and every minibatch; what it raises
+            ends the training there.
         on_episode: Called with every episode that has ended.
-        precision: The numbers that the networks' layers multiply.
-        device: Where the policy acts and learns.
+        precision: Precision of the networks' layers.
+        device: Device on which the policy acts and learns.
+
+    Attributes:
+        start_policy: The policy that the KL penalty is towards; None without one.
+        update_metrics: Means over the minibatches of the last update.
     """
 
     policy: ScreenPolicy
@@ -82,18 +86,18 @@ class ImitationPPO(PPO):
         env: TrilVecEnv,
         recipe: PolicyRecipe,
         steps: int,
-        draws: Draws,
-        tick: Callable[[], None],
+        generators: TrainingGenerators,
+        on_step: Callable[[], None],
         on_episode: Callable[[FinishedEpisode], None],
         precision: Precision = Precision.FLOAT32,
         device: torch.device = CPU,
     ) -> None:
         self.recipe = recipe
         self.steps = steps
-        self.draws = draws
+        self.generators = generators
         self.start_policy: ScreenPolicy | None = None
-        self.update_values: dict[str, float] = {}
-        self._tick = tick
+        self.update_metrics: dict[str, float] = {}
+        self._on_step = on_step
         self._on_episode = on_episode
         self._precision = precision
         rate = recipe.learning_rate
@@ -115,7 +119,8 @@ class ImitationPPO(PPO):
             device=device,
             _init_setup_model=False,
         )
-        torch_generator_from(draws.weights, self._setup_model)
+        with torch_seeded(generators.weights):
+            self._setup_model()
         channels_last(self.policy)
 
     def collect_rollouts(
@@ -131,7 +136,7 @@ class ImitationPPO(PPO):
         rollout_buffer.reset()
         ended = self._last_episode_starts
         for _ in range(n_rollout_steps):
-            actions, values, log_probs = self._act(self._last_obs)
+            actions, values, log_probs = self._sample_actions(self._last_obs)
             observations, rewards, ended, infos = env.step(actions)
             self.num_timesteps += env.num_envs
             for index in np.flatnonzero(ended).tolist():
@@ -142,32 +147,32 @@ class ImitationPPO(PPO):
             )
             self._last_obs = np.asarray(observations)
             self._last_episode_starts = ended
-            self._tick()
+            self._on_step()
         with torch.inference_mode():
-            values = self._answers(torch.from_numpy(self._last_obs))[1]
+            values = self._forward_on_cpu(torch.from_numpy(self._last_obs))[1]
         rollout_buffer.compute_returns_and_advantage(values, ended)
         callback.on_rollout_end()
         return True
 
-    def _act(
+    def _sample_actions(
         self, observations: npt.NDArray[np.uint8]
     ) -> tuple[npt.NDArray[np.int64], Tensor, Tensor]:
-        """Draw actions; returns them, the states' values and the actions' log probabilities."""
+        """Return sampled actions, the states' values and the actions' log probabilities."""
         with torch.inference_mode():
-            logits, values = self._answers(torch.from_numpy(observations))
+            logits, values = self._forward_on_cpu(torch.from_numpy(observations))
             log_all = logits.log_softmax(1)
-            drawn = torch.multinomial(log_all.exp(), 1, generator=self.draws.actions)
-            return drawn[:, 0].numpy(), values, log_all.gather(1, drawn)[:, 0]
+            actions = torch.multinomial(log_all.exp(), 1, generator=self.generators.actions)
+            return actions[:, 0].numpy(), values, log_all.gather(1, actions)[:, 0]
 
-    def _answers(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the policy's logits and values on the processor, where everything is drawn."""
-        logits, values = self._ask(self.policy, observations)
+    def _forward_on_cpu(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the policy's logits and values on the CPU, where actions are sampled."""
+        logits, values = self._forward(self.policy, observations)
         return logits.cpu(), values.cpu()
 
-    def _ask(self, policy: ScreenPolicy, observations: Tensor) -> tuple[Tensor, Tensor]:
-        """Return a policy's logits and values, computed as precisely as this training is."""
+    def _forward(self, policy: ScreenPolicy, observations: Tensor) -> tuple[Tensor, Tensor]:
+        """Return a policy's logits and values in the precision of this training."""
         device = device_of(policy)
-        with self._precision.multiplying(device):
+        with self._precision.autocast(device):
             return policy.logits_and_values(observations.to(device))
 
     def _bootstrap(
@@ -176,57 +181,58 @@ class ImitationPPO(PPO):
         ended: npt.NDArray[np.bool_],
         infos: list[dict[str, Any]],
     ) -> None:
-        """Add the value of the last state where an episode ended only because time was over.
+        """Add the discounted value of the last state to rewards of truncated episodes, in place.
 
-        As stable-baselines3 does it (Pardo et al. 2018).
+        As stable-baselines3 does (Pardo et al. 2018).
         """
         cut = [i for i in np.flatnonzero(ended).tolist() if infos[i]["TimeLimit.truncated"]]
         if not cut:
             return
         last = channels_last_screens(np.stack([infos[i]["terminal_observation"] for i in cut]))
         with torch.inference_mode():
-            values = self._answers(last)[1]
+            values = self._forward_on_cpu(last)[1]
         rewards[cut] += self.gamma * values.numpy()
 
     @property
     def is_warming_up(self) -> bool:
-        """Whether only the critic learns yet."""
+        """Whether only the critic learns at present."""
         return 0 < self.num_timesteps <= self.recipe.critic_warm_up_steps
 
     @property
-    def pull(self) -> float:
-        """Weight of the divergence from the start policy, falling to zero over the training."""
+    def current_kl_coef(self) -> float:
+        """Coefficient of the KL divergence from the start policy, annealed linearly to zero."""
         return self.recipe.kl_coef * max(0.0, 1.0 - self.num_timesteps / self.steps)
 
     def train(self) -> None:
         """Learn from the rollout; see PPO.train."""
         self.policy.set_training_mode(True)
         self._update_learning_rate(self.policy.optimizer)
-        pull = self.pull if self.start_policy is not None else 0.0
-        wanted = self._start_log_probabilities() if pull and not self.is_warming_up else None
-        collected: list[Tensor] = []
+        kl_coef = self.current_kl_coef if self.start_policy is not None else 0.0
+        start_log_probs = self._start_log_probs() if kl_coef and not self.is_warming_up else None
+        minibatch_stats: list[Tensor] = []
+        rng = self.generators.minibatches
         for _ in range(self.n_epochs):
-            for minibatch in self.rollout_buffer.minibatches(self.batch_size, self.draws.order):
+            for minibatch in self.rollout_buffer.minibatches(self.batch_size, rng):
                 if self.is_warming_up:
-                    loss, numbers = self._critic_loss(minibatch)
+                    loss, stats = self._critic_loss(minibatch)
                 else:
-                    loss, numbers = self._loss(minibatch, wanted, pull)
+                    loss, stats = self._loss(minibatch, start_log_probs, kl_coef)
                 self.policy.optimizer.zero_grad()
                 loss.backward()  # type: ignore[no-untyped-call]
                 torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.max_grad_norm)
                 self.policy.optimizer.step()
-                collected.append(numbers)
-                self._tick()
+                minibatch_stats.append(stats)
+                self._on_step()
             self._n_updates += 1
-        means = torch.stack(collected).mean(0).tolist()
-        names = ("policy_loss", "value_loss", "entropy", "kl", "clipped", "pull")
-        self.update_values = dict(zip(names, means, strict=True))
+        means = torch.stack(minibatch_stats).mean(0).tolist()
+        names = ("policy_loss", "value_loss", "entropy", "kl", "clip_fraction", "kl_to_start")
+        self.update_metrics = dict(zip(names, means, strict=True))
 
     def _loss(
-        self, minibatch: Minibatch, wanted: Tensor | None, pull: float
+        self, minibatch: Minibatch, start_log_probs: Tensor | None, kl_coef: float
     ) -> tuple[Tensor, Tensor]:
-        """Return PPO's loss of a minibatch, and the numbers that the curves show."""
-        logits, values = self._ask(self.policy, minibatch.observations)
+        """Return PPO's loss of a minibatch, and its statistics in the order of update_metrics."""
+        logits, values = self._forward(self.policy, minibatch.observations)
         log_all = logits.log_softmax(1)
         log_probs = log_all.gather(1, minibatch.actions[:, None])[:, 0]
         advantages = minibatch.advantages
@@ -238,38 +244,37 @@ class ImitationPPO(PPO):
         value_loss = F.mse_loss(minibatch.returns, values)
         entropy = -(log_all.exp() * log_all).sum(1).mean()
         loss = policy_loss - self.ent_coef * entropy + self.vf_coef * value_loss
-        divergence = loss.new_zeros(())
-        if wanted is not None:
-            divergence = F.kl_div(
-                log_all, wanted[minibatch.indices], reduction="batchmean", log_target=True
-            )
-            loss = loss + pull * divergence
+        kl_to_start = loss.new_zeros(())
+        if start_log_probs is not None:
+            target = start_log_probs[minibatch.indices]
+            kl_to_start = F.kl_div(log_all, target, reduction="batchmean", log_target=True)
+            loss = loss + kl_coef * kl_to_start
         with torch.no_grad():
             kl = (ratio - 1.0 - log_ratio).mean()
-            clipped = ((ratio - 1.0).abs() > self.recipe.clip_range).float().mean()
-            numbers = torch.stack([policy_loss, value_loss, entropy, kl, clipped, divergence])
-        return loss, numbers
+            clip_fraction = ((ratio - 1.0).abs() > self.recipe.clip_range).float().mean()
+            stats = [policy_loss, value_loss, entropy, kl, clip_fraction, kl_to_start]
+            return loss, torch.stack(stats)
 
     def _critic_loss(self, minibatch: Minibatch) -> tuple[Tensor, Tensor]:
-        """Return the loss of the value's last layer alone, so that the policy stays as it is."""
-        with torch.no_grad(), self._precision.multiplying(device_of(self.policy)):
+        """Return the loss of the value head alone, which leaves the policy unchanged."""
+        with torch.no_grad(), self._precision.autocast(device_of(self.policy)):
             features = self.policy.extract_features(minibatch.observations)
         logits, values = self.policy.heads(features)
         log_all = logits.detach().log_softmax(1)
         entropy = -(log_all.exp() * log_all).sum(1).mean()
         value_loss = F.mse_loss(minibatch.returns, values)
         zero = value_loss.new_zeros(())
-        numbers = torch.stack([zero, value_loss.detach(), entropy, zero, zero, zero])
-        return self.vf_coef * value_loss, numbers
+        stats = torch.stack([zero, value_loss.detach(), entropy, zero, zero, zero])
+        return self.vf_coef * value_loss, stats
 
-    def _start_log_probabilities(self) -> Tensor:
+    def _start_log_probs(self) -> Tensor:
         """Return the start policy's log probabilities over the rollout, float32 (N, 6)."""
         assert self.start_policy is not None
         size = forward_batch(device_of(self.start_policy))
         parts = []
         with torch.no_grad():
             for screens in torch.split(self.rollout_buffer.screens, size):
-                logits, _ = self._ask(self.start_policy, screens)
+                logits, _ = self._forward(self.start_policy, screens)
                 parts.append(logits.log_softmax(1))
-                self._tick()
+                self._on_step()
         return torch.cat(parts)

@@ -1,4 +1,4 @@
-"""What a policy is paid: the learned reward R in one of four shapes."""
+"""Shapes of the learned reward R that policies are trained on."""
 
 from __future__ import annotations
 
@@ -8,32 +8,29 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.reward.model import RewardModel
-from tril.game.episode import EndReason
+from tril.game.episode import DEATHS, EndReason
 from tril.recipes import PolicyRecipe
 
 Rewards = npt.NDArray[np.float32]
-
-DEATHS = frozenset({EndReason.HIT, EndReason.LIVES})
-"""Ends of an episode that cost the death penalty: the player was hit."""
 
 
 @dataclass(frozen=True)
 class RewardShaping:
     """The reward of a step, from R of the states before and after it.
 
-    "sigmoid" is the thesis's (section 5.1). It pays about as much for being alive as for the
-    behaviour. "level" pays R scaled so that the demonstrations' beginnings give 0 and the best
-    ones' ends give 1, without a bound, so that a step of progress counts for the rest of the game.
-    "difference" pays what the level has gained, once (a potential, Ng et al. 1999, without the
-    discount). "softplus" pays log(1 + exp(R)): where R is the logit of GAIL's discriminator D that
-    a state is demonstrated, that is -log(1 - D), the negative of the cost in Ho and Ermon 2016
-    (algorithm 1), whose D is the probability that a state is the policy's.
+    "sigmoid", the thesis's (section 5.1), rewards survival about as much as the behaviour. "level"
+    is R scaled to 0 at the demonstrations' beginnings and 1 at the best ones' ends, unbounded, so
+    that a step of progress counts for the rest of the game. "difference" is the gain in level,
+    which counts progress once (potential-based shaping, Ng et al. 1999, without the discount).
+    "softplus" is log(1 + exp(R)): where R is the logit of GAIL's discriminator D that a state is
+    demonstrated, this is -log(1 - D), the negative of the cost in Ho and Ermon 2016 (algorithm 1),
+    whose D is the probability that a state is the policy's.
 
     Attributes:
-        model: The reward model, for its levels.
+        model: The reward model.
         kind: "sigmoid", "level", "difference" or "softplus".
         death_penalty: Subtracted in the step in which the player is hit.
-        scale: What all of it is multiplied by.
+        scale: Factor on the result.
     """
 
     model: RewardModel
@@ -43,15 +40,15 @@ class RewardShaping:
 
     @classmethod
     def of(cls, model: RewardModel, recipe: PolicyRecipe) -> RewardShaping:
-        """The payment that a recipe asks for."""
+        """Return the reward shaping of a recipe."""
         return cls(model, recipe.reward, recipe.death_penalty, recipe.reward_scale)
 
     @property
     def needs_before(self) -> bool:
-        """Whether R of the state before a step matters."""
+        """Whether R of the state before a step is used."""
         return self.kind == "difference"
 
-    def pay(self, before: Rewards, reached: Rewards, died: npt.NDArray[np.bool_]) -> Rewards:
+    def shape(self, before: Rewards, reached: Rewards, died: npt.NDArray[np.bool_]) -> Rewards:
         """Return the reward of each step, float32 (N,).
 
         Args:
@@ -61,22 +58,22 @@ class RewardShaping:
             died: Whether the player was hit in the step, bool (N,).
         """
         if self.kind == "sigmoid":
-            paid = 0.5 * (1.0 + np.tanh(0.5 * reached))
+            shaped = 0.5 * (1.0 + np.tanh(0.5 * reached))
         elif self.kind == "softplus":
-            paid = np.logaddexp(0.0, reached)
+            shaped = np.logaddexp(0.0, reached)
         elif self.kind == "level":
-            paid = self.model.level(reached)
+            shaped = self.model.level(reached)
         else:
-            paid = self.model.level(reached) - self.model.level(before)
-        return np.asarray(self.scale * (paid - self.death_penalty * died), np.float32)
+            shaped = self.model.level(reached) - self.model.level(before)
+        return np.asarray(self.scale * (shaped - self.death_penalty * died), np.float32)
 
-    def total(self, states: Rewards, end: EndReason) -> float:
-        """Return what a whole game is paid.
+    def shaped_return(self, rewards: Rewards, end: EndReason) -> float:
+        """Return the sum of the shaped rewards of a whole game.
 
         Args:
-            states: R of its states, float32 (T + 1,), the start's first.
+            rewards: R of its states, float32 (T + 1,), from the start on.
             end: Why it ended.
         """
-        died = np.zeros(len(states) - 1, np.bool_)
+        died = np.zeros(len(rewards) - 1, np.bool_)
         died[-1:] = end in DEATHS
-        return float(self.pay(states[:-1], states[1:], died).sum(dtype=np.float64))
+        return float(self.shape(rewards[:-1], rewards[1:], died).sum(dtype=np.float64))

@@ -16,15 +16,15 @@ from trainer.nn.screens import take_screens
 
 
 class Minibatch(NamedTuple):
-    """A part of a rollout, drawn at random; see stable-baselines3's RolloutBufferSamples.
+    """A random part of a rollout; see stable-baselines3's RolloutBufferSamples.
 
     Attributes:
         observations: uint8 (B, 4, 84, 84), in channels-last order.
         actions: int64 (B,).
-        old_log_probs: Logarithm of the probability with which the action was chosen, float32 (B,).
+        old_log_probs: Log probabilities of the actions when they were sampled, float32 (B,).
         advantages: float32 (B,).
-        returns: What the value is to become, float32 (B,).
-        indices: Places in the rollout, int64 (B,).
+        returns: Targets of the values, float32 (B,).
+        indices: Indices in the rollout, int64 (B,).
     """
 
     observations: Tensor
@@ -38,10 +38,10 @@ class Minibatch(NamedTuple):
 class ScreenRolloutBuffer(RolloutBuffer):
     """A RolloutBuffer whose observations are written once and read once.
 
-    stable-baselines3 allocates the whole buffer anew for each rollout, copies each observation
-    twice when it is added, all of them when the first minibatch is drawn, and each minibatch into
-    a second one. Here the memory stays, observations are written in channels-last order as the
-    convolutions read them, and a minibatch is gathered once, still uint8.
+    stable-baselines3 allocates the buffer again for each rollout and copies each observation twice
+    when it is added, again with the first minibatch, and each minibatch once more. Here the memory
+    is reused, observations are written in channels-last order as the convolutions read them, and a
+    minibatch is gathered once, still uint8.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
         )
 
     def reset(self) -> None:
-        """Make room for the next rollout in the same memory."""
+        """Empty the buffer; its memory stays."""
         if not self._allocated:
             shape = (self.buffer_size, self.n_envs)
             self.actions = np.zeros((*shape, 1), np.int64)
@@ -110,7 +110,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
         return self._screens.flatten(0, 1).permute(0, 3, 1, 2)
 
     def minibatches(self, batch_size: int, rng: np.random.Generator) -> Iterator[Minibatch]:
-        """Yield all of the rollout once on the buffer's device, in an order drawn from ``rng``."""
+        """Yield the rollout once on the buffer's device, in an order drawn from ``rng``."""
         if not self.full:
             raise RuntimeError("The rollout is not complete yet.")
         screens = self.screens.to(self.device)

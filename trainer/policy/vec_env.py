@@ -1,4 +1,4 @@
-"""Many games as stable-baselines3 sees them, paid by the learned reward."""
+"""Games as a vectorised environment of stable-baselines3, with the learned reward."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from trainer.nn.screens import channels_last_screens
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
-from trainer.policy.reward_shaping import DEATHS, Rewards, RewardShaping
-from tril.game.episode import EndReason
+from trainer.policy.reward_shaping import Rewards, RewardShaping
+from tril.game.episode import DEATHS, EndReason
 from tril.game.observation import SIZE, STACK
 from tril.game.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
 
 
 @dataclass(frozen=True)
 class FinishedEpisode:
-    """An episode of the training that has ended.
+    """A finished training episode.
 
     Attributes:
-        game: What was played; the part of a demonstration that it began in included.
+        game: The game, including the part of a demonstration that the episode began after.
         n_steps: Steps that the policy played.
         predicted_return: Sum of R over the states that the policy reached.
-        paid: Sum of what the policy was paid.
+        shaped_return: Sum of the policy's rewards.
     """
 
     game: FinishedGame
     n_steps: int
     predicted_return: float
-    paid: float
+    shaped_return: float
 
     @property
     def is_whole(self) -> bool:
-        """Whether the policy played it from its start on."""
+        """Whether the policy played it from the start."""
         return self.game.first_step == 0
 
     @property
@@ -46,44 +46,44 @@ class FinishedEpisode:
 
 
 class TrilVecEnv(VecEnv):
-    """A VectorGame as stable-baselines3's VecEnv; the learned reward takes the place of a score.
+    """A VectorGame as stable-baselines3's VecEnv, with the learned reward instead of a score.
 
     The reward of a step is computed on the observation that the step led to. Where the step ended
-    the episode that is the episode's last observation, not the first of the next episode (T-REX's
-    published code takes that one).
+    the episode that is the episode's last observation, not the first of the next episode as in
+    T-REX's published code.
 
-    ``infos`` has an entry for a game whose episode ended, and only then: "terminal_observation",
+    ``infos`` is filled only for games whose episode ended: "terminal_observation",
     "TimeLimit.truncated" (true after 300 steps), "episode" as of stable-baselines3's Monitor, and
     "finished", a FinishedEpisode.
 
-    The observations of a step are in channels-last order, once for all networks that read them;
-    those of the last two steps are kept, older ones are written over.
+    Observations are in channels-last order; those of the last two steps stay valid, older ones are
+    overwritten.
 
     Args:
-        games: The games; closed with this.
-        payment: What the policy is paid.
+        games: The games, which are closed with this.
+        reward_shaping: The policy's reward.
     """
 
-    def __init__(self, games: VectorGame, payment: RewardShaping) -> None:
+    def __init__(self, games: VectorGame, reward_shaping: RewardShaping) -> None:
         self.games = games
-        self.payment = payment
+        self.reward_shaping = reward_shaping
         self._before: Rewards = np.zeros(games.n_games, np.float32)
         self._returns = np.zeros(games.n_games, np.float64)
-        self._paid = np.zeros(games.n_games, np.float64)
+        self._shaped_returns = np.zeros(games.n_games, np.float64)
         self._steps = np.zeros(games.n_games, np.int64)
         self._screens = np.empty((2, games.n_games, SIZE, SIZE, STACK), np.uint8)
         self._half = 0
         super().__init__(games.n_games, OBSERVATION_SPACE, ACTION_SPACE)
 
     def reset(self) -> VecEnvObs:
-        """Begin all games; returns their observations, uint8 (N, 4, 84, 84)."""
+        """Begin all games and return their observations, uint8 (N, 4, 84, 84)."""
         observations = self.games.reset()
-        if self.payment.needs_before:
-            self._before[:] = self.payment.model.score(observations)
+        if self.reward_shaping.needs_before:
+            self._before[:] = self.reward_shaping.model.score(observations)
         return observations
 
     def step_async(self, actions: npt.NDArray[np.int64]) -> None:
-        """Begin a step of all games with actions (N,)."""
+        """Begin a step of all games with actions, int64 (N,)."""
         self.games.step_async(actions)
 
     def step_wait(self) -> VecEnvStepReturn:
@@ -96,53 +96,56 @@ class TrilVecEnv(VecEnv):
         if len(ended):
             reached_states = observations.copy(order="K")
             reached_states[ended] = step.terminal_observations[ended]
-        reached = self.payment.model.score(reached_states)
+        reached = self.reward_shaping.model.score(reached_states)
         died = np.array([reason in DEATHS for reason in step.reasons])
-        rewards = self.payment.pay(self._before, reached, died)
+        rewards = self.reward_shaping.shape(self._before, reached, died)
         self._returns += reached
-        self._paid += rewards
+        self._shaped_returns += rewards
         self._steps += 1
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for one in step.finished:
             infos[one.game] = self._finish(one, reached_states[one.game])
-        if self.payment.needs_before:
+        if self.reward_shaping.needs_before:
             self._before = reached
             if len(ended):
-                self._before[ended] = self.payment.model.score(observations[ended])
+                self._before[ended] = self.reward_shaping.model.score(observations[ended])
         return observations, rewards, step.ended, infos
 
     def _finish(self, one: FinishedGame, last_observation: npt.NDArray[np.uint8]) -> dict[str, Any]:
         index = one.game
         episode = FinishedEpisode(
-            one, int(self._steps[index]), float(self._returns[index]), float(self._paid[index])
+            one,
+            int(self._steps[index]),
+            float(self._returns[index]),
+            float(self._shaped_returns[index]),
         )
-        self._returns[index] = self._paid[index] = self._steps[index] = 0
+        self._returns[index] = self._shaped_returns[index] = self._steps[index] = 0
         return {
             "terminal_observation": last_observation,
             "TimeLimit.truncated": one.end is EndReason.STEPS,
-            "episode": {"r": episode.paid, "l": episode.n_steps},
+            "episode": {"r": episode.shaped_return, "l": episode.n_steps},
             "finished": episode,
         }
 
     def save(self) -> dict[str, npt.NDArray[Any]]:
-        """Return all that the future of the games depends on, actions apart, as plain arrays."""
+        """Return the state of the environment for a checkpoint."""
         games = {f"games.{name}": a for name, a in self.games.snapshot().to_arrays().items()}
         return games | {
             "before": self._before,
             "returns": self._returns,
-            "paid": self._paid,
+            "paid": self._shaped_returns,  # its name in the format
             "steps": self._steps,
         }
 
     def restore(self, arrays: dict[str, npt.NDArray[Any]]) -> npt.NDArray[np.uint8]:
-        """Go on from what ``save`` returned; returns the observations as they were."""
+        """Restore what ``save`` returned, and return the observations of that moment."""
         prefix = "games."
         games = {
             name[len(prefix) :]: array for name, array in arrays.items() if name.startswith(prefix)
         }
         self._before = arrays["before"].copy()
         self._returns = arrays["returns"].copy()
-        self._paid = arrays["paid"].copy()
+        self._shaped_returns = arrays["paid"].copy()
         self._steps = arrays["steps"].copy()
         return self.games.restore(VectorSnapshot.from_arrays(games))
 
@@ -151,7 +154,7 @@ class TrilVecEnv(VecEnv):
         self.games.close()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return an attribute of this, once for each game; the games have none of their own."""
+        """Return an attribute of this environment, once per game."""
         return [getattr(self, attr_name, None) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:

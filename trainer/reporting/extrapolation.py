@@ -1,20 +1,19 @@
-"""The published sanity experiments: does a learned reward follow what the games were ranked by?
+"""The published sanity experiments: does a learned reward follow the quantity ranked by?
 
 T-REX (Brown et al. 2019, section 5 and figure 3) ranks games by their score, the thesis (section
 5.1 and figure 5.1) by the missiles fired. The games are those of players of growing skill: one
-policy, as it is after more and more training. The reward is learned from the less skilled ones'
-games; the others' go beyond what it has seen.
+policy at several checkpoints of its training. The reward is learned from games of the early
+checkpoints; games of later ones extrapolate.
 
-Here learning is privileged: the players are paid the true quantity, which is read off the game's
-memory, and the ranking is made from it. No behaviour is taught so.
+Learning is privileged here: the player is rewarded with the true quantity, which is read from the
+game's memory, and the ranking is made from it. No behaviour is taught this way.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -22,38 +21,37 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv, VecNormalize
 
 import tril.game.env
-from trainer.policy.evaluation import PlayedGame, play
+from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.policy.networks import Policy, ScreenPolicy, policy_arguments
-from trainer.progress import Part, Progress
-from trainer.reporting.figures import ReturnsGroup, returns_scatter
+from trainer.progress import Progress, ScaledProgress
+from trainer.reporting.skilled_games import (
+    Experiment,
+    Extrapolation,
+    Quantity,
+    SkilledGame,
+    tiers_by,
+)
 from trainer.reward.model import predicted_return
+from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.errors import Invalid
 from tril.game.env import points_of
 from tril.game.starts import spread_starts
-from tril.ranking import kendall_tau
-from tril.recipes import RewardRecipe
+from tril.recipes import Recipe
 from tril.recording import trajectory
-
-Quantity = Literal["points", "shots"]
-QUANTITIES: dict[Quantity, str] = {
-    "points": "points of the aliens shot",
-    "shots": "missiles fired",
-}
 
 
 @dataclass(frozen=True)
 class SkillPlan:
-    """How players of growing skill are made, and which of their games a reward is learned from.
+    """How the player is trained, and which of its games a reward is learned from.
 
     Attributes:
-        checkpoints: After how many of its training steps the player's games are taken, ascending.
-        demonstrating: How many of the checkpoints, from the first, demonstrate.
-        games: Games of each checkpoint, from training starts, its actions drawn by chance.
-        demonstrations: Games that are ranked: of the demonstrating checkpoints' spread evenly over
-            their true quantities.
-        parallel_games: Games that the player trains on side by side.
-        rollout_steps: Steps of each between two updates.
+        checkpoints: Training steps after which games of the player are taken, ascending.
+        demonstrating: Number of checkpoints, from the first, whose games may be ranked.
+        games: Games per checkpoint, from training starts, with sampled actions.
+        demonstrations: Games that are ranked, spread evenly over the true quantity.
+        parallel_games: Environments that the player trains in.
+        rollout_steps: Steps per environment between two updates.
     """
 
     checkpoints: tuple[int, ...] = (
@@ -73,93 +71,46 @@ class SkillPlan:
     rollout_steps: int = 128
 
 
-@dataclass(frozen=True)
-class SkilledGame:
-    """A game of a player of some skill.
-
-    Attributes:
-        checkpoint: After how many training steps it was played.
-        true_quantity: Points, or missiles fired.
-        predicted_return: Sum of R over the game.
-        demonstrated: Whether the reward was learned from it.
-    """
-
-    checkpoint: int
-    true_quantity: int
-    predicted_return: float
-    demonstrated: bool
-
-
-@dataclass(frozen=True)
-class Extrapolation:
-    """How predicted returns follow a true quantity.
-
-    Attributes:
-        quantity: Which.
-        games: The demonstrations and all other games.
-    """
-
-    quantity: Quantity
-    games: tuple[SkilledGame, ...]
-
-    @property
-    def demonstrations(self) -> tuple[SkilledGame, ...]:
-        """The games that the reward was learned from."""
-        return tuple(game for game in self.games if game.demonstrated)
-
-    @property
-    def unseen(self) -> tuple[SkilledGame, ...]:
-        """The others that are worth no more than the best demonstration."""
-        return tuple(g for g in self.games if not g.demonstrated and not self._is_beyond(g))
-
-    @property
-    def beyond(self) -> tuple[SkilledGame, ...]:
-        """The others that are worth more than any demonstration."""
-        return tuple(game for game in self.games if self._is_beyond(game))
-
-    def _is_beyond(self, game: SkilledGame) -> bool:
-        return game.true_quantity > max(one.true_quantity for one in self.demonstrations)
-
-
 def extrapolate(
     quantity: Quantity,
-    recipe: RewardRecipe,
+    recipe: Recipe,
     training_seed: int,
     progress: Progress,
     plan: SkillPlan | None = None,
 ) -> Extrapolation:
-    """Train a player, rank its games by what it was paid for, and learn a reward from the ranking.
+    """Train a player, rank its games by its reward, and learn a reward model from the ranking.
 
     Args:
-        quantity: What it is paid and what its games are ranked by.
-        recipe: How the reward is learned. There are no perfect games.
+        quantity: The player's reward, by which its games are ranked.
+        recipe: How the reward is learned; there are no perfect demonstrations.
         training_seed: Feeds every random choice.
-        progress: Told of the player's training and the reward's, half of the work each.
-        plan: Which players and games; by default the ordinary one.
+        progress: Told of the player's training and the reward model's, half of the work each.
+        plan: Checkpoints and games; SkillPlan's defaults if None.
 
     Raises:
         Invalid: All games that may demonstrate are worth the same.
         RunCancelled: Raised by ``progress``.
     """
     plan = plan or SkillPlan()
-    played = _play(quantity, training_seed, Part(progress, 0.0, 0.5), plan)
+    played = _play(quantity, training_seed, ScaledProgress(progress, 0.0, 0.5), plan)
     worths = [_worth(quantity, game) for _, game in played]
     able = [
         i for i, (step, _) in enumerate(played) if step in plan.checkpoints[: plan.demonstrating]
     ]
     chosen = spread(able, worths, plan.demonstrations)
-    tiers = _tiers([worths[index] for index in chosen])
+    tiers = tiers_by([worths[index] for index in chosen])
     if len(tiers) < 2:
         raise Invalid(
             f"All games that could demonstrate are worth {worths[chosen[0]]}: the player needs more"
             " training steps before they differ."
         )
     seen = [trajectory(game.recording) for _, game in played]
-    model = train_reward_model(
-        [seen[index] for index in chosen], tiers, recipe, training_seed, Part(progress, 0.5, 1.0)
+    dataset = PreferenceDataset.from_demonstrations(
+        [seen[index] for index in chosen], tiers, recipe.reward
     )
+    model = train_reward_model(dataset, training_seed, ScaledProgress(progress, 0.5, 1.0))
     return Extrapolation(
-        quantity,
+        Experiment.of(quantity, recipe, training_seed),
         tuple(
             SkilledGame(
                 step,
@@ -173,66 +124,25 @@ def extrapolate(
 
 
 def spread(able: Sequence[int], worths: Sequence[float], count: int) -> list[int]:
-    """Return ``count`` of the ``able`` indices, evenly over the order of their worths.
+    """Return ``count`` of the ``able`` indices, spread evenly over the order of their worths.
 
-    The least and the most worthy are always among them; of fewer than ``count`` all are taken.
+    The lowest and the highest are always among them; of fewer than ``count`` all are taken.
     """
     ordered = sorted(able, key=lambda index: (worths[index], index))
     places = np.linspace(0, len(ordered) - 1, min(count, len(ordered)))
     return [ordered[round(place)] for place in places]
 
 
-def extrapolation_picture(found: Extrapolation) -> bytes:
-    """Draw predicted return against true quantity as PNG, as T-REX's figure 3 does."""
-    groups = (
-        ("demonstrations", "#c2371f", found.demonstrations),
-        ("unseen games within their range", "#0067b0", found.unseen),
-        ("unseen games beyond it", "#6a4c93", found.beyond),
-    )
-    return returns_scatter(
-        [
-            ReturnsGroup(
-                label,
-                colour,
-                "o",
-                label == "demonstrations",
-                [game.true_quantity for game in games],
-                [game.predicted_return for game in games],
-            )
-            for label, colour, games in groups
-            if games
-        ],
-        QUANTITIES[found.quantity],
-        set_apart=False,
-    )
-
-
-def tau_of(games: Sequence[SkilledGame]) -> float | None:
-    """Return Kendall's tau-b between true quantity and predicted return; None if all are equal."""
-    tiers = _tiers([game.true_quantity for game in games])
-    if len(tiers) < 2:
-        return None
-    return kendall_tau(tiers, [game.predicted_return for game in games])
-
-
-def _tiers(worths: Sequence[float]) -> list[list[int]]:
-    """Return the indices in tiers of equal worth, best first."""
-    found: dict[float, list[int]] = defaultdict(list)
-    for index, worth in enumerate(worths):
-        found[worth].append(index)
-    return [found[worth] for worth in sorted(found, reverse=True)]
-
-
-def _worth(quantity: Quantity, game: PlayedGame) -> int:
+def _worth(quantity: Quantity, game: EvaluatedGame) -> int:
     return points_of(game.hits) if quantity == "points" else game.shots
 
 
 def _play(
     quantity: Quantity, training_seed: int, progress: Progress, plan: SkillPlan
-) -> list[tuple[int, PlayedGame]]:
-    """Train a player on the quantity and return games of each checkpoint with its steps."""
+) -> list[tuple[int, EvaluatedGame]]:
+    """Train a player and return the games of each checkpoint with its training steps."""
     starts = spread_starts(plan.games)
-    games: list[tuple[int, PlayedGame]] = []
+    games: list[tuple[int, EvaluatedGame]] = []
     total = plan.checkpoints[-1]
     env = VecNormalize(_environments(quantity, plan), norm_obs=False)
     try:

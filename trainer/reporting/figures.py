@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from pathlib import Path
 from typing import Literal
 
 import matplotlib
@@ -14,14 +15,17 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from PIL import Image
+from PIL import Image, ImageDraw
 
-from tril.analysis.extrapolation import JudgedGames
+from trainer.reporting.ledger import Entry
+from trainer.reporting.skilled_games import QUANTITIES, Extrapolation, SkilledGame
+from tril.analysis.extrapolation import JudgedGame, JudgedGames
 from tril.behaviours import Behaviour, Cell, score
 from tril.game.space_invaders import COLUMNS, ROWS
 
 MAP_SCALE = 4
 FRAME_SCALE = 2
+PANELS_PER_ROW = 4
 
 COLOURS = {
     "imitator": "#0067b0",
@@ -59,101 +63,132 @@ def frame_picture(screen: npt.NDArray[np.uint8]) -> bytes:
     return _png(screen, FRAME_SCALE)
 
 
-@dataclass(frozen=True)
-class PlayedColumn:
-    """One column of the comparison: who played, and the hits of each start's game.
+def attention_figure(title: str, states: Sequence[tuple[str, Path, Path]]) -> bytes:
+    """Put attention maps above the screens that they are of, pixel by pixel.
 
-    Attributes:
-        thing: A key of COLOURS.
-        title: Heading, e.g. "Imitator".
-        hits: For each start the cells hit, in order of time; None where no game was played.
+    Args:
+        title: What the reward model was learned from.
+        states: Of each state its name and the pictures of its map and of its screen.
+    """
+    margin, head = 8, 56
+    pictures = [[Image.open(path).convert("RGB") for path in paths] for _, *paths in states]
+    width = max(picture.width for column in pictures for picture in column)
+    heights = [max(column[row].height for column in pictures) for row in (0, 1)]
+    size = (len(states) * (width + margin) + margin, head + sum(heights) + 2 * margin)
+    figure = Image.new("RGB", size, "white")
+    draw = ImageDraw.Draw(figure)
+    draw.text((margin, 6), title, _INK, font_size=18)
+    for number, ((name, *_), column) in enumerate(zip(states, pictures, strict=True)):
+        left = margin + number * (width + margin)
+        draw.text((left, head - 24), name, _INK, font_size=15)
+        figure.paste(column[0], (left, head))
+        figure.paste(column[1], (left, head + heights[0] + margin))
+    return _encoded(figure)
+
+
+@dataclass(frozen=True)
+class AliensRow:
+    """A row of aliens_figure: its label, what was taught, and the hits of each column's game.
+
+    Hits are None where no game was played.
     """
 
-    thing: str
-    title: str
+    name: str
+    behaviour: Behaviour
     hits: tuple[tuple[Cell, ...] | None, ...]
 
 
-def comparison_figure(
-    behaviour: Behaviour, starts: Sequence[str], columns: Sequence[PlayedColumn]
-) -> bytes:
-    """Draw the aliens left after each start's game, side by side (thesis, section 5.2).
+def aliens_figure(rows: Sequence[AliensRow], columns: Sequence[tuple[str, str]]) -> bytes:
+    """Draw the aliens left after each game (thesis, section 5.2 and table 6.1).
 
     Filled squares are aliens left, rings are targets hit, crosses are strays.
 
     Args:
-        behaviour: What was taught.
-        starts: Name of each row.
-        columns: Who played.
+        rows: The games.
+        columns: Of each who played (a key of COLOURS), and its heading.
     """
-    height, width = 1.5 * len(starts) + 0.7, 1.75 * len(columns) + 0.9
-    figure, axes = grid_of_axes(width, height, len(starts), len(columns))
-    for row, name in enumerate(starts):
-        for number, column in enumerate(columns):
-            axis = axes[row][number]
-            draw_aliens(axis, behaviour, column.hits[row], COLOURS[column.thing])
-            if row == 0:
-                axis.set_title(column.title, fontsize=10, color=COLOURS[column.thing], pad=8)
+    figure, axes = _grid_of_axes(
+        1.5 * len(columns) + 0.9, 1.5 * len(rows) + 0.6, len(rows), len(columns)
+    )
+    for index, row in enumerate(rows):
+        for number, (player, title) in enumerate(columns):
+            axis = axes[index][number]
+            _draw_aliens(axis, row.behaviour, row.hits[number], COLOURS[player])
+            if index == 0:
+                axis.set_title(title, fontsize=9, color=COLOURS[player], pad=8)
             if number == 0:
-                axis.set_ylabel(name, fontsize=9, color=_INK, labelpad=8)
-    return rendered(figure)
+                axis.set_ylabel(row.name, fontsize=9, labelpad=8)
+    return _rendered(figure)
 
 
-def returns_figure(tiers: Sequence[int], returns: Sequence[float], tau: float) -> bytes:
+def returns_figure(panels: Sequence[tuple[str, Entry]]) -> bytes:
     """Draw predicted return against rank (thesis, appendix C).
 
     Args:
-        tiers: The tier of each demonstration, 1 the best.
-        returns: Its predicted return.
-        tau: Kendall's tau between the two.
+        panels: Of each its title and the result that it shows.
     """
-    figure, ((axis,),) = grid_of_axes(4.8, 3.2, 1, 1)
-    axis.plot(tiers, returns, "o", color=COLOURS["imitator"], markersize=6)
-    axis.set_xlabel("rank given (1 is the best)", color=_INK)
-    axis.set_ylabel("predicted return", color=_INK)
-    axis.set_xticks(sorted(set(tiers)))
-    axis.set_title(f"Kendall's tau {tau:.2f}", fontsize=10, loc="left", color=_INK)
-    calm(axis)
-    return rendered(figure)
+    n_columns = min(PANELS_PER_ROW, len(panels))
+    n_rows = -(-len(panels) // PANELS_PER_ROW)
+    width, height = (4.8, 3.2) if len(panels) == 1 else (2.6 * n_columns, 2.2 * n_rows)
+    figure, axes = _grid_of_axes(width, height, n_rows, n_columns)
+    flat = [axis for row in axes for axis in row]
+    for axis, (title, entry) in zip(flat, panels, strict=False):
+        ranks = [one.rank for one in entry.demonstrations]
+        returns = [one.predicted_return for one in entry.demonstrations]
+        axis.plot(ranks, returns, "o", color=COLOURS["imitator"], markersize=4)
+        tau = entry.check.get("tau")
+        said = title if tau is None else f"{title}, tau {tau:.2f}"
+        axis.set_title(said, fontsize=9, loc="left")
+        last = max(ranks, default=1)
+        axis.set_xticks(sorted({1, -(-last // 2), last}))
+        _calm(axis)
+    for axis in flat[len(panels) :]:
+        axis.set_visible(False)
+    for row in axes:
+        row[0].set_ylabel("predicted return", fontsize=8)
+    for axis in axes[-1]:
+        axis.set_xlabel("rank (1 is the best)", fontsize=8)
+    return _rendered(figure)
 
 
 @dataclass(frozen=True)
 class ReturnsGroup:
-    """Games of one kind, by what they were worth and what the learned reward makes of them.
-
-    Attributes:
-        label: What the legend says.
-        colour: Of the marks.
-        mark: Their shape, as matplotlib names it.
-        demonstrated: Whether the reward was learned from them.
-        worths: The true quantity of each.
-        returns: The predicted return of each.
-    """
+    """Games of one kind: label and colour, mark of matplotlib, whether R was learned from them."""
 
     label: str
     colour: str
     mark: str
     demonstrated: bool
-    worths: Sequence[float]
-    returns: Sequence[float]
+    games: Sequence[JudgedGame | SkilledGame]
 
 
 def extrapolation_figure(groups: Sequence[JudgedGames], quantity: str) -> bytes:
     """Draw predicted return against true quantity for the games of a run, see returns_scatter."""
+    kinds = {True: "demonstrations", False: "unseen games"}
     return returns_scatter(
         [
             ReturnsGroup(
-                f"{one.player}, {'demonstrations' if one.demonstrated else 'unseen games'}",
+                f"{one.player}, {kinds[one.demonstrated]}",
                 COLOURS[one.player],
                 MARKS[one.player],
                 one.demonstrated,
-                [game.true_quantity for game in one.games],
-                [game.predicted_return for game in one.games],
+                one.games,
             )
             for one in groups
         ],
         quantity,
     )
+
+
+def experiment_figure(found: Extrapolation) -> bytes:
+    """Draw the same for an extrapolation experiment."""
+    groups = [
+        ReturnsGroup("demonstrations", "#c2371f", "o", True, found.demonstrations),
+        ReturnsGroup("unseen games within their range", "#0067b0", "o", False, found.unseen),
+        ReturnsGroup("unseen games beyond it", "#6a4c93", "o", False, found.beyond),
+    ]
+    quantity = QUANTITIES[found.experiment.quantity]
+    return returns_scatter([one for one in groups if one.games], quantity, set_apart=False)
 
 
 def returns_scatter(
@@ -169,18 +204,19 @@ def returns_scatter(
         quantity: What the true quantity counts.
         set_apart: Whether marks that share a quantity are set apart by their groups.
     """
-    figure, ((axis,),) = grid_of_axes(6.0, 4.0, 1, 1)
-    worths = [worth for group in groups if group.demonstrated for worth in group.worths]
-    returns = [value for group in groups if group.demonstrated for value in group.returns]
-    if worths:
+    figure, ((axis,),) = _grid_of_axes(6.0, 4.0, 1, 1)
+    shown = [game for group in groups if group.demonstrated for game in group.games]
+    if shown:
+        worths = [game.true_quantity for game in shown]
+        returns = [game.predicted_return for game in shown]
         axis.axvspan(min(worths) - 0.5, max(worths) + 0.5, color=_BAND, linewidth=0)
         axis.axhline(max(returns), color=_FAINT, linewidth=1, linestyle="--")
         axis.axhline(min(returns), color=_FAINT, linewidth=1, linestyle="--")
     for place, group in enumerate(groups):
         apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups) if set_apart else 0.0
         axis.plot(
-            [worth + apart for worth in group.worths],
-            group.returns,
+            [game.true_quantity + apart for game in group.games],
+            [game.predicted_return for game in group.games],
             group.mark,
             color=group.colour,
             markersize=6,
@@ -190,9 +226,9 @@ def returns_scatter(
     axis.set_xlabel(quantity, color=_INK)
     axis.set_ylabel("predicted return", color=_INK)
     axis.xaxis.set_major_locator(MaxNLocator(integer=True))
-    calm(axis)
+    _calm(axis)
     axis.legend(fontsize=8, frameon=False)
-    return rendered(figure)
+    return _rendered(figure)
 
 
 def curves_figure(
@@ -204,28 +240,21 @@ def curves_figure(
         curves: Of each its label, a colour and its points (step, value).
         x_label: What the steps count.
     """
-    figure, axes = grid_of_axes(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)
+    figure, axes = _grid_of_axes(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)
     for (axis,), (label, colour, points) in zip(axes, curves, strict=True):
         if points:
             steps, values = zip(*points, strict=True)
             axis.plot(steps, values, color=colour, linewidth=1.6)
         axis.set_ylabel(label, fontsize=9, color=_INK)
-        calm(axis)
+        _calm(axis)
     axes[-1][0].set_xlabel(x_label, color=_INK)
-    return rendered(figure)
+    return _rendered(figure)
 
 
-def draw_aliens(
+def _draw_aliens(
     axis: Axes, behaviour: Behaviour, hits: tuple[Cell, ...] | None, colour: str
 ) -> None:
-    """Draw the grid of aliens after a game.
-
-    Args:
-        axis: Where.
-        behaviour: What was taught.
-        hits: The cells hit, in order of time; None where no game was played.
-        colour: Of the targets.
-    """
+    """Draw the grid of aliens after a game, targets in a colour."""
     axis.set_xlim(-0.6, COLUMNS - 0.4)
     axis.set_ylim(-0.6, ROWS - 0.4)
     axis.set_aspect("equal")
@@ -250,7 +279,7 @@ def draw_aliens(
     axis.set_xlabel(text, fontsize=8, color=_INK, labelpad=3)
 
 
-def grid_of_axes(
+def _grid_of_axes(
     width: float, height: float, n_rows: int, n_columns: int, share_x: bool = False
 ) -> tuple[Figure, list[list[Axes]]]:
     """A figure without the global state of pyplot, and its axes by row and column."""
@@ -260,7 +289,7 @@ def grid_of_axes(
     return figure, [list(row) for row in axes]
 
 
-def calm(axis: Axes) -> None:
+def _calm(axis: Axes) -> None:
     """Take away what draws the eye from the data."""
     for side in ("top", "right"):
         axis.spines[side].set_visible(False)
@@ -268,7 +297,7 @@ def calm(axis: Axes) -> None:
     axis.grid(visible=True, color=_FAINT, linewidth=0.5, alpha=0.6)
 
 
-def rendered(figure: Figure) -> bytes:
+def _rendered(figure: Figure) -> bytes:
     """Return the figure as PNG bytes."""
     target = BytesIO()
     figure.savefig(target, format="png", dpi=160, facecolor="white")
@@ -277,6 +306,10 @@ def rendered(figure: Figure) -> bytes:
 
 def _png(pixels: npt.NDArray[np.uint8], scale: int) -> bytes:
     enlarged = pixels.repeat(scale, axis=0).repeat(scale, axis=1)
+    return _encoded(Image.fromarray(enlarged))
+
+
+def _encoded(picture: Image.Image) -> bytes:
     target = BytesIO()
-    Image.fromarray(enlarged).save(target, format="png", optimize=True)
+    picture.save(target, format="png", optimize=True)
     return target.getvalue()

@@ -1,98 +1,126 @@
-"""Finished cells that only chance tells apart, and the figures of their games together."""
+"""Results that only the training seed tells apart, and the figures of their games together."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from trainer.reporting.ledger import Entry, recipe_digest
-from tril.analysis.summary import Interval, interval
-from tril.behaviours import BUILT_IN, Behaviour
-from tril.errors import Invalid
-from tril.recipes import RECIPES, with_values
+from trainer.reporting.digests import changed_recipe, recipe_digest
+from trainer.reporting.ledger import Entry, LedgerCell, LedgerGame
+from tril.analysis.summary import Interval, interval, winner
+from tril.behaviours import BUILT_IN, Behaviour, Cell
+from tril.recipes import RECIPES
+
+PLACES = {behaviour.slug: place for place, behaviour in enumerate(BUILT_IN)}
+
+
+@dataclass(frozen=True)
+class Duel:
+    """The greedy games of both policies from one start; None where one was not played."""
+
+    behaviour: Behaviour
+    start: int
+    imitator: LedgerGame | None
+    clone: LedgerGame | None
+
+    @property
+    def hits(self) -> tuple[tuple[Cell, ...] | None, ...]:
+        """The hits of each of the games."""
+        return tuple(None if game is None else game.hits for game in (self.imitator, self.clone))
+
+    @property
+    def held_out(self) -> bool:
+        """Whether no demonstration began from the start."""
+        return all(game.held_out for game in (self.imitator, self.clone) if game)
+
+    @property
+    def winner(self) -> str:
+        """Who won; nothing where a game is missing or the behaviour has no target."""
+        if self.imitator is None or self.clone is None:
+            return ""
+        ours, theirs = (game.figures(self.behaviour) for game in (self.imitator, self.clone))
+        return winner(ours, theirs) or ""
 
 
 @dataclass(frozen=True)
 class ResultGroup:
-    """The finished cells of one behaviour, recipe, number of steps and kind of demonstrations.
+    """The results of one behaviour, recipe, number of steps and kind of demonstrations.
 
     Attributes:
         behaviour: What was taught.
-        entries: The cells, by training seed; at least one.
+        entries: The results by training seed, at least one.
     """
 
     behaviour: Behaviour
     entries: tuple[Entry, ...]
 
     @property
+    def cell(self) -> LedgerCell:
+        """Of the first training seed."""
+        return self.entries[0].cell
+
+    @property
     def is_current(self) -> bool:
-        """Whether the recipe is the ready-made one as it is now."""
-        cell = self.entries[0].cell
-        return cell.digest == recipe_digest(RECIPES[cell.recipe])
+        """Whether the recipe is the built-in one of this version."""
+        return self.cell.digest == recipe_digest(RECIPES[self.cell.recipe])
 
     @property
     def name(self) -> str:
-        """The behaviour for a table, with the values of the recipe that are others."""
+        """The behaviour's name, with the values of the recipe that are changed."""
         if self.is_current:
             return self.behaviour.name
-        first = self.entries[0]
-        said = f"other values, {first.cell.digest}"
-        if _still_makes(first):
-            said = ", ".join(f"{path} {value}" for path, value in first.changes.items())
-        return f"{self.behaviour.name} ({said})"
+        changes = self.entries[0].changes
+        recipe = changed_recipe(self.cell.recipe, changes)
+        if recipe is None or recipe_digest(recipe) != self.cell.digest:
+            return f"{self.behaviour.name} (other values, {self.cell.digest})"
+        values = ", ".join(f"{path} {value}" for path, value in changes.items())
+        return f"{self.behaviour.name} ({values})"
 
     @property
-    def steps(self) -> int:
-        """Steps of the imitator's training."""
-        return self.entries[0].cell.steps
+    def minutes(self) -> tuple[float, float]:
+        """The shortest and the longest run."""
+        minutes = [entry.minutes for entry in self.entries]
+        return min(minutes), max(minutes)
 
-    @property
-    def seeds(self) -> str:
-        """The training seeds, for a table."""
-        return ", ".join(str(entry.cell.training_seed) for entry in self.entries)
+    def duels(self, starts: Iterable[int], entry: Entry | None = None) -> list[Duel]:
+        """Return the greedy games of both policies from each of the starts.
+
+        Args:
+            starts: Numbers of evaluation starts.
+            entry: The result to take them from; the first if None.
+        """
+        entry = entry or self.entries[0]
+        return [
+            Duel(self.behaviour, n, entry.game("imitator", n), entry.game("clone", n))
+            for n in starts
+        ]
 
     def mean(self, policy: str, action_selection: str, name: str) -> Interval | None:
-        """Return the mean of a figure over the held-out games of all training seeds."""
+        """Return the mean of a figure over the held-out games; None where they lack it."""
         values = [
             float(value)
             for entry in self.entries
-            for game in entry.games
-            if (game.policy, game.action_selection) == (policy, action_selection) and game.held_out
-            if (value := getattr(game.figures, name)) is not None
+            for game in entry.of(policy, action_selection)
+            if game.held_out and (value := getattr(game.figures(self.behaviour), name)) is not None
         ]
         return interval(values) if values else None
 
-    def shown(self, policy: str, action_selection: str, name: str, form: str = ".2f") -> str:
-        """Return the mean and its interval for a table; nothing where games have no such figure."""
-        value = self.mean(policy, action_selection, name)
-        if value is None:
-            return ""
-        return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"
-
-    def lowest(self, name: str, form: str) -> str:
-        """Return the lowest of a figure of the reward models' checks, for a table."""
+    def lowest(self, name: str) -> float | None:
+        """Return the lowest of a figure of the reward models' checks; None if there is none."""
         values = [v for entry in self.entries if (v := entry.check.get(name)) is not None]
-        return f"{min(values):{form}}" if values else ""
+        return min(values, default=None)
 
 
-def _still_makes(entry: Entry) -> bool:
-    """Tell whether an entry's changes make its recipe of the ready-made one as it is now."""
-    changes = {path: tuple(v) if isinstance(v, list) else v for path, v in entry.changes.items()}
-    try:
-        changed = with_values(RECIPES[entry.cell.recipe], changes)
-    except Invalid:
-        return False  # A value that recipes have no more.
-    return recipe_digest(changed) == entry.cell.digest
+def group_results(entries: Iterable[Entry]) -> list[ResultGroup]:
+    """Return the entries in groups by behaviour, steps, recipe and demonstrations.
 
-
-def group_results(entries: Sequence[Entry]) -> list[ResultGroup]:
-    """Return the entries as groups, by behaviour as these come ready, then by steps."""
-    known = {behaviour.slug: place for place, behaviour in enumerate(BUILT_IN)}
-    found: dict[tuple[int, int, str, str, str], list[Entry]] = {}
+    The built-in values of a recipe come before changed ones.
+    """
+    built_in = {name: recipe_digest(recipe) for name, recipe in RECIPES.items()}
+    found: dict[tuple[int, int, str, bool, str, str], list[Entry]] = {}
     for entry in entries:
         cell = entry.cell
-        if cell.behaviour in known:
-            place = known[cell.behaviour]
-            key = (place, cell.steps, cell.recipe, cell.digest, cell.demonstrations)
-            found.setdefault(key, []).append(entry)
+        place, changed = PLACES[cell.behaviour], cell.digest != built_in[cell.recipe]
+        key = (place, cell.steps, cell.recipe, changed, cell.digest, cell.demonstrations)
+        found.setdefault(key, []).append(entry)
     return [ResultGroup(BUILT_IN[key[0]], tuple(found[key])) for key in sorted(found)]

@@ -1,75 +1,38 @@
-"""What a finished run shows, as a page of Markdown with pictures, for a folder of results."""
+"""A run's page: Markdown with pictures, in a folder."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.reporting.figures import (
     COLOURS,
-    PlayedColumn,
-    comparison_figure,
+    AliensRow,
+    aliens_figure,
     curves_figure,
     extrapolation_figure,
     returns_figure,
 )
-from trainer.reporting.reward_report import (
-    EXTRAPOLATION,
-    QUANTITY,
-    alarm_lines,
-    extrapolation_lines,
-    warning_lines,
-)
-from tril.analysis.extrapolation import JudgedGames
-from tril.analysis.reward_alarm import RewardAlarm
-from tril.analysis.summary import Interval, PolicySummary, winner
-from tril.behaviours import Behaviour, Cell, score
-from tril.demonstrator import kind_named
+from trainer.reporting.rendering import render
+from trainer.reporting.result_groups import Duel, ResultGroup
+from trainer.reporting.run_entry import cells, describe_example, entry_of
+from tril.analysis.outcome import AttentionState
+from tril.behaviours import score
 from tril.files.artifact_store import ArtifactStore, write_whole
-from tril.recipes import Recipe, recipe_from_dict
+from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database
-from tril.store.models import ArtifactRow, EvaluationRow, RecordingRow, RunRow
+from tril.store.models import RecordingRow, Source
 from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.alarms import alarm_of
-from tril.store.training.evaluations import POLICIES
-from tril.store.training.metrics import Series
 from tril.store.training.returns import judged_games
 
-STATES = ("minimum", "90th percentile", "95th percentile", "maximum")
-
-
-@dataclass(frozen=True)
-class _Facts:
-    run: RunRow
-    behaviour: Behaviour
-    recipe: Recipe
-    tiers: list[list[int]]
-    demonstrations: dict[int, RecordingRow]
-    games: list[EvaluationRow]
-    files: list[ArtifactRow]
-    curves: Series
-    judged: list[JudgedGames]
-    alarm: RewardAlarm | None
-
-    @property
-    def best(self) -> RecordingRow | None:
-        """The first demonstration of the best tier."""
-        return self.demonstrations.get(self.tiers[0][0]) if self.tiers else None
-
-    def game(self, policy: str, start_number: int) -> EvaluationRow | None:
-        """The greedy game of a policy from a start."""
-        for row in self.games:
-            if (row.policy, row.start_number, row.action_selection) == (
-                policy,
-                start_number,
-                "greedy",
-            ):
-                return row
-        return None
+CURVES = {
+    "predicted_return": "predicted return",
+    "hits": "targets hit",
+    "strays": "strays",
+    "death_rate": "death rate",
+}
 
 
 def write_report(database: Database, store: ArtifactStore, run_id: str, folder: Path) -> Path:
@@ -78,279 +41,73 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
     Args:
         database: The application's database.
         store: The artifact store.
-        run_id: A run that is done.
-        folder: Where to; made if it isn't there, files of the same names are replaced.
+        run_id: The run.
+        folder: Made if it isn't there; files of the same names are replaced.
 
     Returns:
         The page's path.
 
     Raises:
-        NotFound: No such run.
+        NotFound: No such run, or its behaviour was deleted.
+        Invalid: Its recipe is one of another version.
     """
-    facts = _facts(database, run_id)
-    pictures = _pictures(facts)
-    pictures |= {
-        row.name: store.get(row.path) for row in facts.files if row.kind.startswith("attention_")
-    }
+    with database.reading() as session:
+        run = runs.get(session, run_id)
+        behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
+        result = entry_of(session, run)
+        ranked = run.snapshot.ranked if run.snapshot else []
+        demonstrations = recordings.by_ids(session, ranked)
+        judged = judged_games(session, run, evaluations.listing(session, run_id))
+        alarm = alarm_of(session, run)
+        curves = metrics.series(session, run_id)[1].get("imitator", {})
+        files = artifacts.listing(session, run_id)
+    group = ResultGroup(behaviour, (result,))
+    duels = group.duels(recipe_from_dict(run.recipe).evaluation.start_numbers)
+    pictures = {"aliens.png": _aliens(duels, demonstrations.get(ranked[0]) if ranked else None)}
+    if result.check:
+        pictures["returns.png"] = returns_figure([(behaviour.name, result)])
+    if judged:
+        pictures["extrapolation.png"] = extrapolation_figure(judged, "targets hit, less strays")
+    # A training in which no game ended has no curves.
+    shown = [(label, COLOURS["imitator"], curves[n]) for n, label in CURVES.items() if n in curves]
+    if shown:
+        pictures["curves.png"] = curves_figure(shown, "steps of training games")
+    text = render(
+        "run.md.j2",
+        behaviour=behaviour,
+        result=result,
+        sources=sorted({row.source for row in demonstrations.values()}),
+        example=describe_example(run.outcome),
+        warning=run.outcome.check.warning if run.outcome.check else "",
+        duels=duels,
+        group=group,
+        policies=evaluations.POLICIES,
+        action_selections=evaluations.ACTION_SELECTIONS,
+        judged=judged,
+        alarm=alarm,
+        pictures=pictures,
+        attention={
+            (row.kind, row.details["state"]): row
+            for row in files
+            if row.kind in ("attention_map", "attention_frame")
+        },
+        states=list(AttentionState),
+        score=score,
+        sticky_action_probability=STICKY_ACTION_PROBABILITY,
+    )
+    pictures |= {r.name: store.get(r.path) for r in files if r.kind.startswith("attention_")}
     for name, content in pictures.items():
         write_whole(folder / name, content)
     page = folder / "README.md"
-    write_whole(page, _page(facts, pictures.keys()).encode())
+    write_whole(page, text.encode())
     return page
 
 
-def _facts(database: Database, run_id: str) -> _Facts:
-    with database.reading() as session:
-        run = runs.get(session, run_id)
-        tiers: list[list[int]] = (run.snapshot or {}).get("tiers", [])
-        _, curves = metrics.series(session, run_id)
-        games = evaluations.listing(session, run_id)
-        return _Facts(
-            run=run,
-            behaviour=behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
-            recipe=recipe_from_dict(run.recipe),
-            tiers=tiers,
-            demonstrations=recordings.by_ids(session, [i for tier in tiers for i in tier]),
-            games=games,
-            files=artifacts.listing(session, run_id),
-            curves=curves,
-            judged=judged_games(session, run, games),
-            alarm=alarm_of(session, run),
-        )
-
-
-def describe_example(outcome: Mapping[str, Any]) -> str:
-    """Say of what kind a run's demonstrations are, and how right their ranking is.
-
-    Args:
-        outcome: The run's; see RunRow.
-
-    Returns:
-        A sentence or two; nothing for the ordinary example and for a person's demonstrations.
-    """
-    example = outcome.get("example")
-    if example is None:
-        return ""
-    n_wrong = len(example["mistakes"])
-    order = (
-        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example['tau']:.2f}"
-        " with what the games show)."
-        if n_wrong
-        else "They are ranked without mistakes."
-    )
-    kind = kind_named(example["kind"])
-    return f"The demonstrations are of the kind `{kind.name}`: {kind.summary}. {order}"
-
-
-def _pictures(facts: _Facts) -> dict[str, bytes]:
-    starts = facts.recipe.evaluation.start_numbers
-    columns = [
-        PlayedColumn(
-            policy,
-            policy.capitalize(),
-            tuple(_cells(game.recording) if game else None for game in games),
-        )
-        for policy in POLICIES
-        for games in [[facts.game(policy, number) for number in starts]]
-    ]
-    if facts.best is not None:
-        thing = "demonstrator" if facts.best.source == "scripted" else "person"
-        columns.append(
-            PlayedColumn(thing, "Best demonstration", (_cells(facts.best),) * len(starts))
-        )
-    names = [f"start {number}" for number in starts]
-    pictures = {"aliens.png": comparison_figure(facts.behaviour, names, columns)}
-    if check := facts.run.outcome.get("check"):
-        returns = _returns(facts)
-        pictures["returns.png"] = returns_figure(
-            [tier for tier, _, _ in returns], [value for _, _, value in returns], check["tau"]
-        )
-    points = facts.curves.get("imitator", {})
-    shown = ("predicted_return", "hits", "strays", "death_rate")
-    labels = ("predicted return", "targets hit", "strays", "games lost")
-    curves = [
-        (label, COLOURS["imitator"], points[name])
-        for name, label in zip(shown, labels, strict=True)
-        if name in points
-    ]
-    if facts.judged:
-        pictures[EXTRAPOLATION] = extrapolation_figure(facts.judged, QUANTITY)
-    # A training so short that no game ended has none.
-    if curves:
-        pictures["curves.png"] = curves_figure(curves, "steps of training games")
-    return pictures
-
-
-def _returns(facts: _Facts) -> list[tuple[int, int, float]]:
-    """(tier from 1, recording id, predicted return) of each ranked demonstration."""
-    values = {int(k): v for k, v in facts.run.outcome["check"]["predicted_returns"].items()}
-    return [
-        (place, number, values[number])
-        for place, tier in enumerate(facts.tiers, start=1)
-        for number in tier
-        if number in values
-    ]
-
-
-def _page(facts: _Facts, pictures: Iterable[str]) -> str:
-    parts = [*_head(facts), *_comparison(facts), *_means(facts), *_ranking(facts)]
-    parts += extrapolation_lines(facts.judged)
-    if "curves.png" in pictures:
-        parts += ["## Training games", "", *alarm_lines(facts.alarm)]
-        parts += ["![Curves of the training](curves.png)", ""]
-    return "\n".join([*parts, *_attention(facts), *_origin(facts)])
-
-
-def _head(facts: _Facts) -> list[str]:
-    run, seconds = facts.run, facts.run.finished_stages
-    stages = ", ".join(f"{name} {seconds[name]:.0f} s" for name in seconds)
-    people = {row.source for row in facts.demonstrations.values()}
-    made = (
-        "The demonstrations were played by the scripted demonstrator, not by a person."
-        if people == {"scripted"}
-        else "The demonstrations were played by a person."
-        if people == {"person"}
-        else f"The demonstrations are of these sources: {', '.join(sorted(people))}."
-    )
-    return [
-        f"# {facts.behaviour.name}",
-        "",
-        facts.behaviour.description,
-        "",
-        f"Recipe `{run.recipe_name}`, {run.steps:,} steps, training seed {run.training_seed}."
-        f" {made} {describe_example(run.outcome)}".rstrip(),
-        "",
-        f"Time by stage: {stages}.",
-        "",
-    ]
-
-
-def _comparison(facts: _Facts) -> list[str]:
-    lines = [
-        "## Evaluation starts",
-        "",
-        "Greedy games from starts that no demonstration and no training game began from, unless"
-        " marked as seen. Squares are aliens left, rings targets hit, crosses strays. The best"
-        " demonstration began from its own start.",
-        "",
-        "![Aliens left after each game](aliens.png)",
-        "",
-        "| start | imitator | clone | winner |",
-        "|---|---|---|---|",
-    ]
-    for number in facts.recipe.evaluation.start_numbers:
-        games = [facts.game(policy, number) for policy in POLICIES]
-        figures = [None if game is None else evaluations.figures_of(game) for game in games]
-        who = (
-            winner(figures[0], figures[1])
-            if figures[0] is not None and figures[1] is not None
-            else None
-        )
-        seen = "" if all(game.held_out for game in games if game) else " (seen)"
-        cells = " | ".join(_game(facts.behaviour, game) for game in games)
-        lines.append(f"| {number}{seen} | {cells} | {who or ''} |")
-    return [*lines, ""]
-
-
-def _means(facts: _Facts) -> list[str]:
-    lines = [
-        "Means over all held-out starts, with 95% bootstrap intervals. Greedy: the policy takes the"
-        " likeliest action; sampled: it draws by the probabilities; sticky: it takes the likeliest"
-        f" one, and at every frame the machine repeats the last action with probability"
-        f" {STICKY_ACTION_PROBABILITY}.",
-        "",
-        "| policy | actions | games | targets | strays | lost to a bomb | steps |",
-        "|---|---|---:|---:|---:|---:|---:|",
-    ]
-    for (policy, action_selection), summary in evaluations.summaries(facts.games).items():
-        lines.append(f"| {policy} | {action_selection} | {summary.steps.n} | {_summary(summary)} |")
-    return [*lines, ""]
-
-
-def _ranking(facts: _Facts) -> list[str]:
-    check = facts.run.outcome.get("check")
-    if check is None:
-        return []
-    held_out = check["held_out_accuracy"]
-    lines = [
-        "## What the reward model makes of the ranking",
-        "",
-        f"Kendall's tau {check['tau']:.3f}; fragment pairs ordered as ranked"
-        f" {check['pair_accuracy']:.1%}; pairs of demonstrations that were left out of learning"
-        f" {'not measured' if held_out is None else f'{held_out:.1%}'}.",
-        "",
-        *warning_lines(check.get("warning", "")),
-        "![Predicted return against rank](returns.png)",
-        "",
-        "| rank | hits | predicted return |",
-        "|---:|---|---:|",
-    ]
-    for place, number, value in _returns(facts):
-        hits = _counted(facts.behaviour, _cells(facts.demonstrations[number]))
-        lines.append(f"| {place} | {hits} | {value:.1f} |")
-    return [*lines, ""]
-
-
-def _attention(facts: _Facts) -> list[str]:
-    rewards = {
-        row.details["state"]: row.details["reward"]
-        for row in facts.files
-        if row.kind == "attention_map"
-    }
-    if not rewards:
-        return []
-    kinds = {(row.kind, row.details.get("state")): row.name for row in facts.files}
-    states = [state for state in STATES if state in rewards]
-
-    def row_of(kind: str) -> str:
-        cells = (f"![{state}]({kinds[kind, state]})" for state in states)
-        return f"| {' | '.join(cells)} |"
-
-    return [
-        "## Where the reward model looks",
-        "",
-        f"| {' | '.join(f'{state} (R = {rewards[state]:.2f})' for state in states)} |",
-        f"|{'---|' * len(states)}",
-        row_of("attention_map"),
-        row_of("attention_frame"),
-        "",
-    ]
-
-
-def _origin(facts: _Facts) -> list[str]:
-    versions = ", ".join(f"{name} {version}" for name, version in facts.run.versions.items())
-    return [f"Versions: {versions}.", ""]
-
-
-def _game(behaviour: Behaviour, game: EvaluationRow | None) -> str:
-    if game is None:
-        return "not played"
-    end = "lost to a bomb" if game.recording.end == "hit" else "alive"
-    return f"{_counted(behaviour, _cells(game.recording))}, {end}"
-
-
-def _counted(behaviour: Behaviour, cells: tuple[Cell, ...]) -> str:
-    result = score(behaviour, cells)
-    if result is None or behaviour.target is None:
-        return f"{len(cells)} aliens"
-    text = f"{result.targets}/{len(behaviour.target)} targets, {result.strays} strays"
-    return text + (f", {result.order_errors} out of order" if behaviour.ordered else "")
-
-
-def _summary(summary: PolicySummary) -> str:
-    def cell(value: Interval | None, form: str = ".2f") -> str:
-        if value is None:
-            return ""
-        return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"
-
-    parts: Sequence[str] = (
-        cell(summary.targets),
-        cell(summary.strays),
-        cell(summary.death_rate, ".0%"),
-        cell(summary.steps, ".0f"),
-    )
-    return " | ".join(parts)
-
-
-def _cells(row: RecordingRow) -> tuple[Cell, ...]:
-    return tuple((r, c) for r, c, _ in row.hits)
+def _aliens(duels: list[Duel], best: RecordingRow | None) -> bytes:
+    columns = [("imitator", "Imitator"), ("clone", "Clone")]
+    if best is not None:
+        player = "demonstrator" if best.source == Source.SCRIPTED else "person"
+        columns.append((player, "Best demonstration"))
+    shown = () if best is None else (cells(best),)
+    rows = [AliensRow(f"start {one.start}", one.behaviour, (*one.hits, *shown)) for one in duels]
+    return aliens_figure(rows, columns)

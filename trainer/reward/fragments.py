@@ -1,4 +1,4 @@
-"""Fragments of ranked trajectories: what a reward model is trained and checked on."""
+"""Fragments of trajectories, which reward models are trained and checked on."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ published code), both at the same step, or each anywhere."""
 
 @dataclass(frozen=True)
 class FragmentPairs:
-    """Pairs of equally long fragments, the first of each from the better trajectory.
+    """Pairs of equally long fragments, one of the better and one of the worse trajectory.
 
     Attributes:
         better: Index of the better trajectory, int64 (P,).
@@ -44,35 +44,74 @@ class FragmentPairs:
 
 
 @dataclass(frozen=True)
-class FragmentRule:
-    """Which fragments of two trajectories are compared.
+class Fragmenter:
+    """Samples fragment pairs from pairs of trajectories.
 
     Attributes:
-        shortest: Shortest fragment, in observations; a game that is shorter is taken whole.
-        longest: Longest fragment, in observations, cut at the shorter game of each pair. T-REX
-            cuts all pairs at the shortest game of all, and fails where that is below ``shortest``.
+        min_length: Shortest fragment, in observations; a shorter trajectory is taken whole.
+        max_length: Longest fragment, in observations, capped at the shorter trajectory of each
+            pair. T-REX caps all pairs at the shortest trajectory of all, and fails where that is
+            below ``min_length``.
         starts: Where the two fragments start.
     """
 
-    shortest: int
-    longest: int
+    min_length: int
+    max_length: int
     starts: FragmentStarts
 
     @classmethod
-    def of(cls, recipe: RewardRecipe) -> FragmentRule:
-        """How a recipe compares ranked games, apart from the pairs that start freely."""
+    def of(cls, recipe: RewardRecipe) -> Fragmenter:
+        """Return the fragmenter of a recipe's ranked pairs, except those that start anywhere."""
         starts: FragmentStarts = "same" if recipe.aligned else "later"
         return cls(recipe.fragment_min_steps, recipe.fragment_max_steps, starts)
 
-    def every(self, stride: int) -> FragmentRule:
-        """The same rule in units of every ``stride``-th observation."""
-        return FragmentRule(
-            max(1, self.shortest // stride), max(1, self.longest // stride), self.starts
+    def every(self, stride: int) -> Fragmenter:
+        """Return the same fragmenter in units of every ``stride``-th observation."""
+        return Fragmenter(
+            max(1, self.min_length // stride), max(1, self.max_length // stride), self.starts
         )
+
+    def sample(
+        self,
+        pairs: Sequence[Pair],
+        ends: Sequence[int],
+        n_pairs: int,
+        rng: np.random.Generator,
+        begins: Sequence[int] | None = None,
+    ) -> FragmentPairs:
+        """Sample preference pair, length and starts, each uniformly among those allowed.
+
+        Args:
+            pairs: Preference pairs of trajectory indices.
+            ends: Where each trajectory's observations end: their number, at least 1, if they begin
+                at 0.
+            n_pairs: Fragment pairs to sample.
+            rng: Source of randomness.
+            begins: Where each trajectory's observations begin; by default all at 0. Both fragments
+                of a pair start where both trajectories have begun.
+        """
+        end = np.asarray(ends, np.int64)
+        begin = np.zeros_like(end) if begins is None else np.asarray(begins, np.int64)
+        better, worse = np.asarray(pairs, np.int64)[rng.integers(len(pairs), size=n_pairs)].T
+        first = np.maximum(begin[better], begin[worse])
+        shorter = np.minimum(end[better], end[worse]) - first
+        shortest = np.minimum(self.min_length, shorter)
+        longest = np.maximum(shortest, np.minimum(self.max_length, shorter))
+        length = rng.integers(shortest, longest, endpoint=True)
+        if self.starts == "any":
+            better_start = rng.integers(first, end[better] - length, endpoint=True)
+            worse_start = rng.integers(first, end[worse] - length, endpoint=True)
+            return FragmentPairs(better, worse, better_start, worse_start, length)
+        # A fragment of this length that starts there fits into both trajectories.
+        worse_start = rng.integers(first, first + shorter - length, endpoint=True)
+        better_start = worse_start
+        if self.starts == "later":
+            better_start = rng.integers(worse_start, end[better] - length, endpoint=True)
+        return FragmentPairs(better, worse, better_start, worse_start, length)
 
 
 def preference_pairs(tiers: Sequence[Sequence[int]]) -> list[Pair]:
-    """The pairs (better, worse) that tiers of trajectories imply; ties imply none.
+    """Return the pairs (better, worse) that tiers of trajectories imply; ties imply none.
 
     Raises:
         Invalid: There are fewer than two tiers.
@@ -86,50 +125,9 @@ def preference_pairs(tiers: Sequence[Sequence[int]]) -> list[Pair]:
     return pairs
 
 
-def draw_fragments(
-    pairs: Sequence[Pair],
-    n_observations: Sequence[int],
-    rule: FragmentRule,
-    count: int,
-    rng: np.random.Generator,
-    first: Sequence[int] | None = None,
-) -> FragmentPairs:
-    """Draw fragment pairs: preference pair, length and starts each evenly among those allowed.
-
-    Args:
-        pairs: Preference pairs of trajectory indices.
-        n_observations: Where each trajectory's observations end: their number, at least 1, if they
-            begin at 0.
-        rule: Which fragments are compared.
-        count: How many pairs are drawn.
-        rng: Where the draws come from.
-        first: Where each trajectory's observations begin; by default all at 0. Both fragments of a
-            pair start where both trajectories have begun.
-    """
-    ends = np.asarray(n_observations, np.int64)
-    begins = np.zeros_like(ends) if first is None else np.asarray(first, np.int64)
-    chosen = np.asarray(pairs, np.int64)[rng.integers(len(pairs), size=count)]
-    better, worse = chosen[:, 0], chosen[:, 1]
-    begin = np.maximum(begins[better], begins[worse])
-    shorter = np.minimum(ends[better], ends[worse]) - begin
-    shortest = np.minimum(rule.shortest, shorter)
-    longest = np.maximum(shortest, np.minimum(rule.longest, shorter))
-    length = rng.integers(shortest, longest, endpoint=True)
-    if rule.starts == "any":
-        better_start = rng.integers(begin, ends[better] - length, endpoint=True)
-        worse_start = rng.integers(begin, ends[worse] - length, endpoint=True)
-        return FragmentPairs(better, worse, better_start, worse_start, length)
-    # Never later in the worse game than a fragment of this length can still start in both.
-    worse_start = rng.integers(begin, begin + shorter - length, endpoint=True)
-    better_start = worse_start
-    if rule.starts == "later":
-        better_start = rng.integers(worse_start, ends[better] - length, endpoint=True)
-    return FragmentPairs(better, worse, better_start, worse_start, length)
-
-
-def fragment_sums(
-    values: npt.NDArray[np.float32], starts: Indices, lengths: Indices
+def fragment_returns(
+    rewards: npt.NDArray[np.float32], starts: Indices, lengths: Indices
 ) -> npt.NDArray[np.float64]:
-    """Return the sums of ``values[start : start + length]``, float64 (P,), of one row (N,)."""
-    sums = np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
+    """Return the sums of ``rewards[start : start + length]``, float64 (P,), of one row (N,)."""
+    sums = np.concatenate([[0.0], np.cumsum(rewards, dtype=np.float64)])
     return np.asarray(sums[starts + lengths] - sums[starts], np.float64)

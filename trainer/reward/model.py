@@ -5,22 +5,21 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save
+from safetensors import SafetensorError
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from trainer.nn.checkpoints import by_prefix, load_tensors, prefixed, save_tensors
 from trainer.nn.devices import device_of, forward_batch
 from trainer.nn.screens import channels_last_screens
+from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
-from tril.files.artifact_store import write_whole
 from tril.game.observation import check_observations
 
 FORMAT = "tril-reward-model"
@@ -30,9 +29,9 @@ FORMAT_VERSION = 1
 class RewardNetwork(nn.Module):
     """The reward network of the thesis (appendix A): four convolutions and two linear layers.
 
-    The thesis names no activation; leaky ReLU after every layer but the last and inputs divided
-    by 255 are those of T-REX (Brown et al. 2019, published code). The division is done on the
-    first layer's weights, which gives the same sums with one pass less over the input.
+    The thesis names no activation; leaky ReLU after every layer but the last and the division of
+    inputs by 255 are T-REX's (Brown et al. 2019, published code). The division is applied to the
+    first layer's weights, which gives the same sums and saves a pass over the inputs.
     """
 
     def __init__(self) -> None:
@@ -69,7 +68,7 @@ class RewardNetwork(nn.Module):
         return F.conv2d(inputs, layer.weight / 255.0, layer.bias, layer.stride)
 
     def after_first(self, first: Tensor) -> Tensor:
-        """Return R, float32 (N,), from what ``first`` gives."""
+        """Return R, float32 (N,), from the output of ``first``."""
         return self.after_second(self.layers[1](F.leaky_relu(first)))
 
     def after_second(self, second: Tensor) -> Tensor:
@@ -81,32 +80,40 @@ class RewardNetwork(nn.Module):
         return self.output(values).squeeze(1)  # type: ignore[no-any-return]
 
 
+def new_network(rng: np.random.Generator) -> RewardNetwork:
+    """Return a network with PyTorch's default initialisation, drawn from ``rng``."""
+    with torch_seeded(rng):
+        return RewardNetwork()
+
+
 @dataclass(frozen=True)
 class RewardModel:
     """R(observation), the mean of one or more networks.
 
-    Preferences between equally long fragments identify a network's output up to an offset, and its
-    scale grows as long as training goes on. So the members of an ensemble are made comparable:
-    each counts as ``(output - offset) / scale``.
+    Preferences between equally long fragments determine a network's output up to an offset, and
+    its scale grows for as long as it is trained. The members of an ensemble are therefore
+    standardised: each counts as ``(output - offset) / scale``.
 
     Attributes:
         members: The networks.
-        offsets: What is subtracted from each network's output.
-        scales: What the difference is divided by, positive.
-        zero: R that the reward "level" pays 0 for, see trainer.policy.reward_shaping.
-        one: R that it pays 1 for.
-        notes: Where the model comes from: whatever its maker wants to be kept, JSON-ready.
+        offsets: Subtracted from each network's output.
+        scales: Divisor of each difference, positive.
+        zero: R at which the level is 0, see ``level``.
+        one: R at which the level is 1.
     """
 
     members: tuple[RewardNetwork, ...]
-    offsets: tuple[float, ...]
-    scales: tuple[float, ...]
+    offsets: tuple[float, ...] = (0.0,)
+    scales: tuple[float, ...] = (1.0,)
     zero: float = 0.0
     one: float = 1.0
-    notes: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check that there is an offset and a positive scale for each member."""
+        """Freeze the members.
+
+        Raises:
+            ValueError: There is not a finite offset and a positive scale for each member.
+        """
         if not self.members or not len(self.members) == len(self.offsets) == len(self.scales):
             raise ValueError(
                 f"Expected one offset and one scale per network, got {len(self.members)} networks,"
@@ -137,84 +144,69 @@ class RewardModel:
         return result
 
     def combine(self, outputs: Sequence[Tensor]) -> Tensor:
-        """Return R from the members' outputs, one tensor of any one shape for each."""
+        """Return R from the outputs of all members, tensors of the same shape."""
         parts = zip(outputs, self.offsets, self.scales, strict=True)
         return torch.stack([(out - offset) / scale for out, offset, scale in parts]).mean(0)
 
     def level(self, rewards: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, in the same shape."""
+        """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, float32."""
         return ((rewards - self.zero) / (self.one - self.zero)).astype(np.float32)
 
     def on(self, device: torch.device) -> RewardModel:
-        """Return this model on a device: itself if it is there, else a copy."""
+        """Return the model on a device: itself if it is there already, else a copy."""
         if device_of(self.members[0]) == device:
             return self
         return replace(self, members=tuple(deepcopy(one).to(device) for one in self.members))
 
-    def with_notes(self, notes: dict[str, Any]) -> RewardModel:
-        """This model with other notes."""
-        return replace(self, notes=notes)
-
     def save(self, path: Path) -> None:
-        """Write the model as safetensors; what is no tensor stands in its header as JSON."""
-        tensors = {
-            f"{number}.{name}": tensor.contiguous()
-            for number, member in enumerate(self.members)
-            for name, tensor in member.state_dict().items()
-        }
+        """Write the model as safetensors; everything but the weights is JSON in the header."""
+        tensors: dict[str, Tensor] = {}
+        for number, member in enumerate(self.members):
+            tensors |= prefixed(str(number), member.state_dict(), ".")
         header = {
             "offsets": self.offsets,
             "scales": self.scales,
             "zero": self.zero,
             "one": self.one,
-            "notes": self.notes,
         }
         metadata = {
             "format": FORMAT,
             "version": str(FORMAT_VERSION),
             "model": json.dumps(header, allow_nan=False),
         }
-        write_whole(path, save(tensors, metadata))
+        save_tensors(path, tensors, metadata)
 
     @classmethod
     def load(cls, path: Path) -> RewardModel:
         """Read a model that ``save`` wrote.
 
         Raises:
-            Invalid: The file is no reward model, or one of a version that is not known here.
+            Invalid: The file is no reward model, or has another format version.
         """
         try:
-            with safe_open(str(path), framework="pt") as file:
-                metadata = file.metadata() or {}
-                if metadata.get("format") != FORMAT:
-                    raise Invalid(f"{path.name} is not a reward model of Tril.")
-                if metadata.get("version") != str(FORMAT_VERSION):
-                    raise Invalid(
-                        f"{path.name} is a reward model of format {metadata.get('version')}; this"
-                        f" version of Tril reads format {FORMAT_VERSION}."
-                    )
-                header = json.loads(metadata["model"])
-                tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            members = tuple(_member(tensors, number) for number in range(len(header["offsets"])))
+            tensors, metadata = load_tensors(path)
+            if metadata.get("format") != FORMAT:
+                raise Invalid(f"{path.name} is not a reward model of Tril.")
+            if metadata.get("version") != str(FORMAT_VERSION):
+                raise Invalid(
+                    f"{path.name} is a reward model of format {metadata.get('version')}; this"
+                    f" version of Tril reads format {FORMAT_VERSION}."
+                )
+            header = json.loads(metadata["model"])
+            weights = by_prefix(tensors, ".")
+            members = []
+            for number in range(len(header["offsets"])):
+                members.append(RewardNetwork())
+                members[-1].load_state_dict(weights[str(number)])
         except (SafetensorError, json.JSONDecodeError, KeyError, RuntimeError) as error:
             raise Invalid(f"{path.name} cannot be read as a reward model: {error}") from error
         return cls(
-            members,
+            tuple(members),
             tuple(header["offsets"]),
             tuple(header["scales"]),
             header["zero"],
             header["one"],
-            header["notes"],
         )
-
-
-def _member(tensors: dict[str, Tensor], number: int) -> RewardNetwork:
-    prefix = f"{number}."
-    network = RewardNetwork()
-    network.load_state_dict(
-        {name[len(prefix) :]: t for name, t in tensors.items() if name.startswith(prefix)}
-    )
-    return network
 
 
 def predicted_return(model: RewardModel, observations: npt.NDArray[np.uint8]) -> float:
@@ -223,6 +215,6 @@ def predicted_return(model: RewardModel, observations: npt.NDArray[np.uint8]) ->
     Args:
         model: The reward model.
         observations: uint8 (T + 1, 4, 84, 84): the start and the state after each of T steps. The
-            start is left out: it was not reached by an action, and all games share it.
+            start does not count: no action reached it, and all games share it.
     """
     return float(model.score(observations[1:]).sum(dtype=np.float64))

@@ -1,14 +1,14 @@
-"""Perturbed demonstrations of perfect games: what worse looks like next to the very best.
+"""Perturbed copies of perfect demonstrations: examples of worse, close to the very best.
 
 A ranking of a dozen games says little about aliens that nobody shot: the network takes them for
-targets. A perfect game that is disturbed for some steps and then goes on as recorded, now out of
-place, hits such aliens, and is worse than it was. Nor does a ranking tell hits from where one
-stands while hitting: a perfect game that goes on without the fire key stands in the same places as
-late, and hits nothing.
+targets. A perfect game that is perturbed for some steps and then goes on as recorded, now out of
+place, hits such aliens, and is worse than it was. A ranking does not separate hits from the
+positions of the player either: a perfect game that goes on without the fire key visits the same
+positions and hits nothing.
 
-That a policy gets worse the more noise it is disturbed by is the idea of D-REX (Brown et al. 2020,
-"Better-than-Demonstrator Imitation Learning via Automatically-Ranked Demonstrations"); here it is
-the demonstration itself that is disturbed, from the emulator's saved states.
+That a policy gets worse the more noise it is perturbed by is the idea of D-REX (Brown et al. 2020,
+"Better-than-Demonstrator Imitation Learning via Automatically-Ranked Demonstrations"); here the
+demonstration itself is perturbed, from the emulator's saved states.
 """
 
 from __future__ import annotations
@@ -27,23 +27,23 @@ from tril.game.controls import Keys, action_for, keys_for
 from tril.game.space_invaders import FRAMES_PER_STEP, Action
 from tril.recording import Recording
 
-SHORTEST_COPY = 20
-"""Steps after the first disturbance; what is lost sooner says nothing but that it was lost."""
+MIN_STEPS = 20
+"""Of a copy; what is lost sooner shows only that it was lost."""
 
-LONGEST_COPY = 120
-"""Steps after the first disturbance: a fragment is at most 100 steps long."""
+MAX_STEPS = 120
+"""Of a copy: a fragment has at most 100 steps."""
 
 _NO_KEY = Keys(0)
 
 _MISSING_SHARE = 0.5
-"""Chance of a copy to go on without one of the keys, instead of in bursts."""
+"""Probability that a copy goes on without one of the keys, instead of with bursts."""
 
 _MISSING_KEYS = {Keys.FIRE: 2, Keys.LEFT: 1, Keys.RIGHT: 1}
-"""How often each is the missing one, of those that are pressed in the rest of the game."""
+"""Weight of each as the missing one, among those that are pressed in the rest of the game."""
 
 _BURST_STEPS = (2, 15)
 _BURST_SHARE = 0.02
-"""Chance per step of a further burst."""
+"""Probability per step of a further burst."""
 
 _BURST_ACTIONS = {
     Action.NOOP: 0.05,
@@ -53,17 +53,17 @@ _BURST_ACTIONS = {
     Action.RIGHTFIRE: 0.2,
     Action.LEFTFIRE: 0.2,
 }
-"""What is held in a burst: mostly what moves, so that the game goes on out of place and shoots down
-the column beside the right one."""
+"""Probability of each action held in a burst: mostly moves, so that the game goes on out of place
+and shoots down the column beside the right one."""
 
 
 @dataclass(frozen=True)
 class PerturbedDemonstration:
-    """A game from its first disturbance on.
+    """A copy of a game from its first perturbed step on.
 
     Attributes:
-        original: Index of the game that was disturbed.
-        first_step: Step of the original at which the disturbance begins.
+        original: Index of the original game.
+        first_step: Step of the original at which the perturbation begins.
         observations: uint8 (N + 1, 4, 84, 84): before that step and after each of N that follow.
     """
 
@@ -72,65 +72,65 @@ class PerturbedDemonstration:
     observations: npt.NDArray[np.uint8]
 
 
-def perturbed_copies(
+def perturb_demonstrations(
     recordings: Sequence[Recording],
     copies: int,
     rng: np.random.Generator,
-    tick: Callable[[], None],
+    on_step: Callable[[], None],
 ) -> list[PerturbedDemonstration]:
-    """Disturb games at drawn steps, several times each.
+    """Play perturbed copies of games, each from a sampled step on.
 
     Args:
         recordings: The games, none of which goes on after its end.
-        copies: Copies of each; those that are lost within SHORTEST_COPY steps are left out.
-        rng: Where the draws come from.
-        tick: Called after every step played; what it raises ends the work.
+        copies: Copies of each; those that are lost within MIN_STEPS are dropped.
+        rng: Source of randomness.
+        on_step: Called after every step played; what it raises ends the work.
 
     Returns:
-        The copies, of one game after the other.
+        The copies, game by game.
     """
-    played, disturbed = AgentGame(Console()), AgentGame(Console())
+    original_game, perturbed_game = AgentGame(Console()), AgentGame(Console())
     found = []
     for original, recording in enumerate(recordings):
-        last = len(recording.actions) // FRAMES_PER_STEP - SHORTEST_COPY
+        last = len(recording.actions) // FRAMES_PER_STEP - MIN_STEPS
         if last < 1:
             continue
-        wanted = sorted(rng.integers(0, last, size=copies).tolist())
-        for step, state in _states(played, recording, wanted, tick):
-            observations = _disturb(disturbed, recording, step, state, rng, tick)
-            if len(observations) > SHORTEST_COPY:
+        steps = sorted(rng.integers(0, last, size=copies).tolist())
+        for step, state in _states(original_game, recording, steps, on_step):
+            observations = _perturb(perturbed_game, recording, step, state, rng, on_step)
+            if len(observations) > MIN_STEPS:
                 found.append(PerturbedDemonstration(original, step, observations))
     return found
 
 
 def _states(
-    game: AgentGame, recording: Recording, wanted: Sequence[int], tick: Callable[[], None]
+    game: AgentGame, recording: Recording, steps: Sequence[int], on_step: Callable[[], None]
 ) -> list[tuple[int, AgentGameState]]:
-    """Return the states of a recorded game before the wanted steps, in ascending order."""
+    """Return the states of a recorded game before some steps, in ascending order."""
     game.reset(recording.start)
     states = []
-    for step in range(wanted[-1] + 1):
-        states += [(step, game.save())] * wanted.count(step)
+    for step in range(steps[-1] + 1):
+        states += [(step, game.save())] * steps.count(step)
         _play(game, recording, step)
-        tick()
+        on_step()
         if game.end is not None:
             break
     return states
 
 
-def _disturb(
+def _perturb(
     game: AgentGame,
     recording: Recording,
     first_step: int,
     state: AgentGameState,
     rng: np.random.Generator,
-    tick: Callable[[], None],
+    on_step: Callable[[], None],
 ) -> npt.NDArray[np.uint8]:
-    """Play a game on from a state: without a key, or with bursts of one held action."""
+    """Return the observations of playing on without a key, or with bursts of one held action."""
     game.restore(state)
     observations = [game.observation]
     n_steps = len(recording.actions) // FRAMES_PER_STEP
-    steps = range(first_step, min(n_steps, first_step + LONGEST_COPY))
+    steps = range(first_step, min(n_steps, first_step + MAX_STEPS))
     missing = _draw_missing(recording, steps, rng)
     bursts = {} if missing else _draw_bursts(steps, rng)
     for step in steps:
@@ -141,12 +141,12 @@ def _disturb(
         else:
             _play(game, recording, step, missing)
         observations.append(game.observation)
-        tick()
+        on_step()
     return np.stack(observations)
 
 
 def _draw_missing(recording: Recording, steps: range, rng: np.random.Generator) -> Keys:
-    """Return the key that is missing in these steps; none is where the copy has bursts."""
+    """Return the key to leave out in these steps; none if the copy is to have bursts instead."""
     rest = recording.actions[steps.start * FRAMES_PER_STEP : steps.stop * FRAMES_PER_STEP]
     pressed = reduce(or_, map(keys_for, set(rest)), _NO_KEY)
     keys = [key for key, weight in _MISSING_KEYS.items() if key & pressed for _ in range(weight)]
@@ -169,7 +169,7 @@ def _draw_bursts(steps: range, rng: np.random.Generator) -> dict[int, Action]:
 
 
 def _play(game: AgentGame, recording: Recording, step: int, missing: Keys = _NO_KEY) -> None:
-    """Play a step as it was recorded, frame by frame: a person may change keys within it."""
+    """Play a step frame by frame as recorded: a person may change keys within it."""
     begin = step * FRAMES_PER_STEP
     for action in recording.actions[begin : begin + FRAMES_PER_STEP]:
         if game.end is not None:

@@ -1,4 +1,4 @@
-"""What a reward model is learned from: games, and which of two is the better one."""
+"""The dataset of a reward model: trajectories, and which of two is preferred."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from trainer.reward.fragments import FragmentRule, FragmentStarts, preference_pairs
+from trainer.reward.fragments import Fragmenter, FragmentStarts, preference_pairs
 from trainer.reward.perturbation import PerturbedDemonstration
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
@@ -18,19 +18,19 @@ from tril.recording import Trajectory
 T = TypeVar("T")
 
 PERFECT_PER_UPDATE = 6
-"""Perfect games that one update looks at; all of them would make it twice as slow."""
+"""Perfect demonstrations that one update scores; all of them would make it twice as slow."""
 
-COPIES_PER_PERFECT = 2
-"""Perturbed demonstrations of each of these that one update looks at."""
+PERTURBED_PER_PERFECT = 2
+"""Perturbed copies of each of these that one update scores."""
 
 
 @dataclass(frozen=True)
-class Game:
-    """What can be seen of a game.
+class ObservedTrajectory:
+    """The observations of a trajectory, from its start or from a later step on.
 
     Attributes:
         observations: uint8 (N, 4, 84, 84), 0 to 255, one per step.
-        first_step: Step of the first one.
+        first_step: Step of the first observation.
     """
 
     observations: npt.NDArray[np.uint8]
@@ -38,11 +38,29 @@ class Game:
 
 
 @dataclass(frozen=True)
-class PreferenceGroup:
-    """Preference pairs that are drawn from alike.
+class PerfectDemonstrations:
+    """The perfect demonstrations, as a reward model learns from them.
 
     Attributes:
-        pairs: Indices of games, the better one first.
+        trajectories: Their trajectories.
+        ranked_as: For each, its index among the ranked trajectories; None if it is not ranked.
+        perturbed: Perturbed copies of them.
+    """
+
+    trajectories: Sequence[Trajectory] = ()
+    ranked_as: Sequence[int | None] = ()
+    perturbed: Sequence[PerturbedDemonstration] = ()
+
+
+NO_PERFECT_DEMONSTRATIONS = PerfectDemonstrations()
+
+
+@dataclass(frozen=True)
+class PreferenceGroup:
+    """Preference pairs that fragments are sampled from in the same way.
+
+    Attributes:
+        pairs: Indices of trajectories, the better one first.
         share: Of an update's fragment pairs, 0 to 1.
         starts: Where the two fragments of a pair start.
     """
@@ -54,26 +72,56 @@ class PreferenceGroup:
 
 @dataclass(frozen=True)
 class PreferenceDataset:
-    """Games and what is known of their order.
+    """Trajectories and what is known of their order.
 
     Attributes:
-        games: All games; the ranked ones stand where they stand among the run's trajectories.
-        tiers: Indices of the ranked games, best tier first.
-        perfect: Indices of the perfect games; such a game may be ranked too.
-        copies: For each perturbed demonstration, the index of the perfect game it was made from and
-            its own.
-        recipe: How much each counts.
+        trajectories: The ranked ones, in the order of the run's, then the others.
+        tiers: Indices of the ranked trajectories, best tier first.
+        recipe: How much each kind of pair counts.
+        perfect: Indices of the perfect demonstrations, ranked or not.
+        perturbed: For each perturbed copy, the index of its original and its own.
     """
 
-    games: tuple[Game, ...]
+    trajectories: tuple[ObservedTrajectory, ...]
     tiers: tuple[tuple[int, ...], ...]
     recipe: RewardRecipe
     perfect: tuple[int, ...] = ()
-    copies: tuple[Pair, ...] = ()
+    perturbed: tuple[Pair, ...] = ()
+
+    @classmethod
+    def from_demonstrations(
+        cls,
+        trajectories: Sequence[Trajectory],
+        tiers: Sequence[Sequence[int]],
+        recipe: RewardRecipe,
+        perfect: PerfectDemonstrations = NO_PERFECT_DEMONSTRATIONS,
+    ) -> PreferenceDataset:
+        """Make the dataset of a ranking and of the perfect demonstrations.
+
+        Args:
+            trajectories: The ranked demonstrations.
+            tiers: Indices into ``trajectories``, best tier first.
+            recipe: How much each kind of pair counts; kinds that count nothing are left out.
+            perfect: The perfect demonstrations and their perturbed copies.
+        """
+        observed = [ObservedTrajectory(trajectory.observations) for trajectory in trajectories]
+        indices = []
+        if recipe.perfect_share or recipe.perturbed_share:
+            for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
+                indices.append(len(observed) if ranked_as is None else ranked_as)
+                if ranked_as is None:
+                    observed.append(ObservedTrajectory(trajectory.observations))
+        perturbed = []
+        if recipe.perturbed_share:
+            for copy in perfect.perturbed:
+                perturbed.append((indices[copy.original], len(observed)))
+                observed.append(ObservedTrajectory(copy.observations, copy.first_step))
+        tier_indices = tuple(tuple(tier) for tier in tiers)
+        return cls(tuple(observed), tier_indices, recipe, tuple(indices), tuple(perturbed))
 
     @property
     def ranked(self) -> tuple[int, ...]:
-        """Indices of the ranked games, best first."""
+        """Indices of the ranked trajectories, best first."""
         return tuple(index for tier in self.tiers for index in tier)
 
     @property
@@ -87,7 +135,7 @@ class PreferenceDataset:
 
     @property
     def best(self) -> tuple[int, ...]:
-        """Indices of the first tier's games and of the perfect ones that are not ranked."""
+        """Indices of the first tier and of the perfect demonstrations that are not ranked."""
         return (*self.tiers[0], *self._unranked_perfect)
 
     @property
@@ -95,95 +143,48 @@ class PreferenceDataset:
         ranked = set(self.ranked)
         return tuple(index for index in self.perfect if index not in ranked)
 
-    def without(self, left_out: Collection[int]) -> PreferenceDataset:
-        """Return what is left without some games: no pair, copy or tier has one of them."""
-        tiers = (tuple(i for i in tier if i not in left_out) for tier in self.tiers)
+    def without(self, held_out: Collection[int]) -> PreferenceDataset:
+        """Return the dataset without some trajectories and without their perturbed copies."""
+        tiers = (tuple(i for i in tier if i not in held_out) for tier in self.tiers)
         return replace(
             self,
             tiers=tuple(tier for tier in tiers if tier),
-            perfect=tuple(index for index in self.perfect if index not in left_out),
-            copies=tuple(pair for pair in self.copies if pair[0] not in left_out),
+            perfect=tuple(index for index in self.perfect if index not in held_out),
+            perturbed=tuple(pair for pair in self.perturbed if pair[0] not in held_out),
         )
 
     def groups(self, rng: np.random.Generator) -> list[PreferenceGroup]:
-        """Return the pairs of one update: all of the ranking, and of some perfect games.
+        """Return the preference pairs of one update: the ranking's, and some perfect ones'.
 
-        Perfect games that are not ranked are better than all but the first tier; whether they are
-        better than that nobody has said.
+        Unranked perfect demonstrations are preferred to all tiers but the first; how they compare
+        with that one is unknown.
         """
         recipe = self.recipe
-        chosen = set(_some(self.perfect, PERFECT_PER_UPDATE, rng))
+        chosen = set(_sample_at_most(PERFECT_PER_UPDATE, self.perfect, rng))
         unranked = [index for index in self._unranked_perfect if index in chosen]
         perfect = [(i, worse) for i in unranked for tier in self.tiers[1:] for worse in tier]
-        copies = [
+        perturbed = [
             pair
             for index in sorted(chosen)
-            for pair in _some([p for p in self.copies if p[0] == index], COPIES_PER_PERFECT, rng)
+            for pair in _sample_at_most(
+                PERTURBED_PER_PERFECT, [p for p in self.perturbed if p[0] == index], rng
+            )
         ]
         perfect_share = recipe.perfect_share if perfect else 0.0
-        copies_share = recipe.perturbed_share if copies else 0.0
-        own = 1.0 - perfect_share - copies_share
-        pairs = tuple(self.pairs)
-        wanted = [
-            PreferenceGroup(pairs, own * (1.0 - recipe.free_share), FragmentRule.of(recipe).starts),
+        perturbed_share = recipe.perturbed_share if perturbed else 0.0
+        own = 1.0 - perfect_share - perturbed_share
+        pairs, starts = tuple(self.pairs), Fragmenter.of(recipe).starts
+        groups = [
+            PreferenceGroup(pairs, own * (1.0 - recipe.free_share), starts),
             PreferenceGroup(pairs, own * recipe.free_share, "any"),
             PreferenceGroup(tuple(perfect), perfect_share, "any"),
-            PreferenceGroup(tuple(copies), copies_share, "same"),
+            PreferenceGroup(tuple(perturbed), perturbed_share, "same"),
         ]
-        return [group for group in wanted if group.share > 0.0]
+        return [group for group in groups if group.share > 0.0]
 
 
-@dataclass(frozen=True)
-class PerfectGames:
-    """The perfect demonstrations, as a reward model learns from them.
-
-    Attributes:
-        trajectories: What an agent would have seen and done in them.
-        ranked_as: For each, its index among the ranked games if it is one of them, else None.
-        copies: Perturbed demonstrations of them.
-    """
-
-    trajectories: Sequence[Trajectory] = ()
-    ranked_as: Sequence[int | None] = ()
-    copies: Sequence[PerturbedDemonstration] = ()
-
-
-NO_PERFECT_GAMES = PerfectGames()
-
-
-def compare(
-    trajectories: Sequence[Trajectory],
-    tiers: Sequence[Sequence[int]],
-    recipe: RewardRecipe,
-    perfect: PerfectGames = NO_PERFECT_GAMES,
-) -> PreferenceDataset:
-    """Put together what a reward model is learned from.
-
-    Args:
-        trajectories: The demonstrations.
-        tiers: Indices into ``trajectories``, best tier first.
-        recipe: How much each kind of pair counts; perfect games that count for nothing are left
-            out.
-        perfect: The perfect demonstrations and their perturbed demonstrations.
-    """
-    games = [Game(trajectory.observations) for trajectory in trajectories]
-    places = []
-    if recipe.perfect_share or recipe.perturbed_share:
-        for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
-            if ranked_as is None:
-                games.append(Game(trajectory.observations))
-            places.append(len(games) - 1 if ranked_as is None else ranked_as)
-    copies = []
-    if recipe.perturbed_share:
-        for copy in perfect.copies:
-            copies.append((places[copy.original], len(games)))
-            games.append(Game(copy.observations, copy.first_step))
-    return PreferenceDataset(
-        tuple(games), tuple(tuple(tier) for tier in tiers), recipe, tuple(places), tuple(copies)
-    )
-
-
-def _some(items: Sequence[T], count: int, rng: np.random.Generator) -> list[T]:
+def _sample_at_most(count: int, items: Sequence[T], rng: np.random.Generator) -> list[T]:
+    """Return items drawn without replacement, in their order; all if they are no more."""
     if len(items) <= count:
         return list(items)
     return [items[i] for i in sorted(rng.choice(len(items), count, replace=False).tolist())]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import threading
 import time
@@ -17,26 +16,26 @@ import torch
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
 from trainer.runtime.throttle import Throttle
+from tril.analysis.outcome import RunOutcome
 from tril.behaviours import Behaviour
-from tril.demonstrator import SCRIPTED
 from tril.files.artifact_store import ArtifactStore
 from tril.jobs import RunEta
 from tril.recipes import Recipe
 from tril.settings import Settings
+from tril.stages import Stage
 from tril.store import games
 from tril.store.database import Database
+from tril.store.models import RunRow
 from tril.store.training import artifacts as artifact_rows
 from tril.store.training import leases, metrics
 from tril.store.training.leases import Lease
 
-log = logging.getLogger(__name__)
-
-LOOK_EVERY_S = 1.0
-"""How often the run's row is looked at for a request to stop."""
+CHECK_EVERY_S = 1.0
+"""How often the run's row is read for a request to stop."""
 
 REPORT_EVERY_S = 1.0
 SETTLED_SHARE = 0.02
-"""Share of a stage that has to be done before its own rate tells what remains."""
+"""Share of a stage that has to be done before its own rate tells the remaining time."""
 
 
 class WorkerStopping(RunCancelled):
@@ -45,53 +44,39 @@ class WorkerStopping(RunCancelled):
 
 @dataclass
 class RunContext:
-    """One claim of one run, as its stages see it.
+    """One lease of one run, as its stages see it.
 
     Attributes:
-        claim: The worker's claim; everything written to the run carries it.
-        behaviour_id: Id of what is taught.
+        lease: The worker's lease; everything written to the run carries it.
+        run: The run's row as of its last finished stage, detached from its session.
         behaviour: What is taught.
         recipe: How it is learned.
-        steps: PPO steps.
-        training_seed: Feeds every random choice of learning.
-        go_on_anyway: Whether PPO starts even when the check of the ranking fails.
-        snapshot: The frozen ranking, see RunRow; None until an example's demonstrations exist.
-        outcome: What came out of the finished stages.
-        finished: Seconds that each finished stage took.
         database: The application's database.
         artifacts: Where files that outlive the run are kept.
         folder: Scratch folder of the run on this machine, for checkpoints.
         settings: Settings of the process.
-        forecast: What the run's stages were foreseen to take.
-        courtesy: Makes way for people who play.
+        eta: What the run's stages are expected to take.
+        throttle: Slows learning down while somebody plays.
         stopping: Set when the worker is being stopped.
-        example_kind: Name of the kind of an example's demonstrations.
     """
 
-    claim: Lease
-    behaviour_id: int
+    lease: Lease
+    run: RunRow
     behaviour: Behaviour
     recipe: Recipe
-    steps: int
-    training_seed: int
-    go_on_anyway: bool
-    snapshot: dict[str, Any] | None
-    outcome: dict[str, Any]
-    finished: dict[str, float]
     database: Database
     artifacts: ArtifactStore
     folder: Path
     settings: Settings
-    forecast: RunEta
-    courtesy: Throttle
+    eta: RunEta
+    throttle: Throttle
     stopping: threading.Event
-    example_kind: str = SCRIPTED.name
-    _looked_at: float = field(default=-1e9, init=False)
+    _checked_at: float = field(default=-math.inf, init=False)
 
     @property
     def run_id(self) -> str:
         """Id of the run."""
-        return self.claim.run_id
+        return self.lease.run_id
 
     @cached_property
     def device(self) -> torch.device:
@@ -99,7 +84,7 @@ class RunContext:
         return learning_device(self.settings.learning_device)
 
     def check_cancelled(self) -> None:
-        """Stop here if the run is to stop; looks at the row at most once a second.
+        """Stop here if the run is to stop; reads the row at most once a second.
 
         Raises:
             RunCancelled: The run was cancelled.
@@ -108,12 +93,12 @@ class RunContext:
         """
         if self.stopping.is_set():
             raise WorkerStopping
-        if time.monotonic() - self._looked_at < LOOK_EVERY_S:
+        if time.monotonic() - self._checked_at < CHECK_EVERY_S:
             return
         with self.database.reading() as session:
-            cancelling = leases.is_cancelling(session, self.claim)
-            self.courtesy.play_is_on = games.is_play_on(session)
-        self._looked_at = time.monotonic()
+            cancelling = leases.is_cancelling(session, self.lease)
+            self.throttle.active = games.is_play_on(session)
+        self._checked_at = time.monotonic()
         if cancelling:
             raise RunCancelled
 
@@ -131,27 +116,26 @@ class RunContext:
         content: bytes,
         details: dict[str, Any] | None = None,
     ) -> None:
-        """Put a file into the artifact store and note it on the run, replacing an earlier one."""
+        """Put a file into the artifact store and name it on the run, replacing an earlier one."""
         with self.database.reading() as session:
             # A worker that has lost the run must not replace the file of the one that has it.
-            leases.is_cancelling(session, self.claim)
+            leases.is_cancelling(session, self.lease)
         size = self.artifacts.put(artifact_rows.path_of(self.run_id, name), content)
         with self.database.writing() as session:
-            leases.owned(session, self.claim)
+            leases.owned(session, self.lease)
             artifact_rows.save(session, self.run_id, kind, name, media_type, size, details)
 
-    def finish_stage(
-        self, stage: str, seconds: float, outcome: Mapping[str, Any] | None = None
-    ) -> None:
-        """Note that a stage is finished, and what came out of it, in one transaction."""
+    def finish_stage(self, stage: Stage, seconds: float, found: RunOutcome | None = None) -> None:
+        """Write that a stage is finished, and what it has found, in one transaction."""
         with self.database.writing() as session:
-            row = leases.finish_stage(session, self.claim, stage, seconds)
-            row.outcome = self.outcome = {**row.outcome, **(outcome or {})}
-        self.finished[stage] = seconds
+            row = leases.finish_stage(session, self.lease, stage, seconds)
+            if found is not None:
+                row.outcome = row.outcome.with_those_of(found)
+        self.run = row
 
 
 class StageProgress:
-    """Where a learning function reports to: the run's row, its curves, and the worker's manners.
+    """Where a learning function reports to: the run's row, its curves, and the throttle.
 
     A point is written at once, so that a checkpoint that is saved after it was reported is never
     ahead of the curve; learning reports at most some hundred points a stage. All else is written
@@ -174,17 +158,17 @@ class StageProgress:
         self._share = 0.0
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
-        """Take note of progress, see trainer.progress.Progress.
+        """Report progress, see trainer.progress.Progress.
 
         The first call of a stage says where it goes on: points beyond it are of an attempt that
         ended without a checkpoint there, and are dropped.
         """
-        self._context.courtesy.make_way()
+        self._context.throttle.pause()
         self._share = done / total if total else 1.0
         if self._first_share is None:
             self._first_share = self._share
             with self._context.database.writing() as session:
-                leases.owned(session, self._context.claim)
+                leases.owned(session, self._context.lease)
                 metrics.drop_after(session, self._context.run_id, self._stage, done)
         if values or self._clock() - self._reported_at >= REPORT_EVERY_S:
             self.report(done, values)
@@ -194,7 +178,7 @@ class StageProgress:
         """Write how far the stage is, and a point of its curves if there is one."""
         context = self._context
         with context.database.writing() as session:
-            leases.report(session, context.claim, self._stage, self._share, self.remaining_s())
+            leases.report(session, context.lease, self._stage, self._share, self.remaining_s())
             if values:
                 # JSON has no infinity; a curve has a gap there.
                 point = {name: float(v) for name, v in values.items() if math.isfinite(v)}
@@ -202,14 +186,14 @@ class StageProgress:
         self._reported_at = self._clock()
 
     def remaining_s(self) -> float:
-        """Return the seconds that the whole run will still take, by the rate measured so far."""
+        """Return the estimated seconds to the end of the whole run."""
         gained = self._share - (self._first_share or 0.0)
         own = None
         if gained >= SETTLED_SHARE:
             own = (self._clock() - self._began) * (1.0 - self._share) / gained
-        return self._context.forecast.remaining_s(self._context.finished, self._stage, own)
+        return self._context.eta.remaining_s(self._context.run.finished_stages, self._stage, own)
 
     def seconds(self) -> float:
-        """Return what the whole stage takes: of one that went on from a checkpoint, all of it."""
+        """Return what the whole stage takes, extrapolated if it went on from a checkpoint."""
         took = self._clock() - self._began
         return took / max(SETTLED_SHARE, 1.0 - (self._first_share or 0.0))

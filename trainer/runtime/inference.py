@@ -1,4 +1,4 @@
-"""The inference process: answers for trained networks over a local socket."""
+"""The inference process: evaluates trained networks for others over a local socket."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ from tril.store.training.evaluations import POLICIES
 
 log = logging.getLogger(__name__)
 
-MOST_NETWORKS = 16
-"""Networks kept in memory; the one that was not asked for longest makes room."""
+MAX_NETWORKS = 16
+"""Networks kept in memory; the least recently used one is dropped."""
 
 THREADS = 2
 MESSAGE_TIMEOUT_S = 30.0
@@ -55,7 +55,8 @@ def run_inference(settings: Settings) -> None:
     """Run the inference process until it is told to stop (SIGTERM or Ctrl-C).
 
     Raises:
-        Unavailable: Another one serves this data folder, or the database is of another version.
+        Unavailable: Another process serves this data folder, or the database is of another
+            version.
     """
     set_up_logging()
     torch.set_num_threads(min(THREADS, learning_threads(0)))
@@ -65,7 +66,7 @@ def run_inference(settings: Settings) -> None:
         networks = Networks(database, ArtifactStore(settings.artifact_root))
         server = InferenceServer(settings.inference_socket, networks)
         for number in (signal.SIGINT, signal.SIGTERM):
-            # shutdown waits for the loop that this very thread runs.
+            # shutdown waits for the loop that this thread runs.
             signal.signal(number, lambda *_: threading.Thread(target=server.shutdown).start())
         with server, Heartbeat(database, f"inference-{os.getpid()}", "inference"):
             log.info("Inference answers on %s.", settings.inference_socket)
@@ -75,18 +76,20 @@ def run_inference(settings: Settings) -> None:
 
 
 class Networks:
-    """Trained networks, loaded from the artifact store when they are first asked for.
+    """Trained networks, loaded from the artifact store at the first request.
 
     Args:
         database: The application's database.
         store: The artifact store.
-        most: Networks kept in memory.
+        max_kept: Networks kept in memory.
     """
 
-    def __init__(self, database: Database, store: ArtifactStore, most: int = MOST_NETWORKS) -> None:
+    def __init__(
+        self, database: Database, store: ArtifactStore, max_kept: int = MAX_NETWORKS
+    ) -> None:
         self._database = database
         self._store = store
-        self._most = most
+        self._max_kept = max_kept
         self._kept: OrderedDict[Hashable, Any] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -103,13 +106,13 @@ class Networks:
     def _get(self, run_id: str, kind: str, load: Callable[[Path], Any]) -> Any:
         with self._database.reading() as session:
             row = artifacts.of_kind(session, run_id, kind)
-        # A run that is resumed may make the same file anew.
+        # A resumed run may replace its file.
         key = (row.id, row.created_at)
         with self._lock:
             if key not in self._kept:
                 with self._store.local(row.path) as path:
                     self._kept[key] = load(path)
-                while len(self._kept) > self._most:
+                while len(self._kept) > self._max_kept:
                     self._kept.popitem(last=False)
             self._kept.move_to_end(key)
             return self._kept[key]
@@ -120,7 +123,7 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
 
     Args:
         path: The socket; one that a dead process left is replaced.
-        networks: What is asked.
+        networks: The networks.
 
     Raises:
         Unavailable: Another process answers on it.
@@ -162,31 +165,28 @@ class _Handler(socketserver.BaseRequestHandler):
 
     def handle(self) -> None:
         self.request.settimeout(MESSAGE_TIMEOUT_S)
-        # Who has gone away needs no answer.
+        # The client may have disconnected.
         with contextlib.suppress(ConnectionError, TimeoutError):
             try:
                 header, body = receive_message(self.request)
-                answer, values = answer_to(self.server.networks, header, body)
+                reply, values = reply_to(self.server.networks, header, body)
             except Disconnected:
                 return
             except (TrilError, SQLAlchemyError) as problem:
-                answer, values = _refusal(problem), b""
+                reply, values = _error_reply(problem), b""
             except Exception as problem:
                 log.exception("A request failed.")
-                answer, values = _refusal(problem), b""
-            send_message(self.request, answer, values)
+                reply, values = _error_reply(problem), b""
+            send_message(self.request, reply, values)
 
 
-def answer_to(
+def reply_to(
     networks: Networks, header: dict[str, Any], body: bytearray
 ) -> tuple[dict[str, Any], bytes]:
-    """Answer one request.
-
-    Returns:
-        The answer's header and its values' bytes.
+    """Return the header and the values, as bytes, of the reply to a request.
 
     Raises:
-        Invalid: The request makes no sense.
+        Invalid: The request is malformed.
         NotFound: The run has no such network.
     """
     op = header.get("op")
@@ -224,16 +224,10 @@ def _observations(body: bytearray) -> Observations:
     return np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
 
 
-def _refusal(problem: Exception) -> dict[str, Any]:
+def _error_reply(problem: Exception) -> dict[str, Any]:
     kinds = {Invalid: "invalid", NotFound: "not_found"}
-    kind = next(
-        (name for which, name in kinds.items() if isinstance(problem, which)), "unavailable"
-    )
-    detail = (
-        str(problem)
-        if isinstance(problem, TrilError)
-        else (
-            f"The inference process failed at this request ({type(problem).__name__}: {problem})."
-        )
-    )
+    kind = next((name for cls, name in kinds.items() if isinstance(problem, cls)), "unavailable")
+    detail = str(problem)
+    if not isinstance(problem, TrilError):
+        detail = f"The inference process failed ({type(problem).__name__}: {detail})."
     return {"ok": False, "kind": kind, "detail": detail}

@@ -1,4 +1,4 @@
-"""What trainer processes say on their output."""
+"""Logging of the worker and the inference process."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 
 
 def set_up_logging() -> None:
-    """Write this project's lines to the output, and of libraries only what is wrong."""
+    """Log to the standard output; of libraries, warnings only."""
     logging.basicConfig(
         level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", force=True
     )

@@ -1,7 +1,7 @@
-"""Takes a run through its stages, whatever happens to this process on the way.
+"""Takes a run through its stages, across crashes of this process.
 
 The run's row says which stages are finished; a stage that is not is begun again, and goes on from
-its own checkpoint if it has one. So it does no harm when the queue brings a run twice.
+its own checkpoint if it has one. So it does no harm when the queue delivers a run twice.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import threading
 import traceback
 from collections.abc import Callable
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import torch
@@ -27,29 +28,27 @@ from trainer.runtime.throttle import Throttle, learning_threads
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
 from tril.files.artifact_store import DISK_FULL, ArtifactStore
-from tril.jobs import RunEta, stages_of
+from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
 from tril.settings import Settings
+from tril.stages import Stage, stages_of
 from tril.store import behaviours
 from tril.store.database import Database
-from tril.store.models import RunRow, RunStatus
+from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 from tril.store.training.leases import Lease, LeaseLost
 
 log = logging.getLogger(__name__)
 
 FINISHED = "finished"
-TAKEN_OVER = "taken over by another worker"
-Perform = Callable[[str, str], str]
+LEASE_LOST = "leased to another worker"
+GIVEN_BACK = "given back to the queue"
+RunStage = Callable[[str, str], str]
 """(run id, stage) -> FINISHED, or how the run ended or left this worker."""
 
 
-class RunStopped(Exception):
-    """The check of the ranking was not passed; the message says what is confused."""
-
-
 class Pipeline:
-    """A worker's way of doing runs, one at a time.
+    """Runs the stages of runs, one run at a time.
 
     Args:
         database: The application's database.
@@ -66,7 +65,7 @@ class Pipeline:
         self._worker = worker
         self._stopping = stopping
         self._artifacts = ArtifactStore(settings.artifact_root)
-        self._courtesy = Throttle(learning_threads(settings.learning_threads))
+        self._throttle = Throttle(learning_threads(settings.learning_threads))
         self._at_work: dict[str, RunData] = {}
 
     @property
@@ -75,12 +74,12 @@ class Pipeline:
         return list(self._at_work)
 
     def beat(self, session: Session) -> None:
-        """Note on the runs at work that their worker lives."""
+        """Write the heartbeat of the runs at work."""
         for data in list(self._at_work.values()):
-            leases.beat(session, data.context.claim)
+            leases.beat(session, data.context.lease)
 
     def sweep(self) -> None:
-        """Remove the scratch folders of runs that nothing will go on with."""
+        """Remove the scratch folders of runs that are done or deleted."""
         folders = self._settings.data / "runs"
         if not folders.is_dir():
             return
@@ -89,12 +88,12 @@ class Pipeline:
         for run_id in past:
             shutil.rmtree(folders / run_id, ignore_errors=True)
 
-    def train(self, run_id: str, perform: Perform) -> str:
+    def train(self, run_id: str, run_stage: RunStage) -> str:
         """Lease a run and take it through its stages.
 
         Args:
             run_id: The run.
-            perform: Does one stage, by way of ``self.perform``.
+            run_stage: Runs one stage, by way of ``self.run_stage``.
 
         Returns:
             How it ended, for the log.
@@ -102,119 +101,107 @@ class Pipeline:
         if self._stopping.is_set():
             return "left in the queue"
         with self._database.writing() as session:
-            claim = leases.claim(session, run_id, self._worker, versions())
-        if claim is None:
+            lease = leases.acquire(session, run_id, self._worker, versions())
+        if lease is None:
             log.info("Run %s: nothing to do.", run_id)
             return "nothing to do"
         try:
-            data, stages = self._prepare(claim)
+            context = self._context(lease)
         except Exception as problem:
             # E.g. a recipe of another version, or the behaviour was deleted.
-            log.exception("Run %s can't be begun.", run_id)
-            return self._end(claim, RunStatus.FAILED, explain("start", problem, run_id))
-        self._at_work[run_id] = data
+            log.exception("Run %s can't be started.", run_id)
+            return self._end(lease, RunStatus.FAILED, failure_message("start", problem, run_id))
+        self._at_work[run_id] = RunData(context)
         try:
-            how = self._go_through(data, stages, perform)
+            result = self._run_stages(context, run_stage)
         finally:
             del self._at_work[run_id]
             free_memory()
-        log.info("Run %s: %s.", run_id, how)
-        return how
+        log.info("Run %s: %s.", run_id, result)
+        return result
 
-    def _go_through(self, data: RunData, stages: tuple[str, ...], perform: Perform) -> str:
-        context = data.context
+    def _run_stages(self, context: RunContext, run_stage: RunStage) -> str:
+        stages = stages_of(context.run.example)
         for stage in stages:
-            how = perform(context.run_id, stage)
-            if how != FINISHED:
-                return how
-        if any(stage not in context.finished for stage in stages):
+            result = run_stage(context.run_id, stage)
+            if result != FINISHED:
+                return result
+        if any(stage not in context.run.finished_stages for stage in stages):
             # The queue remembers a stage as done that the row does not: the row is the truth.
-            return self._leave(context.claim, leases.release, "given back to the queue")
-        how = self._end(context.claim, RunStatus.DONE, "")
-        if how == RunStatus.DONE:
+            return self._leave(context.lease, leases.release, GIVEN_BACK)
+        result = self._end(context.lease, RunStatus.DONE)
+        if result == RunStatus.DONE:
             shutil.rmtree(scratch_folder(self._settings, context.run_id), ignore_errors=True)
-        return how
+        return result
 
-    def perform(self, run_id: str, stage: str) -> str:
-        """Do one stage of the run at work; every way it can end is noted on the run."""
-        data = self._at_work[run_id]
+    def run_stage(self, run_id: str, name: str) -> str:
+        """Run one stage of the run at work; however it ends is written to the run."""
+        data, stage = self._at_work[run_id], Stage(name)
+        lease = data.context.lease
         try:
-            if stage not in data.context.finished:
-                self._do(data, stage)
-            if stage == "check":
-                stop_if_confused(data.context)
+            if stage not in data.context.run.finished_stages:
+                self._work(data, stage)
+            run = data.context.run
+            check = run.outcome.check if stage is Stage.CHECK else None
+            if check is not None and not check.passed and not run.go_on_anyway:
+                return self._end(lease, RunStatus.STOPPED, check.advice)
             return FINISHED
         except LeaseLost:
             # The queue's record of this stage will be refused, too, and end the job here.
-            log.info("Run %s: %s.", run_id, TAKEN_OVER)
-            return TAKEN_OVER
+            log.info("Run %s: %s.", run_id, LEASE_LOST)
+            return LEASE_LOST
         except WorkerStopping:
-            return self._leave(data.context.claim, leases.release, "given back to the queue")
+            return self._leave(lease, leases.release, GIVEN_BACK)
         except RunCancelled:
-            return self._end(data.context.claim, RunStatus.CANCELLED, "")
-        except RunStopped as stopped:
-            return self._end(data.context.claim, RunStatus.STOPPED, str(stopped))
+            return self._end(lease, RunStatus.CANCELLED)
         except Exception as problem:
-            # The one catch-all: whatever it is, the person is told and the worker lives on.
+            # The one catch-all: the person is told and the worker lives on.
             self._write_log(run_id, stage)
             log.exception("Run %s: stage %s failed.", run_id, stage)
-            return self._end(data.context.claim, RunStatus.FAILED, explain(stage, problem, run_id))
+            return self._end(lease, RunStatus.FAILED, failure_message(stage, problem, run_id))
 
-    def _do(self, data: RunData, stage: str) -> None:
+    def _work(self, data: RunData, stage: Stage) -> None:
         context = data.context
         log.info("Run %s: stage %s begins.", context.run_id, stage)
-        self._courtesy.begin()
+        self._throttle.begin()
         context.check_cancelled()
         progress = StageProgress(context, stage)
         progress.report()
-        outcome = STAGE_WORK[stage](data, progress)
+        found = STAGE_WORK[stage](data, progress)
         seconds = progress.seconds()
-        context.finish_stage(stage, seconds, outcome)
+        context.finish_stage(stage, seconds, found)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
-    def _prepare(self, claim: Lease) -> tuple[RunData, tuple[str, ...]]:
+    def _context(self, lease: Lease) -> RunContext:
         with self._database.reading() as session:
-            row = runs.get(session, claim.run_id)
-            return RunData(self._context(session, row, claim)), stages_of(row)
+            run = runs.get(session, lease.run_id)
+            return RunContext(
+                lease=lease,
+                run=run,
+                behaviour=behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
+                recipe=recipe_from_dict(run.recipe),
+                database=self._database,
+                artifacts=self._artifacts,
+                folder=own_scratch_folder(scratch_folder(self._settings, run.id), lease.epoch),
+                settings=self._settings,
+                eta=RunEta.of(session, run),
+                throttle=self._throttle,
+                stopping=self._stopping,
+            )
 
-    def _context(self, session: Session, row: RunRow, claim: Lease) -> RunContext:
-        return RunContext(
-            claim=claim,
-            behaviour_id=row.behaviour_id,
-            behaviour=behaviours.as_behaviour(behaviours.get(session, row.behaviour_id)),
-            recipe=recipe_from_dict(row.recipe),
-            steps=row.steps,
-            training_seed=row.training_seed,
-            outcome=dict(row.outcome),
-            go_on_anyway=row.go_on_anyway,
-            snapshot=row.snapshot,
-            finished=dict(row.finished_stages),
-            database=self._database,
-            artifacts=self._artifacts,
-            folder=take_over_folder(scratch_folder(self._settings, row.id), claim.epoch),
-            settings=self._settings,
-            forecast=RunEta.of(session, row),
-            courtesy=self._courtesy,
-            stopping=self._stopping,
-            example_kind=row.example_kind,
-        )
+    def _end(self, lease: Lease, status: RunStatus, message: str = "") -> str:
+        return self._leave(lease, partial(leases.end, status=status, message=message), status)
 
-    def _end(self, claim: Lease, status: RunStatus, message: str) -> str:
-        def end(session: Session, claim: Lease) -> None:
-            leases.end(session, claim, status, message)
-
-        return self._leave(claim, end, str(status))
-
-    def _leave(self, claim: Lease, write: Callable[[Session, Lease], None], how: str) -> str:
+    def _leave(self, lease: Lease, write: Callable[[Session, Lease], None], result: str) -> str:
         try:
             with self._database.writing() as session:
-                write(session, claim)
+                write(session, lease)
         except LeaseLost:
-            return TAKEN_OVER
-        return how
+            return LEASE_LOST
+        return result
 
     def _write_log(self, run_id: str, stage: str) -> None:
-        path = log_file(self._settings, run_id)
+        path = self._settings.data / "logs" / "runs" / f"{run_id}.log"
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("a") as file:
@@ -224,15 +211,8 @@ class Pipeline:
             log.warning("The log of run %s could not be written: %s", run_id, problem)
 
 
-def stop_if_confused(context: RunContext) -> None:
-    """Stop the run here if its ranking was not understood and nobody said to go on anyway."""
-    check = context.outcome["check"]
-    if not check["passed"] and not context.go_on_anyway:
-        raise RunStopped(check["advice"])
-
-
-def explain(stage: str, problem: BaseException, run_id: str) -> str:
-    """Say to a person what went wrong in a stage, and what to do."""
+def failure_message(stage: str, problem: BaseException, run_id: str) -> str:
+    """Return what a person reads about a failed stage: what went wrong and what to do."""
     if isinstance(problem, TrilError):
         return str(problem)
     if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT}:
@@ -255,28 +235,23 @@ def scratch_folder(settings: Settings, run_id: str) -> Path:
     return settings.data / "runs" / run_id
 
 
-def log_file(settings: Settings, run_id: str) -> Path:
-    """Return the file that holds the tracebacks of a run's failures."""
-    return settings.data / "logs" / "runs" / f"{run_id}.log"
+def own_scratch_folder(root: Path, epoch: int) -> Path:
+    """Return the scratch folder of a lease, with what the lease before left in its own.
 
-
-def take_over_folder(root: Path, epoch: int) -> Path:
-    """Give a claim its own scratch folder, with what an earlier claim left in its.
-
-    The earlier folder is renamed, so a worker that has lost the run without knowing finds its
-    folder gone and can't disturb the checkpoints of the one that has it now.
+    The earlier folder is renamed, so that a worker which has lost the run without knowing finds
+    its folder gone and can't replace the checkpoints of the one that has it now.
     """
     root.mkdir(parents=True, exist_ok=True)
-    mine = root / str(epoch)
-    if mine.exists():
-        return mine
+    own = root / str(epoch)
+    if own.exists():
+        return own
     earlier = sorted(
         (int(path.name) for path in root.iterdir() if path.name.isdigit()), reverse=True
     )
     if earlier:
-        (root / str(earlier[0])).rename(mine)
+        (root / str(earlier[0])).rename(own)
     else:
-        mine.mkdir()
+        own.mkdir()
     for number in earlier[1:]:
         shutil.rmtree(root / str(number), ignore_errors=True)
-    return mine
+    return own

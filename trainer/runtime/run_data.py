@@ -1,25 +1,25 @@
-"""What a run learns from, loaded when a stage first needs it."""
+"""The demonstrations and models of a run, loaded when a stage first needs them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from trainer.reward.perturbation import PerturbedDemonstration, perturbed_copies
-from trainer.reward.preference_dataset import PerfectGames
-from trainer.runtime.artifact_files import stored_file
+from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
+from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.runtime.context import RunContext
+from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
 from tril.game.console import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
+from tril.store.training import artifacts
 
 REWARD_MODEL = "reward-model.safetensors"
 NETWORK = "application/octet-stream"
@@ -29,10 +29,10 @@ _COPIES_STREAM = 1_000_033
 
 
 class RunData:
-    """The demonstrations and models of one claim of a run.
+    """The demonstrations and models of one lease of a run.
 
-    Every stage may ask for what an earlier one made: it is kept in memory while the claim lasts,
-    and loaded or derived again by the next claim.
+    What an earlier stage made is kept in memory for as long as the lease lasts, and loaded or
+    derived again under the next one.
 
     Args:
         context: The run.
@@ -46,67 +46,54 @@ class RunData:
         self._copies: list[PerturbedDemonstration] | None = None
 
     @property
-    def tiers(self) -> list[list[int]]:
-        """The ranked recordings' ids, best tier first."""
-        return [list(tier) for tier in self._snapshot["tiers"]]
-
-    @property
-    def ranked(self) -> list[int]:
-        """The ranked recordings' ids, best first."""
-        return [number for tier in self.tiers for number in tier]
-
-    @property
-    def perfect(self) -> list[int]:
-        """The perfect recordings' ids."""
-        return list(self._snapshot["perfect"])
+    def snapshot(self) -> RunSnapshot:
+        """The frozen ranking; of an example only once its demonstrations exist."""
+        assert self.context.run.snapshot is not None
+        return self.context.run.snapshot
 
     @property
     def index_tiers(self) -> list[list[int]]:
         """The tiers as indices into ``ranked_trajectories``."""
-        place = {number: index for index, number in enumerate(self.ranked)}
-        return [[place[number] for number in tier] for tier in self.tiers]
+        place = {number: index for index, number in enumerate(self.snapshot.ranked)}
+        return [[place[number] for number in tier] for tier in self.snapshot.tiers]
 
     @property
     def ranked_trajectories(self) -> list[Trajectory]:
         """What an agent would have seen and done in the ranked recordings, in that order."""
-        return self.trajectories(self.ranked)
+        return self.trajectories(self.snapshot.ranked)
 
     @property
     def perfect_trajectories(self) -> list[Trajectory]:
         """What an agent would have seen and done in the perfect recordings, in that order."""
-        return self.trajectories(self.perfect)
+        return self.trajectories(self.snapshot.perfect)
 
     @property
-    def perfect_games(self) -> PerfectGames:
-        """The perfect demonstrations, and perturbed ones where the recipe learns from them."""
-        place = {number: index for index, number in enumerate(self.ranked)}
-        ranked_as = [place.get(number) for number in self.perfect]
-        return PerfectGames(self.perfect_trajectories, ranked_as, self._perturbed_copies)
+    def preference_dataset(self) -> PreferenceDataset:
+        """The dataset that the reward is learned from, as the recipe says."""
+        place = {number: index for index, number in enumerate(self.snapshot.ranked)}
+        ranked_as = [place.get(number) for number in self.snapshot.perfect]
+        perfect = PerfectDemonstrations(self.perfect_trajectories, ranked_as, self._perturbed)
+        return PreferenceDataset.from_demonstrations(
+            self.ranked_trajectories, self.index_tiers, self.context.recipe.reward, perfect
+        )
 
-    def forget_copies(self) -> None:
+    def forget_perturbed(self) -> None:
         """Free the perturbed demonstrations (250 MB) once the reward is learned and checked."""
         self._copies = None
 
     @property
-    def _perturbed_copies(self) -> list[PerturbedDemonstration]:
+    def _perturbed(self) -> list[PerturbedDemonstration]:
         context, recipe = self.context, self.context.recipe.reward
         if not recipe.perturbed_share:
             return []
         if self._copies is None:
-            found = self.recordings(self.perfect)
-            rng = np.random.default_rng([context.training_seed, _COPIES_STREAM])
-            self._copies = perturbed_copies(
-                [found[number] for number in self.perfect],
+            self._copies = perturb_demonstrations(
+                list(self.recordings(self.snapshot.perfect).values()),
                 recipe.perturbed_copies,
-                rng,
+                np.random.default_rng([context.run.training_seed, _COPIES_STREAM]),
                 context.check_cancelled,
             )
         return self._copies
-
-    @property
-    def _snapshot(self) -> dict[str, Any]:
-        assert self.context.snapshot is not None
-        return self.context.snapshot
 
     def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:
         """Return recordings by id; deleted ones too, since the run was made with them."""
@@ -133,8 +120,8 @@ class RunData:
         """
         progress = progress or NullProgress()
         console: Console | None = None
-        wanted = self.recordings(ids)
-        for count, (number, recording) in enumerate(wanted.items(), start=1):
+        found = self.recordings(ids)
+        for count, (number, recording) in enumerate(found.items(), start=1):
             if number not in self._trajectories:
                 console = console or Console()
                 try:
@@ -144,7 +131,7 @@ class RunData:
                         refusal
                     )
                 self.context.check_cancelled()
-            progress.advance(count, len(wanted))
+            progress.advance(count, len(found))
         return [self._trajectories[number] for number in ids]
 
     def keep_reward_model(self, model: RewardModel) -> None:
@@ -162,19 +149,16 @@ class RunData:
     def reward_model(self) -> RewardModel:
         """The run's reward model, from the artifact store."""
         if self._reward_model is None:
-            context = self.context
-            with stored_file(
-                context.database, context.artifacts, context.run_id, "reward_model"
-            ) as path:
+            with self.artifact_file("reward_model") as path:
                 self._reward_model = RewardModel.load(path)
         return self._reward_model
 
     def actor(self, kind: str) -> Policy:
         """Return the "imitator" or the "clone", from the artifact store."""
-        with self.policy_file(kind) as path:
+        with self.artifact_file(kind) as path:
             return load_policy(path)
 
-    def policy_file(self, kind: str) -> AbstractContextManager[Path]:
-        """Give the file of the "imitator" or the "clone", from the artifact store."""
+    def artifact_file(self, kind: str) -> AbstractContextManager[Path]:
+        """Give the run's artifact of a kind as a file on this machine."""
         context = self.context
-        return stored_file(context.database, context.artifacts, context.run_id, kind)
+        return artifacts.local_file(context.database, context.artifacts, context.run_id, kind)

@@ -1,4 +1,4 @@
-"""What a run was made with."""
+"""The versions that a run was made with."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ import platform
 from functools import cache
 from importlib.metadata import version
 
+from tril import __version__
 from tril.game.space_invaders import rom_md5
 
-PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy", "tril")
+PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy")
 
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions that decide what a training yields, by name."""
+    """Return the versions on which the result of a training depends, by name."""
     return {
         "python": platform.python_version(),
         **{package: version(package) for package in PACKAGES},
+        "tril": __version__,
         "rom_md5": rom_md5(),
         "platform": platform.platform(),
     }

@@ -8,9 +8,10 @@ import os
 import secrets
 import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self, TextIO
+from typing import TextIO
 
 from dbos import DBOS
 
@@ -20,9 +21,8 @@ from trainer.runtime.throttle import lower_priority
 from tril.errors import Unavailable
 from tril.files.artifact_store import write_whole
 from tril.heartbeat import Heartbeat
-from tril.jobs import APPLICATION, QUEUE, VERSION, WORKFLOW, Jobs, prepare_queue
+from tril.jobs import QUEUE, WORKFLOW, Jobs, executor_config, prepare_queue
 from tril.jobs.delivery import LOST_AFTER_S
-from tril.jobs.queue import serializer
 from tril.settings import Settings
 from tril.store.database import Database, create_database
 from tril.store.schema import check_schema
@@ -30,10 +30,10 @@ from tril.store.schema import check_schema
 log = logging.getLogger(__name__)
 
 STOP_TIMEOUT_S = 8
-MOST_DELIVERIES = 50
-"""Times that the queue brings one run anew after its worker died before it is given up."""
+MAX_DELIVERIES = 50
+"""Times that the queue delivers one run again after its worker died before it is given up."""
 
-MOST_WORKERS = 64
+MAX_WORKERS = 64
 
 
 def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
@@ -41,7 +41,7 @@ def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
 
     Args:
         settings: Settings of the process.
-        lost_after_s: Seconds without a sign of life after which another worker is given up.
+        lost_after_s: Seconds without a change after which another worker's lease is revoked.
 
     Raises:
         Unavailable: The databases are not of this version.
@@ -54,122 +54,96 @@ def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
     database = create_database(settings.application_url)
     try:
         check_schema(database)
-        with WorkerName(settings.data) as name:
-            Worker(settings, database, name.value, stopping).work(lost_after_s)
+        with worker_name(settings.data) as name:
+            _work(settings, database, name, stopping, lost_after_s)
     finally:
         database.close()
 
 
-class Worker:
-    """One worker process: pipeline, heartbeat, queue.
-
-    Args:
-        settings: Settings of the process.
-        database: The application's database.
-        name: Name of the worker, which no other living process has.
-        stopping: Set to end the worker.
-    """
-
-    def __init__(
-        self, settings: Settings, database: Database, name: str, stopping: threading.Event
-    ) -> None:
-        self._settings = settings
-        self._database = database
-        self._name = name
-        self._stopping = stopping
-        self._pipeline = Pipeline(database, settings, name, stopping)
-
-    def work(self, lost_after_s: float = LOST_AFTER_S) -> None:
-        """Take runs from the queue until told to stop; the run at work goes back to the queue."""
-        prepare_queue(self._settings)
-        self._pipeline.sweep()
-        jobs = Jobs(self._database, self._settings, lost_after_s)
-        heartbeat = Heartbeat(
-            self._database, self._name, "worker", self._details, self._pipeline.beat
-        )
-        try:
-            with heartbeat:
-                self._take_from_queue()
-                log.info("Worker %s waits for runs.", self._name)
-                jobs.start_reconciling()
-                self._stopping.wait()
-                log.info("Worker %s is stopping.", self._name)
-                DBOS.destroy(workflow_completion_timeout_sec=STOP_TIMEOUT_S)
-        finally:
-            jobs.close()
-
-    def _take_from_queue(self) -> None:
-        DBOS(
-            config={
-                "name": APPLICATION,
-                "system_database_url": self._settings.queue_url,
-                "executor_id": self._name,
-                "application_version": VERSION,
-                "serializer": serializer(),
-                "log_level": "WARNING",
-            }
-        )
-        pipeline = self._pipeline
-
-        @DBOS.step(name="stage")
-        def perform(run_id: str, stage: str) -> str:
-            return pipeline.perform(run_id, stage)
-
-        @DBOS.workflow(name=WORKFLOW, max_recovery_attempts=MOST_DELIVERIES)
-        def train(run_id: str) -> str:
-            return pipeline.train(run_id, perform)
-
-        DBOS.listen_queues([QUEUE])
-        DBOS.launch()
-
-    def _details(self) -> dict[str, Any]:
-        return {"runs": self._pipeline.run_ids, "pid": os.getpid()}
+def _work(
+    settings: Settings,
+    database: Database,
+    name: str,
+    stopping: threading.Event,
+    lost_after_s: float,
+) -> None:
+    """Take runs from the queue until told to stop; the run at work goes back to the queue."""
+    prepare_queue(settings)
+    pipeline = Pipeline(database, settings, name, stopping)
+    pipeline.sweep()
+    jobs = Jobs(database, settings, lost_after_s)
+    try:
+        with Heartbeat(
+            database,
+            name,
+            "worker",
+            lambda: {"runs": pipeline.run_ids, "pid": os.getpid()},
+            pipeline.beat,
+        ):
+            _take_from_queue(settings, name, pipeline)
+            log.info("Worker %s waits for runs.", name)
+            jobs.start_reconciling()
+            stopping.wait()
+            log.info("Worker %s is stopping.", name)
+            DBOS.destroy(workflow_completion_timeout_sec=STOP_TIMEOUT_S)
+    finally:
+        jobs.close()
 
 
-class WorkerName:
-    """A name that no other living worker has, and that the next worker gets when this one is gone.
+def _take_from_queue(settings: Settings, name: str, pipeline: Pipeline) -> None:
+    DBOS(config=executor_config(settings, name))
 
-    Workers of one data folder are numbered; each holds a lock on its number's file as long as its
-    process lives, however it ends. A number of the data folder's own tells its workers from those
-    of other machines. So a worker that was killed comes back under its name, and its runs with it.
+    @DBOS.step(name="stage")
+    def run_stage(run_id: str, stage: str) -> str:
+        return pipeline.run_stage(run_id, stage)
+
+    @DBOS.workflow(name=WORKFLOW, max_recovery_attempts=MAX_DELIVERIES)
+    def train(run_id: str) -> str:
+        return pipeline.train(run_id, run_stage)
+
+    DBOS.listen_queues([QUEUE])
+    DBOS.launch()
+
+
+@contextmanager
+def worker_name(data: Path) -> Iterator[str]:
+    """Give a name that no other living worker has, and that is free again once this one is gone.
+
+    Workers of one data folder are numbered; each holds a lock on its number's file for as long as
+    its process lives, however it ends. An id drawn once per data folder tells its workers from
+    those of other machines. So a worker that was killed comes back under its name, and its run
+    with it.
 
     Args:
         data: The data folder.
+
+    Raises:
+        Unavailable: All names are taken.
     """
+    folder = data / "workers"
+    folder.mkdir(parents=True, exist_ok=True)
+    number, lock = _first_free(folder)
+    with lock:
+        yield f"worker-{number}-{_installation(folder)}"
 
-    def __init__(self, data: Path) -> None:
-        self._folder = data / "workers"
-        self._file: TextIO | None = None
-        self.value = ""
 
-    def __enter__(self) -> Self:
-        self._folder.mkdir(parents=True, exist_ok=True)
-        for number in range(MOST_WORKERS):
-            file = (self._folder / f"worker-{number}.lock").open("a")
-            try:
-                # Not flock: its lock would pass on to processes that inherit the descriptor.
-                fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                file.close()
-                continue
-            self._file = file
-            self.value = f"worker-{number}-{self._installation()}"
-            return self
-        raise Unavailable(f"{MOST_WORKERS} workers run in this data folder already.")
+def _first_free(folder: Path) -> tuple[int, TextIO]:
+    for number in range(MAX_WORKERS):
+        lock = (folder / f"worker-{number}.lock").open("a")
+        try:
+            # Not flock: its lock would pass on to processes that inherit the descriptor.
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+        else:
+            return number, lock
+    raise Unavailable(f"{MAX_WORKERS} workers run in this data folder already.")
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if self._file is not None:
-            self._file.close()
 
-    def _installation(self) -> str:
-        path = self._folder / "installation"
-        with (self._folder / "installation.lock").open("a") as lock:
-            fcntl.lockf(lock, fcntl.LOCK_EX)
-            if not path.exists():
-                write_whole(path, secrets.token_hex(4).encode())
-            return path.read_text()
+def _installation(folder: Path) -> str:
+    path = folder / "installation"
+    with (folder / "installation.lock").open("a") as lock:
+        fcntl.lockf(lock, fcntl.LOCK_EX)
+        if not path.exists():
+            write_whole(path, secrets.token_hex(4).encode())
+        return path.read_text()

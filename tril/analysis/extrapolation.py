@@ -1,4 +1,4 @@
-"""How the learned reward judges games that it was not learned from.
+"""How well the learned reward extrapolates to games that it was not learned from.
 
 T-REX (Brown et al. 2019, section 5 and figure 3) plots the predicted return against the true one
 for the demonstrations and for trajectories that the learning has not seen, better ones among them.
@@ -12,18 +12,12 @@ from typing import Literal
 
 from tril.ranking import kendall_tau
 
-Player = Literal["person", "demonstrator", "imitator", "clone"]
+PlayerKind = Literal["person", "demonstrator", "imitator", "clone"]
 
 
 @dataclass(frozen=True)
 class JudgedGame:
-    """What a game was worth, and what the learned reward says of it.
-
-    Attributes:
-        true_quantity: See true_quantity.
-        predicted_return: Sum of R over the game.
-        recording_id: The recording of the game.
-    """
+    """A game's true quantity (targets hit less strays) and its predicted return (sum of R)."""
 
     true_quantity: int
     predicted_return: float
@@ -32,15 +26,9 @@ class JudgedGame:
 
 @dataclass(frozen=True)
 class JudgedGames:
-    """The games of one who played, all demonstrations or all unseen.
+    """The games of one player, all demonstrations or all unseen by the reward model."""
 
-    Attributes:
-        player: Who played.
-        demonstrated: Whether the reward was learned from them.
-        games: The games.
-    """
-
-    player: Player
+    player: PlayerKind
     demonstrated: bool
     games: tuple[JudgedGame, ...]
 
@@ -48,7 +36,7 @@ class JudgedGames:
     def tau(self) -> float | None:
         """Kendall's tau-b between true quantity and predicted return, -1 to 1.
 
-        None where all games are worth the same, so that there is no order to agree with.
+        None where all games have the same true quantity and so no order.
         """
         tiers: dict[int, list[int]] = defaultdict(list)
         for index, game in enumerate(self.games):
@@ -60,5 +48,5 @@ class JudgedGames:
 
 
 def true_quantity(targets: int, strays: int) -> int:
-    """Return what a game is worth by the aliens shot: targets hit, less strays."""
+    """Return the true quantity of a game: targets hit less strays."""
     return targets - strays

@@ -1,9 +1,8 @@
-"""An alarm for reward hacking: more predicted return without better games.
+"""An alarm for reward hacking: the predicted return rises, the games don't get better.
 
-A policy that has found something the learned reward pays for by mistake earns ever more of it
-while its games get no better (Brown et al. 2019, T-REX, section 6; Amodei et al. 2016, "Concrete
-Problems in AI Safety", section 4). Hits are looked at for this alarm alone; learning never sees
-them.
+A policy that exploits an error of the learned reward earns ever more of it while its games get no
+better (Brown et al. 2019, T-REX, section 6; Amodei et al. 2016, "Concrete Problems in AI Safety",
+section 4). Learning never sees the hits that this alarm compares with.
 """
 
 from __future__ import annotations
@@ -19,46 +18,45 @@ Points = Sequence[tuple[int, float]]
 """A curve: (step, value) in order of steps."""
 
 BLOCKS = 6
-"""Parts of a span whose means are compared, and of which two at either end tell the change."""
+"""Parts of a span; the mean of the last two is compared with that of the first two."""
 GAMES_PER_BLOCK = 50
 """A point of the curves is the mean over the last 50 games: shorter blocks would share games."""
 SPANS = (1 / 3, 9 / 10)
-"""Shares of the training that are looked at, counted from its end. Of its beginning, the first
-games to end are the short ones, which have a low return by themselves."""
+"""Shares of the training that are compared, counted from its end. The first games to end are
+short ones, which have a low return by themselves."""
 LEAST_RISE = 0.1
-"""Of the range from the lowest to the highest return of a demonstration; on the scale of six
-targets more than half a hit."""
+"""Of the range of the demonstrations' predicted returns; with six targets more than half a hit."""
 LEAST_RISE_OF_HITS = 0.25
-"""Targets a game that count as a rise; as many strays fewer count as well, and as many more count
-against it. Means of 100 games vary by less."""
+"""Targets a game that count as a rise, as do as many strays fewer; means of 100 games vary by less.
+As many strays more count as a fall."""
 MOST = 2 / 3
-"""Share of the targets from which on a policy plainly does what was meant, and may learn to stay
-alive instead of hitting still more, as long as strays don't rise."""
+"""Share of the targets above which a policy may learn to survive longer instead of hitting more, as
+long as strays don't rise."""
 TIMES = (1.0, 0.75, 0.5, 0.25)
-"""Shares of the training after which it is judged: what was found early counts for as long as the
-games don't become better."""
+"""Shares of the training after which it is judged: what was found early counts until the games get
+better."""
 
 CURVES = ("predicted_return", "hits", "strays", "episode_steps")
-"""Those of the policy's own training games that are looked at."""
+"""The curves of the training games that are compared."""
 _THIRD = BLOCKS // 3
 
 
 @dataclass(frozen=True)
 class Change:
-    """What a mean over games was in the first and in the last third of a span."""
+    """A mean over games in the first and in the last third of a span."""
 
     before: float
     after: float
 
     @property
     def rise(self) -> float:
-        """How much more it became."""
+        """Last less first."""
         return self.after - self.before
 
 
 @dataclass(frozen=True)
 class RewardAlarm:
-    """The predicted return has risen and the games have not become better.
+    """The predicted return has risen and the games have not got better.
 
     Attributes:
         from_step: Where the span begins, in PPO steps.
@@ -78,18 +76,18 @@ class RewardAlarm:
 
     @property
     def message(self) -> str:
-        """What it means and what to do, for a person."""
+        """The alarm for a person: what it means and what to do."""
         got = self.predicted_return
         longer = ""
         if self.episode_steps.after >= 1.1 * self.episode_steps.before:
             longer = (
                 f" Its games also became longer ({self.episode_steps.before:.0f}, then"
-                f" {self.episode_steps.after:.0f} steps), so it may be paid for staying alive."
+                f" {self.episode_steps.after:.0f} steps), so it may be rewarded for staying alive."
             )
         return (
-            f"The learned reward may be paying for something else than what you meant: from step"
+            "The learned reward may be rewarding something other than what you meant: from step"
             f" {self.from_step:,} to step {self.to_step:,} the predicted return of the training"
-            f" games rose from {_number(got.before)} to {_number(got.after)}, but the games became"
+            f" games rose from {_number(got.before)} to {_number(got.after)}, but the games got"
             f" no better: {self.hits.before:.1f} targets and {self.strays.before:.1f} strays a game"
             f" before, {self.hits.after:.1f} and {self.strays.after:.1f} after.{longer} Watch the"
             " imitator\u2019s games to see what it does instead. Then add demonstrations which show"
@@ -101,21 +99,20 @@ class RewardAlarm:
 def reward_alarm(
     curves: Mapping[str, Points], n_targets: int | None, demonstrated: Sequence[float]
 ) -> RewardAlarm | None:
-    """Tell whether a training earns more predicted return without playing better.
+    """Return an alarm if a training earns more predicted return without playing better.
 
-    The last third of the training so far and nearly all of it are looked at, and the same as it
-    stood earlier. An alarm is given where the predicted return rises by enough and its last blocks
-    are all above its first ones, while neither hits rise nor strays fall, neither there nor since.
-    Where most targets are hit already, strays have to rise as well.
+    The last third of the training and nearly all of it are compared, now and as it stood earlier.
+    An alarm is given where the predicted return rises by enough and its last blocks are all above
+    its first ones, while neither hits rise nor strays fall, neither there nor since. Where most
+    targets are hit already, strays have to rise as well.
 
     Args:
-        curves: By name those of CURVES.
+        curves: Those of CURVES by name.
         n_targets: Target cells of the behaviour; None where it has none.
         demonstrated: The predicted returns of the demonstrations, which give the scale.
 
     Returns:
-        The alarm; None where all is well, where nothing can be said of the hits, or where the
-        training is too short to tell.
+        None if there is no reason for an alarm, no target, or not enough of the training yet.
     """
     if not n_targets or not all(curves.get(name) for name in CURVES):
         return None
@@ -146,7 +143,7 @@ def _number(value: float) -> str:
 
 
 def _is_better(first: RewardAlarm, then: RewardAlarm) -> bool:
-    """Whether games became better from before the first change until after the second one."""
+    """Whether games got better from before the first change until after the second one."""
     return (
         then.hits.after - first.hits.before >= LEAST_RISE_OF_HITS
         or first.strays.before - then.strays.after >= LEAST_RISE_OF_HITS
@@ -156,15 +153,15 @@ def _is_better(first: RewardAlarm, then: RewardAlarm) -> bool:
 def _changes(
     curves: Mapping[str, npt.NDArray[np.float64]], begin: float, end: float
 ) -> tuple[RewardAlarm, bool] | None:
-    """Return how the curves changed in a span, and whether the return's last blocks are all higher.
+    """Return the changes in a span, and whether the return's last blocks are all above its first.
 
     Args:
         curves: float64 (n, 2) each: step and value.
-        begin: Where the span begins, in steps.
-        end: Where it ends.
+        begin: First step of the span.
+        end: Last step of the span.
 
     Returns:
-        None where the span is too short.
+        None if the span is too short.
     """
     edges = np.linspace(begin, end, BLOCKS + 1)
     blocks = {name: _block_means(curves[name], edges) for name in CURVES}

@@ -1,12 +1,15 @@
-"""What a policy's evaluation games come to: means with intervals, and who won."""
+"""Figures of evaluation games: means with intervals, and the winner of a start."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+
+Policy = Literal["imitator", "clone"]
+Winner = Literal["imitator", "clone", "tie"]
 
 RESAMPLES = 2000
 RESAMPLING_SEED = 20
@@ -15,14 +18,14 @@ RESAMPLING_SEED = 20
 
 @dataclass(frozen=True)
 class GameFigures:
-    """One evaluation game in numbers.
+    """The figures of one evaluation game.
 
     Attributes:
         targets: Target cells hit; None, as strays and order errors, for behaviours without target.
         strays: Hits outside the target.
         order_errors: Target hits out of order.
-        steps: How many steps it lasted.
-        died: Whether it ended by a hit on the player.
+        steps: Its length.
+        died: Whether it ended by the player's death.
         predicted_return: Sum of R over its observations, if it was computed.
     """
 
@@ -54,10 +57,6 @@ class PolicySummary:
     steps: Interval
     death_rate: Interval
     predicted_return: Interval | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """The summary as JSON-ready data."""
-        return asdict(self)
 
 
 def interval(values: Sequence[float]) -> Interval:
@@ -96,13 +95,13 @@ def summarise(games: Sequence[GameFigures]) -> PolicySummary:
     )
 
 
-def winner(imitator: GameFigures, clone: GameFigures) -> Literal["imitator", "clone", "tie"] | None:
-    """Tell who won a start, as in the thesis: more targets hit, then fewer strays, else a tie.
+def winner(imitator: GameFigures | None, clone: GameFigures | None) -> Winner | None:
+    """Return the winner of a start, as in the thesis: more targets hit, then fewer strays.
 
     Returns:
-        None for behaviours without a target.
+        None for behaviours without a target and where one of the two has not played.
     """
-    if imitator.targets is None or clone.targets is None:
+    if imitator is None or imitator.targets is None or clone is None or clone.targets is None:
         return None
     ours = (imitator.targets, -(imitator.strays or 0))
     theirs = (clone.targets, -(clone.strays or 0))

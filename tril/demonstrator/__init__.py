@@ -1,28 +1,26 @@
-"""The scripted player that makes example demonstrations; never presented as a person."""
+"""The scripted player that makes example demonstrations, which are always labelled as such."""
 
-from tril.demonstrator.checklist import tick
+from tril.demonstrator.error_model import HUMAN, PERFECT, ErrorModel
 from tril.demonstrator.example import (
     N_PERFECT,
     Demonstration,
     DemonstrationFailed,
-    carry_out,
     demonstrate,
     example_tasks,
-    judge_example,
+    execute,
     make_example,
-    perfect_demonstrations,
 )
-from tril.demonstrator.expert import EXPERT_STYLE, Expert, check_expert
-from tril.demonstrator.judging import Judgement, ShownGame
+from tril.demonstrator.expert import EXPERT_STYLE, Expert
+from tril.demonstrator.judging import Judgement, PlannedGame, rank_example
 from tril.demonstrator.kinds import KINDS, SCRIPTED, ExampleKind, kind_named
-from tril.demonstrator.manner import HUMAN, PERFECT, Manner
+from tril.demonstrator.plan_matching import match_plans
 from tril.demonstrator.plans import (
     N_DEMONSTRATIONS,
     DemonstrationPlan,
-    PlayedGame,
+    GameOutcome,
     example_plans,
-    meets,
-    shows,
+    plan_violation,
+    rule_violation,
 )
 
 __all__ = [
@@ -36,22 +34,20 @@ __all__ = [
     "Demonstration",
     "DemonstrationFailed",
     "DemonstrationPlan",
+    "ErrorModel",
     "ExampleKind",
     "Expert",
+    "GameOutcome",
     "Judgement",
-    "Manner",
-    "PlayedGame",
-    "ShownGame",
-    "carry_out",
-    "check_expert",
+    "PlannedGame",
     "demonstrate",
     "example_plans",
     "example_tasks",
-    "judge_example",
+    "execute",
     "kind_named",
     "make_example",
-    "meets",
-    "perfect_demonstrations",
-    "shows",
-    "tick",
+    "match_plans",
+    "plan_violation",
+    "rank_example",
+    "rule_violation",
 ]

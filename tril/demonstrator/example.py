@@ -1,9 +1,9 @@
-"""Making demonstrations: games of the scripted player that meet their plans."""
+"""Make demonstrations: games of the scripted player that fulfil their plans."""
 
 from __future__ import annotations
 
 import atexit
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 
 from tril.behaviours import Behaviour
-from tril.demonstrator.judging import Judgement, ShownGame, judge
+from tril.demonstrator.error_model import PERFECT, ErrorModel
+from tril.demonstrator.human_like import HumanLikePlayer
+from tril.demonstrator.judging import PlannedGame
 from tril.demonstrator.kinds import SCRIPTED, ExampleKind
-from tril.demonstrator.manner import PERFECT, Manner
-from tril.demonstrator.person import PersonLikePlayer
 from tril.demonstrator.plans import (
     DemonstrationPlan,
-    PlayedGame,
-    comes_near,
+    GameOutcome,
     draw_hits,
     example_plans,
-    meets,
-    shows,
+    plan_violation,
+    rule_violation,
+    tolerance_violation,
 )
-from tril.demonstrator.player import ScriptedPlayer, Style, draw_brisk_style, draw_style
+from tril.demonstrator.player import PlayStyle, ScriptedPlayer, draw_brisk_style, draw_style
 from tril.errors import Unavailable
 from tril.game.console import Console
 from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start
@@ -35,73 +35,69 @@ from tril.recording import Recorder, Recording, Replay
 N_PERFECT = 12
 """Perfect demonstrations of an example, for the clone."""
 MAX_ATTEMPTS = 12
-"""Games in which a plan has to come off; about 4 of 5 do where it is hardest."""
-MAX_ATTEMPTS_OF_A_PERSON = 300
-"""The same for games that are not played flawlessly. They take a quarter of the time, since nothing
-is tried out; of perfect games of column 6 about 1 in 10 comes off."""
-
-
-_MISTAKES = 3
-"""Sets the chance of ranking mistakes apart from that of the games of the same seed."""
+"""Attempts at a plan; about 4 of 5 succeed for the hardest."""
+MAX_HUMAN_ATTEMPTS = 300
+"""Attempts with player errors. They take a quarter of the time, without look-ahead; about 1 in 10
+perfect games of column 6 succeeds."""
 
 
 class DemonstrationFailed(Unavailable):
-    """No game of the scripted player met the plan."""
+    """No game of the scripted player fulfilled the plan."""
 
 
 @dataclass(frozen=True)
 class Demonstration:
-    """A game of the scripted player that met its plan, or came near it as a person's game does.
+    """A game of the scripted player that fulfilled its plan, within tolerance if human-like.
 
     Attributes:
         recording: The game.
-        replay: What a replay of it gives.
-        plan: What it was to show.
-        perfect: Whether it is made for the clone to learn from, and not ranked.
-        manner: How it was played.
+        replay: The outcome of a replay.
+        plan: What to show.
+        perfect: Whether it is for cloning and not ranked.
+        error_model: Player errors.
     """
 
     recording: Recording
     replay: Replay
     plan: DemonstrationPlan
     perfect: bool = False
-    manner: Manner = PERFECT
+    error_model: ErrorModel = PERFECT
 
     @property
-    def shown(self) -> ShownGame:
-        """What it turned out to show."""
+    def shown(self) -> PlannedGame:
+        """Its outcome, for ranking."""
         hits = tuple((hit.row, hit.column) for hit in self.replay.hits)
-        return ShownGame(self.plan.number, hits, self.replay.end)
+        return PlannedGame(self.plan.number, hits, self.replay.end)
 
     @property
     def notes(self) -> str:
-        """What it shows, in words, or was to show where it only has to come near."""
-        meant = self.manner != PERFECT and not self.perfect
+        """The plan's description, marked as intended where the game may deviate from it."""
+        meant = self.error_model != PERFECT and not self.perfect
         return f"Meant as: {self.plan.description}" if meant else self.plan.description
 
     @property
     def conditions(self) -> dict[str, Any]:
-        """How it was played, for a recording's conditions; empty where flawlessly."""
-        return {} if self.manner == PERFECT else {"manner": self.manner.to_dict()}
+        """The error model, for a recording's conditions; empty if flawless."""
+        return {} if self.error_model == PERFECT else {"manner": self.error_model.to_dict()}
 
 
 @dataclass(frozen=True)
-class Task:
-    """A demonstration to be made. Tasks are independent of each other and of their order.
+class DemonstrationTask:
+    """A demonstration to make. Tasks are independent of each other and of their order.
 
     Attributes:
         plan: What to show.
-        perfect: Whether it is for the clone.
+        perfect: Whether it is for cloning.
         idle_frames: The starts to try, in turn.
-        chance: Seeds the game's chances.
-        manner: How to play.
+        seed: Seed of the player's random choices.
+        error_model: Player errors.
     """
 
     plan: DemonstrationPlan
     perfect: bool
     idle_frames: tuple[int, ...]
-    chance: int
-    manner: Manner = PERFECT
+    seed: int
+    error_model: ErrorModel = PERFECT
 
 
 def demonstrate(
@@ -109,23 +105,23 @@ def demonstrate(
     start: Start,
     rng: np.random.Generator,
     console: Console | None = None,
-    style: Style | None = None,
-    manner: Manner = PERFECT,
+    style: PlayStyle | None = None,
+    error_model: ErrorModel = PERFECT,
     perfect: bool = False,
 ) -> Demonstration:
     """Play one game that shows a plan.
 
-    A flawless player has to meet the plan and to survive. Of another it is enough to come near it,
-    hit by a bomb or not; but a perfect game meets its plan and is survived, whoever plays it.
+    A flawless or perfect game has to fulfil the plan exactly and to be survived. Other human-like
+    games have to fulfil it within tolerance.
 
     Args:
         plan: What to show.
         start: How the game begins.
-        rng: Where the player's chances come from.
+        rng: Source of the player's random choices.
         console: The console to play on; None loads one.
-        style: How to play; None draws one.
-        manner: How well to play.
-        perfect: Whether it is for the clone to learn from.
+        style: Playing style; None draws one.
+        error_model: Player errors.
+        perfect: Whether it is for cloning.
 
     Raises:
         DemonstrationFailed: The game doesn't show the plan.
@@ -133,25 +129,25 @@ def demonstrate(
     recorder = Recorder(Episode(console or Console(), start))
     wanted = draw_hits(plan, rng)
     style = style or draw_style(rng)
-    if manner == PERFECT:
+    if error_model == PERFECT:
         ScriptedPlayer(recorder, wanted, style, rng).play()
     else:
-        PersonLikePlayer(recorder, wanted, style, manner, rng).play()
-    made = Demonstration(recorder.recording(), recorder.replay(), plan, perfect, manner)
+        HumanLikePlayer(recorder, wanted, style, error_model, rng).play()
+    made = Demonstration(recorder.recording(), recorder.replay(), plan, perfect, error_model)
     if reason := _why_not(made):
         raise DemonstrationFailed(reason)
     return made
 
 
 def _why_not(made: Demonstration) -> str | None:
-    """Say why a game is no demonstration of its plan; None if it is."""
+    """Return why a game doesn't demonstrate its plan, None if it does."""
     hits, end = made.shown.hits, made.replay.end
-    if made.manner != PERFECT and not made.perfect:
-        return comes_near(made.plan, hits)
-    if made.manner != PERFECT and end is None:
-        # A person leaves a game when all is shown.
-        return meets(made.plan, hits)
-    return shows(made.plan, PlayedGame(hits, end, made.replay.n_frames))
+    if made.error_model != PERFECT and not made.perfect:
+        return tolerance_violation(made.plan, hits)
+    if made.error_model != PERFECT and end is None:
+        # A person may quit once all planned aliens are hit.
+        return rule_violation(made.plan, hits)
+    return plan_violation(made.plan, GameOutcome(hits, end, made.replay.n_frames))
 
 
 def example_tasks(
@@ -159,15 +155,27 @@ def example_tasks(
     rng: np.random.Generator,
     n_perfect: int = N_PERFECT,
     kind: ExampleKind = SCRIPTED,
-) -> list[Task]:
-    """What has to be made for an example: the demonstrations to rank, then perfect ones.
+) -> list[DemonstrationTask]:
+    """Return the tasks of an example: the demonstrations to rank, then perfect ones.
 
     Raises:
         Invalid: The demonstrator can't show this behaviour.
     """
-    plans = kind.plans(behaviour)
-    best = example_plans(behaviour)[0]
-    return _tasks([*plans, *[best] * n_perfect], len(plans), rng, kind.manner)
+    ranked = kind.plans(behaviour)
+    plans = [*ranked, *[example_plans(behaviour)[0]] * n_perfect]
+    starts = rng.permutation(TRAINING_IDLE_FRAMES).tolist()
+    seeds = rng.integers(2**63, size=len(plans)).tolist()
+    return [
+        DemonstrationTask(
+            plan,
+            index >= len(ranked),
+            # Disjoint starts, as far as there are enough.
+            tuple(starts[index :: len(plans)]) or (starts[index % len(starts)],),
+            seed,
+            kind.error_model,
+        )
+        for index, (plan, seed) in enumerate(zip(plans, seeds, strict=True))
+    ]
 
 
 def make_example(
@@ -177,103 +185,56 @@ def make_example(
     n_processes: int = 1,
     kind: ExampleKind = SCRIPTED,
 ) -> Iterator[Demonstration]:
-    """Make the example of a behaviour: the demonstrations to rank, then perfect ones.
+    """Make an example of a behaviour: the demonstrations to rank, then perfect ones.
 
     The result depends on the generator alone, not on the number of processes. Closing the iterator
     ends the work.
 
     Args:
         behaviour: What to show.
-        rng: Where starts and chances come from.
-        n_perfect: How many perfect demonstrations to add.
+        rng: Source of the starts and the player's seeds.
+        n_perfect: Number of perfect demonstrations.
         n_processes: Processes to play in; 1 plays in this one.
-        kind: Which demonstrations, and how they are played.
+        kind: The kind of example.
 
     Yields:
-        Each demonstration when it is done, the best plan first.
+        The demonstrations, the best plan first.
 
     Raises:
         Invalid: The demonstrator can't show this behaviour.
-        DemonstrationFailed: A plan didn't come off.
+        DemonstrationFailed: No game fulfilled a plan.
     """
-    yield from carry_out(example_tasks(behaviour, rng, n_perfect, kind), n_processes)
+    yield from execute(example_tasks(behaviour, rng, n_perfect, kind), n_processes)
 
 
-def judge_example(
-    behaviour: Behaviour,
-    kind: ExampleKind,
-    games: Mapping[int, ShownGame],
-    example_seed: int,
-) -> Judgement:
-    """Rank the ranked demonstrations of an example, as its kind has it.
-
-    Args:
-        behaviour: What they show.
-        kind: Their kind.
-        games: What they show, by the ids to rank.
-        example_seed: Seeds the ranking mistakes.
-    """
-    return judge(behaviour, kind, games, np.random.default_rng([_MISTAKES, example_seed]))
-
-
-def perfect_demonstrations(
-    behaviour: Behaviour, count: int, rng: np.random.Generator, n_processes: int = 1
-) -> Iterator[Demonstration]:
-    """Make different perfect demonstrations: all targets, no strays, alive at the end.
-
-    Args and errors as of make_example.
-    """
-    tasks = _tasks([example_plans(behaviour)[0]] * count, 0, rng)
-    yield from carry_out(tasks, n_processes)
-
-
-def carry_out(tasks: Sequence[Task], n_processes: int = 1) -> Iterator[Demonstration]:
-    """Make demonstrations, in this process or in others, and yield them in order."""
+def execute(tasks: Sequence[DemonstrationTask], n_processes: int = 1) -> Iterator[Demonstration]:
+    """Execute tasks, in this process or in others, and yield the demonstrations in order."""
     if n_processes == 1:
-        yield from map(_carried_out, tasks)
+        yield from map(_execute, tasks)
         return
-    # Spawned, since a fork would copy the locks of this process's threads.
+    # Spawned: a fork would copy the locks of this process's threads.
     pool = ProcessPoolExecutor(n_processes, mp_context=get_context("spawn"))
     try:
-        yield from pool.map(_carried_out, tasks)
+        yield from pool.map(_execute, tasks)
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _tasks(
-    plans: Sequence[DemonstrationPlan],
-    n_ranked: int,
-    rng: np.random.Generator,
-    manner: Manner = PERFECT,
-) -> list[Task]:
-    """Tasks with starts of their own, as far as there are enough."""
-    starts = rng.permutation(TRAINING_IDLE_FRAMES).tolist()
-    chances = rng.integers(2**63, size=len(plans)).tolist()
-    return [
-        Task(
-            plan,
-            number >= n_ranked,
-            tuple(starts[number :: len(plans)]) or (starts[number % len(starts)],),
-            chance,
-            manner,
-        )
-        for number, (plan, chance) in enumerate(zip(plans, chances, strict=True))
-    ]
-
-
-def _carried_out(task: Task) -> Demonstration:
-    rng = np.random.default_rng(task.chance)
+def _execute(task: DemonstrationTask) -> Demonstration:
+    rng = np.random.default_rng(task.seed)
     reason = ""
-    n_attempts = MAX_ATTEMPTS if task.manner == PERFECT else MAX_ATTEMPTS_OF_A_PERSON
+    n_attempts = MAX_ATTEMPTS if task.error_model == PERFECT else MAX_HUMAN_ATTEMPTS
     for attempt in range(n_attempts):
         start = Start(task.idle_frames[attempt % len(task.idle_frames)])
         style = draw_brisk_style(rng) if task.perfect else draw_style(rng)
         try:
-            return demonstrate(task.plan, start, rng, _console(), style, task.manner, task.perfect)
+            return demonstrate(
+                task.plan, start, rng, _console(), style, task.error_model, task.perfect
+            )
         except DemonstrationFailed as failure:
             reason = str(failure)
     raise DemonstrationFailed(
-        f"The demonstrator did not manage {task.plan.description!r} in {n_attempts} games."
+        f"The demonstrator failed to show {task.plan.description!r} in {n_attempts} games."
         f" {reason} Try another training seed, or play it yourself."
     )
 
@@ -281,6 +242,6 @@ def _carried_out(task: Task) -> Demonstration:
 @cache
 def _console() -> Console:
     """This process's console for demonstrations."""
-    # An emulator that is still there when the interpreter goes is reported as leaked.
+    # An emulator alive at interpreter exit is reported as leaked.
     atexit.register(_console.cache_clear)
     return Console()

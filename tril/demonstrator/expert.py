@@ -1,7 +1,6 @@
-"""What the scripted player would do in any state of a game: the expert that DAgger asks.
+"""The scripted player as the expert of DAgger: its action in any state of a game.
 
-It is privileged: it reads the emulator's memory and looks ahead on the saved game, which nothing
-else that learns may do.
+The expert is privileged: it reads the RAM and looks ahead on the saved game. No learner may.
 """
 
 from __future__ import annotations
@@ -10,43 +9,34 @@ import numpy as np
 
 from tril.behaviours import Behaviour, Cell
 from tril.demonstrator.plans import example_plans
-from tril.demonstrator.player import Planner, Style
+from tril.demonstrator.player import Planner, PlayStyle
 from tril.game.console import Console
 from tril.game.episode import Episode, EpisodeState, Start
 from tril.game.space_invaders import FRAMES_PER_STEP
 
-EXPERT_STYLE = Style(pace=0.0, aim_px=0.0, wander_px=0.0, wait_steps=0.0)
-"""Shoots as soon as it can and walks no further than it has to: who only sees the screen can learn
-when to do what."""
-
-
-def check_expert(behaviour: Behaviour) -> None:
-    """Make sure that the expert knows what to do for a behaviour.
-
-    Raises:
-        Invalid: The demonstrator can't show it; says why and what to do.
-    """
-    example_plans(behaviour)
+EXPERT_STYLE = PlayStyle(pace=0.0, aim_px=0.0, wander_px=0.0, wait_steps=0.0)
+"""Shoots as soon as possible and walks no further than necessary, so that the timing can be learned
+from the screen alone."""
 
 
 class Expert:
-    """Says what to do in states of one game after the other, whoever plays them.
+    """Returns actions for the states of games that any policy may play.
 
-    In a state that nobody led it to it plans anew, for the targets that are left; as long as what
-    it says is done, it goes on with its plan, as the scripted player does.
+    It follows its plan while its actions are taken, as the scripted player does, and otherwise
+    replans for the remaining targets.
     """
 
     def __init__(self, behaviour: Behaviour, console: Console) -> None:
-        """Learn what is to be shown.
+        """Make an expert for a behaviour.
 
         Args:
-            behaviour: What is to be shown.
-            console: Where it looks ahead; not the one that the games are played on.
+            behaviour: The behaviour to show.
+            console: The console for look-ahead; not the one that the games are played on.
 
         Raises:
             Invalid: The demonstrator can't show this behaviour.
         """
-        check_expert(behaviour)
+        example_plans(behaviour)
         assert behaviour.target is not None
         by_column = sorted(behaviour.target, key=lambda cell: (cell[1], cell[0]))
         self._order = behaviour.target if behaviour.ordered else tuple(by_column)
@@ -58,17 +48,13 @@ class Expert:
         self._rng = np.random.default_rng()
 
     def begin(self, rng: np.random.Generator) -> None:
-        """Forget the last game; the chances of the next one (which way to dodge) come from rng."""
+        """Begin a new game; rng decides which way to dodge."""
         self._rng = rng
         self._planner = None
         self._plan = ()
 
     def action(self, state: EpisodeState) -> int:
-        """Return what to do in the next step, 0 to 5.
-
-        Args:
-            state: The game between two steps, not ended.
-        """
+        """Return the action for the next step, 0 to 5, given a game between two steps."""
         done = state.actions[self._made_at :]
         n_done = len(done) // FRAMES_PER_STEP
         follows = self._planner is not None and done == _frames(self._plan[:n_done])
@@ -76,7 +62,7 @@ class Expert:
             return self._plan[n_done]
         self._episode.restore(state)
         hit = [(one.row, one.column) for one in state.hits]
-        # A missile that was under way when the planner was made may have hit anything.
+        # A missile in flight when the planner was made may have hit any alien.
         if self._planner is None or not follows or hit != self._wanted[: len(hit)]:
             self._wanted = [*hit, *(cell for cell in self._order if cell not in hit)]
             self._planner = Planner(self._episode, self._wanted, EXPERT_STYLE, self._rng)

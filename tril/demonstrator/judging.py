@@ -1,4 +1,4 @@
-"""How good games were by what they hit, and how a person who is sometimes wrong ranks them."""
+"""Rank an example's games by their outcomes, with simulated ranking mistakes."""
 
 from __future__ import annotations
 
@@ -9,21 +9,24 @@ from typing import Any
 import numpy as np
 
 from tril.behaviours import Behaviour, Cell, score
+from tril.demonstrator.error_model import PERFECT
 from tril.demonstrator.kinds import ExampleKind
-from tril.demonstrator.manner import PERFECT
 from tril.errors import Invalid
 from tril.game.episode import EndReason
 from tril.ranking import Pair, Ranking, agreement, contradictions, normalise
 
+_MISTAKES_STREAM = 3
+"""Seeds the ranking mistakes independently of the games of the same seed."""
+
 
 @dataclass(frozen=True)
-class ShownGame:
-    """What a demonstration turned out to show.
+class PlannedGame:
+    """The outcome of a game that was played to a plan.
 
     Attributes:
         plan_number: Number of its plan, 1 being the best.
         hits: The aliens hit as (row, column), in order of time.
-        end: Why it ended, None where it was left before.
+        end: Why it ended, None if it was quit.
     """
 
     plan_number: int
@@ -33,11 +36,11 @@ class ShownGame:
 
 @dataclass(frozen=True)
 class Judgement:
-    """The order that games should have and the one that they are given.
+    """The correct ranking of games and the one used for training.
 
     Attributes:
-        true: By what the games show.
-        given: What learning gets: the true order with mistakes in it.
+        true: Ranking by the games' outcomes.
+        given: The true ranking with mistakes.
     """
 
     true: Ranking
@@ -45,11 +48,11 @@ class Judgement:
 
     @property
     def mistakes(self) -> list[Pair]:
-        """The pairs (better, worse) that are ranked the other way round."""
+        """The pairs (better, worse) that the given ranking inverts."""
         return contradictions(self.true, self.given)
 
     def to_dict(self) -> dict[str, Any]:
-        """The judgement as data, with Kendall's tau-b between the two orders."""
+        """Return both rankings, the mistakes, and Kendall's tau-b between the rankings."""
         return {
             "true_tiers": [list(tier) for tier in self.true.tiers],
             "given_tiers": [list(tier) for tier in self.given.tiers],
@@ -58,51 +61,51 @@ class Judgement:
         }
 
 
-def judge(
+def rank_example(
     behaviour: Behaviour,
     kind: ExampleKind,
-    games: Mapping[int, ShownGame],
-    rng: np.random.Generator,
+    games: Mapping[int, PlannedGame],
+    example_seed: int,
 ) -> Judgement:
-    """Rank the games of an example as its kind has it.
+    """Rank the games of an example and add the mistakes of its kind.
 
-    Flawless games are as good as their plans. Of others it counts what they hit: the targets less
-    the strays, a target out of order being no better than a stray; of equals those are better that
-    the player survived.
+    Flawless games rank by plan number. Others rank by targets less strays, an out-of-order target
+    counting as a stray; ties go to the games that the player survived.
 
     Args:
-        behaviour: What they show.
-        kind: Their kind.
-        games: The games by the ids to rank.
-        rng: Where the mistakes come from.
+        behaviour: The behaviour shown.
+        kind: The kind of example.
+        games: The games by id.
+        example_seed: Seed of the ranking mistakes.
 
     Raises:
         Invalid: There are too few tiers for the mistakes.
     """
-    flawless = kind.manner == PERFECT
+    flawless = kind.error_model == PERFECT
     tiers: dict[tuple[int, ...], list[int]] = {}
-    for number, shown in games.items():
-        merit = (-shown.plan_number,) if flawless else _merit(behaviour, shown)
+    for number, game in games.items():
+        merit = (-game.plan_number,) if flawless else _merit(behaviour, game)
         tiers.setdefault(merit, []).append(number)
     true = normalise(tiers[merit] for merit in sorted(tiers, reverse=True))
+    rng = np.random.default_rng([_MISTAKES_STREAM, example_seed])
     return Judgement(true, swap_neighbours(true, kind.n_mistakes, rng))
 
 
 def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) -> Ranking:
-    """Swap pairs of games of neighbouring tiers.
+    """Swap pairs of games in adjacent tiers.
 
-    No tier takes part in two swaps, so that as many pairs are ranked the wrong way round as asked
-    for; games that tied with one of a pair become its neighbours.
+    No tier takes part in two swaps, so exactly n_pairs pairs are inverted; a game tied with one of
+    a pair ends up in the adjacent tier.
 
     Raises:
-        Invalid: There are fewer tiers than twice the pairs.
+        Invalid: There are fewer than 2 * n_pairs tiers.
     """
     tiers = [list(tier) for tier in ranking.tiers]
     n_tiers = len(tiers)
     if n_tiers < 2 * n_pairs:
         raise Invalid(f"Expected {2 * n_pairs} tiers for {n_pairs} swaps, got {n_tiers}.")
-    # The places of disjoint pairs are as many numbers drawn from a row that is shorter by one for
-    # each pair, moved on by the pairs before.
+    # Disjoint adjacent pairs: draw positions from a range shorter by one per pair, then shift each
+    # by the number of pairs before it.
     drawn = np.sort(rng.choice(n_tiers - n_pairs, n_pairs, replace=False))
     for above in (drawn + np.arange(n_pairs)).tolist():
         one = int(rng.integers(len(tiers[above])))
@@ -111,8 +114,8 @@ def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) ->
     return normalise(tiers)
 
 
-def _merit(behaviour: Behaviour, shown: ShownGame) -> tuple[int, int]:
-    found = score(behaviour, shown.hits)
+def _merit(behaviour: Behaviour, game: PlannedGame) -> tuple[int, int]:
+    found = score(behaviour, game.hits)
     assert found is not None, "only behaviours with target cells have an example"
     worth = found.targets - 2 * found.order_errors - found.strays
-    return worth, int(shown.end is not EndReason.HIT)
+    return worth, int(game.end is not EndReason.HIT)

@@ -1,4 +1,4 @@
-"""The kinds of example, as data: which demonstrations there are, how they are played and ranked."""
+"""The kinds of example: which demonstrations they contain and how these are played and ranked."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from enum import StrEnum
 import numpy as np
 
 from tril.behaviours import Behaviour
-from tril.demonstrator.manner import HUMAN, PERFECT, Manner
+from tril.demonstrator.error_model import HUMAN, PERFECT, ErrorModel
 from tril.demonstrator.plans import N_DEMONSTRATIONS, DemonstrationPlan, example_plans
 from tril.errors import Invalid
 
 
-class Part(StrEnum):
-    """What a demonstration is among the twelve: BEST hits all targets, GRADUAL some of them."""
+class PlanCategory(StrEnum):
+    """The role of a plan among the twelve: BEST hits all targets, GRADUAL some of them."""
 
     BEST = "best"
     GRADUAL = "gradual"
@@ -28,46 +28,48 @@ class ExampleKind:
     """A kind of example.
 
     Attributes:
-        name: Its name on the command line and in recordings' conditions.
-        summary: What it is, in words.
-        n_ranked: How many demonstrations are ranked.
-        parts: Of which parts of the twelve they are.
-        manner: How they and the perfect ones are played.
-        n_mistakes: Ranking mistakes: pairs of games of neighbouring tiers that are swapped.
+        name: Name on the command line and in recordings' conditions.
+        summary: Description for help texts.
+        n_ranked: Number of ranked demonstrations.
+        categories: Categories of plans to draw from.
+        error_model: Player errors, also in perfect demonstrations.
+        n_mistakes: Ranking mistakes: pairs of games in adjacent tiers that are swapped.
     """
 
     name: str
     summary: str
     n_ranked: int = N_DEMONSTRATIONS
-    parts: tuple[Part, ...] = tuple(Part)
-    manner: Manner = PERFECT
+    categories: tuple[PlanCategory, ...] = tuple(PlanCategory)
+    error_model: ErrorModel = PERFECT
     n_mistakes: int = 0
 
     def plans(self, behaviour: Behaviour) -> list[DemonstrationPlan]:
-        """What is to be shown of a behaviour, best first.
+        """Return the plans to demonstrate, best first.
 
-        Of fewer demonstrations than there are plans, every so-and-so-many-th plan is shown; of
-        more, the plans are gone through again, the best first: other games of the same.
+        With fewer demonstrations than plans, plans are sampled at even intervals; with more, they
+        repeat, starting from the best.
 
         Raises:
             Invalid: The demonstrator can't show this behaviour.
         """
         every = example_plans(behaviour)
-        none = next(index for index, plan in enumerate(every) if plan.most == 0)
-        chosen = [plan for index, plan in enumerate(every) if _part(index, none) in self.parts]
+        none = next(index for index, plan in enumerate(every) if plan.max_hits == 0)
+        chosen = [
+            plan for index, plan in enumerate(every) if _category(index, none) in self.categories
+        ]
         if self.n_ranked < len(chosen):
-            at = np.linspace(0, len(chosen) - 1, self.n_ranked).round().astype(int)
-            return [chosen[index] for index in at]
-        again = [chosen[index % len(chosen)] for index in range(self.n_ranked)]
-        return sorted(again, key=lambda plan: plan.number)
+            indices = np.linspace(0, len(chosen) - 1, self.n_ranked).round().astype(int)
+            return [chosen[index] for index in indices]
+        repeated = [chosen[index % len(chosen)] for index in range(self.n_ranked)]
+        return sorted(repeated, key=lambda plan: plan.number)
 
 
-def _part(index: int, none: int) -> Part:
+def _category(index: int, none: int) -> PlanCategory:
     if index == 0:
-        return Part.BEST
+        return PlanCategory.BEST
     if index == none:
-        return Part.NONE
-    return Part.GRADUAL if index < none else Part.WRONG
+        return PlanCategory.NONE
+    return PlanCategory.GRADUAL if index < none else PlanCategory.WRONG
 
 
 SCRIPTED = ExampleKind("scripted", "the twelve, played flawlessly and ranked without mistakes")
@@ -77,7 +79,7 @@ KINDS: Sequence[ExampleKind] = (
     ExampleKind(
         "human",
         "the twelve as a person would play them, with mistakes in their ranking",
-        manner=HUMAN,
+        error_model=HUMAN,
         n_mistakes=3,
     ),
     ExampleKind("six", "every other of the twelve", n_ranked=6),
@@ -85,24 +87,24 @@ KINDS: Sequence[ExampleKind] = (
     ExampleKind(
         "no-wrong",
         "twelve without aliens that should not be hit",
-        parts=(Part.BEST, Part.GRADUAL, Part.NONE),
+        categories=(PlanCategory.BEST, PlanCategory.GRADUAL, PlanCategory.NONE),
     ),
     ExampleKind(
         "no-gradual",
         "twelve that hit all targets, none, or wrong aliens, with no steps between",
-        parts=(Part.BEST, Part.NONE, Part.WRONG),
+        categories=(PlanCategory.BEST, PlanCategory.NONE, PlanCategory.WRONG),
     ),
 )
 
 
 def kind_named(name: str) -> ExampleKind:
-    """Return a kind of example by its name.
+    """Return the kind of example with this name.
 
     Raises:
-        Invalid: There is none of this name; says which there are.
+        Invalid: There is no such kind; the message lists the existing ones.
     """
     for kind in KINDS:
         if kind.name == name:
             return kind
     names = ", ".join(kind.name for kind in KINDS)
-    raise Invalid(f"There are no demonstrations {name!r}; there are {names}.")
+    raise Invalid(f"Unknown demonstrations {name!r}; choose one of {names}.")

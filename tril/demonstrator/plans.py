@@ -1,7 +1,7 @@
-"""What the example demonstrations of a behaviour are to show, as data, each with a rule.
+"""The plans of a behaviour's example demonstrations, each with a rule for its hits.
 
-The twelve follow appendix C of the thesis, best first: as many targets as there are, then gradually
-fewer, none, and then wrong aliens, from one to many. No alien outside a plan is hit.
+The twelve follow appendix C of the thesis, best first: all targets, gradually fewer, none, then
+wrong aliens, from one to many. No alien outside a plan is hit.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ _MAX_GRADUAL = 6
 _MAX_TARGETS = 14
 """More can't be hit reliably in 300 steps."""
 
-# Appendix C: the columns (from 1) of the wrong aliens in demonstrations 8 to 12, by the column
-# that is taught.
+# Appendix C: columns (from 1) of the wrong aliens in demonstrations 8 to 12, by the taught column.
 _WRONG_COLUMNS = {
     1: ((2,), (2,), (2, 3), (2, 3, 4), (2, 3, 4)),
     2: ((1,), (1,), (1, 3), (1, 3, 4), (1, 3, 4)),
@@ -32,47 +31,47 @@ _WRONG_COLUMNS = {
     5: ((4,), (4,), (3, 4), (2, 3, 4), (2, 3, 4)),
     6: ((5,), (5,), (3, 4), (2, 3, 4, 5), (2, 3, 4, 5)),
 }
-# "One", "several", "several", "several" and "many" of it, as numbers of aliens.
+# Numbers of aliens for "one", "several", "several", "several" and "many" of appendix C.
 _WRONG_COUNTS = ((1, 1), (3, 4), (5, 6), (7, 8), (11, 13))
 _NEARNESS = 1.5
-"""How much less likely, as an exponent, each column further away is to be shot at next."""
+"""Exponential decay, per column of distance, of the probability to be shot at next."""
 _MAX_DRAWS = 10_000
 _TO_THE_END = frozenset({EndReason.STEPS, EndReason.CLEARED})
 
 
 @dataclass(frozen=True)
 class DemonstrationPlan:
-    """One demonstration to be made, and the rule its hits have to follow.
+    """A demonstration to make and the rule for its hits.
 
     Attributes:
-        number: Place among the demonstrations, 1 being the best.
-        description: What it shows, in words.
+        number: Rank among the demonstrations, 1 being the best.
+        description: Description for people.
         allowed: The only cells that may be hit.
-        least: Fewest hits.
-        most: Most hits.
-        each_of: Of each of these sets of cells at least one is hit.
-        sequence: The hits, exactly and in this order; None where the order is free.
-        jumbled: Whether the hits must not go from left to right.
+        min_hits: Minimum number of hits.
+        max_hits: Maximum number of hits.
+        each_of: Sets of cells; at least one cell of each is hit.
+        sequence: The exact hits in order, None for any order.
+        out_of_order: Whether the hits must not go from left to right.
     """
 
     number: int
     description: str
     allowed: frozenset[Cell]
-    least: int
-    most: int
+    min_hits: int
+    max_hits: int
     each_of: tuple[frozenset[Cell], ...] = ()
     sequence: tuple[Cell, ...] | None = None
-    jumbled: bool = False
+    out_of_order: bool = False
 
 
 @dataclass(frozen=True)
-class PlayedGame:
-    """What a game came to.
+class GameOutcome:
+    """The outcome of a game.
 
     Attributes:
         hits: The aliens hit as (row, column), in order of time.
-        end: Why it ended, None where it was left before.
-        n_frames: How many frames were played.
+        end: Why it ended, None if it was quit.
+        n_frames: Number of frames played.
     """
 
     hits: tuple[Cell, ...]
@@ -80,56 +79,56 @@ class PlayedGame:
     n_frames: int
 
 
-def shows(plan: DemonstrationPlan, game: PlayedGame) -> str | None:
-    """Say why a game doesn't show a plan; None if it does.
+def plan_violation(plan: DemonstrationPlan, game: GameOutcome) -> str | None:
+    """Return why a game doesn't fulfil a plan, None if it does.
 
-    It has to meet the plan's rule and to be survived to its end: the 300 steps, or the last alien.
-    One that was left or lost before doesn't show what would have been left alone.
+    The game has to follow the plan's rule and to be survived for 300 steps or until no alien is
+    left: a shorter one doesn't show which aliens would have been left alone.
     """
     if game.end not in _TO_THE_END:
-        return f"The game ended at frame {game.n_frames}: {game.end or 'left'}."
-    return meets(plan, game.hits)
+        return f"The game ended at frame {game.n_frames}: {game.end or 'quit'}."
+    return rule_violation(plan, game.hits)
 
 
-def meets(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
-    """Say why hits, as (row, column) in order of time, break a plan's rule; None if they don't."""
+def rule_violation(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
+    """Return why hits, (row, column) in order of time, break a plan's rule, None if they don't."""
     wrong = [cell for cell in hits if cell not in plan.allowed]
     if wrong:
         return f"It hits {_cells(wrong)}, which the plan leaves alone."
-    if not plan.least <= len(hits) <= plan.most:
-        return f"It hits {len(hits)} aliens instead of {_span(plan.least, plan.most)}."
+    if not plan.min_hits <= len(hits) <= plan.max_hits:
+        return f"It hits {len(hits)} aliens instead of {_span(plan.min_hits, plan.max_hits)}."
     if plan.sequence is not None and tuple(hits) != plan.sequence:
         return f"It hits {_cells(hits)} instead of {_cells(plan.sequence)}, in this order."
     for group in plan.each_of:
         if not group.intersection(hits):
             return f"It hits none of {_cells(sorted(group))}."
-    if plan.jumbled and list(hits) == sorted(hits, key=lambda cell: cell[1]):
-        return "It goes from left to right, which it should not."
+    if plan.out_of_order and list(hits) == sorted(hits, key=lambda cell: cell[1]):
+        return "It hits the aliens from left to right, which the plan rules out."
     return None
 
 
-def comes_near(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
-    """Say why hits don't even come near a plan, as a person's game should; None if they do.
+def tolerance_violation(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
+    """Return why hits deviate too far from a plan for a human-like game, None if they don't.
 
-    About as many aliens as planned are hit, a quarter less or one more, and at most one of them
-    outside the plan. In which order they are is not asked.
+    The number of hits may be a quarter lower than planned or one higher, one hit may be outside the
+    plan, and the order is free.
     """
     wrong = [cell for cell in hits if cell not in plan.allowed]
     if len(wrong) > 1:
         return f"It hits {_cells(wrong)}, which the plan leaves alone."
-    least = plan.least - max(1, plan.least // 4)
-    if not least <= len(hits) <= plan.most + 1:
-        return f"It hits {len(hits)} aliens; planned were {_span(plan.least, plan.most)}."
+    min_hits = plan.min_hits - max(1, plan.min_hits // 4)
+    if not min_hits <= len(hits) <= plan.max_hits + 1:
+        return f"It hits {len(hits)} aliens; the plan has {_span(plan.min_hits, plan.max_hits)}."
     return None
 
 
 def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
-    """The twelve demonstrations that exemplify a behaviour, best first.
+    """Return the twelve plans of a behaviour's example, best first.
 
     Raises:
-        Invalid: The behaviour has no target cells, or ones behind aliens that are not to be hit.
+        Invalid: The behaviour has no target cells, too many, or ones behind non-target aliens.
     """
-    target = _checked_target(behaviour)
+    target = _check_target(behaviour)
     plans = [*_gradual(behaviour, target)]
     plans.append(DemonstrationPlan(len(plans) + 1, "No alien is hit", frozenset(), 0, 0))
     n_wrong = N_DEMONSTRATIONS - len(plans)
@@ -146,9 +145,9 @@ def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
 
 
 def draw_hits(plan: DemonstrationPlan, rng: np.random.Generator) -> tuple[Cell, ...]:
-    """Draw hits, in an order in which they can be shot, that meet a plan.
+    """Draw hits that fulfil a plan, in an order in which they can be shot.
 
-    The next alien is mostly one near the last, as people shoot them.
+    The next alien tends to be near the last one, as when people play.
 
     Raises:
         Invalid: No such order was found; the plan's rule contradicts itself.
@@ -156,27 +155,27 @@ def draw_hits(plan: DemonstrationPlan, rng: np.random.Generator) -> tuple[Cell, 
     if plan.sequence is not None:
         return plan.sequence
     for _ in range(_MAX_DRAWS):
-        n_hits = int(rng.integers(plan.least, plan.most + 1))
+        n_hits = int(rng.integers(plan.min_hits, plan.max_hits + 1))
         hits: list[Cell] = []
         while len(hits) < n_hits and (open_cells := _open_cells(plan.allowed, hits)):
             columns = np.array([column for _, column in open_cells])
             weights = np.exp(-_NEARNESS * abs(columns - (hits[-1][1] if hits else 0)))
             hits.append(open_cells[rng.choice(len(open_cells), p=weights / weights.sum())])
-        if meets(plan, hits) is None:
+        if rule_violation(plan, hits) is None:
             return tuple(hits)
-    raise Invalid(f"No order of hits meets the plan {plan.description!r}.")
+    raise Invalid(f"No order of hits fulfils the plan {plan.description!r}.")
 
 
 def _open_cells(allowed: Iterable[Cell], hits: Sequence[Cell]) -> list[Cell]:
-    """The cells that may be hit next and stand free: everything below them has been hit."""
+    """Return the allowed cells below which every alien has been hit."""
     height = Counter(column for _, column in hits)
     return sorted((row, column) for row, column in allowed if height[column] == row)
 
 
-def _checked_target(behaviour: Behaviour) -> tuple[Cell, ...]:
+def _check_target(behaviour: Behaviour) -> tuple[Cell, ...]:
     if behaviour.target is None:
         raise Invalid(
-            f"{behaviour.name} has no target cells, so the demonstrator doesn't know what to show."
+            f"{behaviour.name} has no target cells, so the demonstrator can't show it."
             " Play its demonstrations yourself, or choose a behaviour with target cells."
         )
     target = behaviour.target if behaviour.ordered else tuple(sorted(behaviour.target))
@@ -190,8 +189,8 @@ def _checked_target(behaviour: Behaviour) -> tuple[Cell, ...]:
         if cell not in _open_cells([cell], hit):
             raise Invalid(
                 f"{_cells([cell])} of {behaviour.name} stands behind aliens that are not to be hit"
-                " before it, and the demonstrator doesn't shoot past those. Pick the cells below it"
-                f"{', in order from the bottom' if behaviour.ordered else ' too'}, or play its"
+                " before it, and the demonstrator can't shoot past them. Add the cells below it"
+                f"{', in order from the bottom' if behaviour.ordered else ''}, or play its"
                 " demonstrations yourself."
             )
         hit.append(cell)
@@ -199,7 +198,7 @@ def _checked_target(behaviour: Behaviour) -> tuple[Cell, ...]:
 
 
 def _gradual(behaviour: Behaviour, target: tuple[Cell, ...]) -> list[DemonstrationPlan]:
-    """All targets, then fewer of them, in at most six even stages down to one."""
+    """Return plans of all targets, then fewer, in at most six even stages down to one."""
     n_stages = min(len(target), _MAX_GRADUAL)
     counts = np.linspace(len(target), 1, n_stages).round().astype(int).tolist()
     ending = ", in order" if behaviour.ordered and len(target) > 1 else ""
@@ -217,12 +216,12 @@ def _gradual(behaviour: Behaviour, target: tuple[Cell, ...]) -> list[Demonstrati
 
 
 def _column_cells(column: int) -> frozenset[Cell]:
-    """The cells of a column, counted from 1."""
+    """Return the cells of a column, counted from 1."""
     return frozenset((row, column - 1) for row in range(ROWS))
 
 
 def _whole_column(behaviour: Behaviour, target: tuple[Cell, ...]) -> int | None:
-    """The column, from 1, that a behaviour consists of; None if it is something else."""
+    """Return the column, from 1, that the targets make up, None if they don't."""
     column = target[0][1] + 1
     return column if frozenset(target) == _column_cells(column) else None
 
@@ -230,7 +229,7 @@ def _whole_column(behaviour: Behaviour, target: tuple[Cell, ...]) -> int | None:
 def _wrong_columns(
     first: int, groups: Sequence[Sequence[int]], counts: Sequence[tuple[int, int]]
 ) -> list[DemonstrationPlan]:
-    """Plans of aliens in wrong columns (from 1), of each at least one."""
+    """Return plans that hit at least one alien in each of some wrong columns (from 1)."""
     return [
         DemonstrationPlan(
             number,
@@ -244,7 +243,7 @@ def _wrong_columns(
 
 
 def _wrong_in_row_1(first: int) -> list[DemonstrationPlan]:
-    """Appendix C.7: the bottom row out of order, then more and more of the rows above."""
+    """Appendix C.7: the bottom row out of order, then increasingly many in the rows above."""
     rows = [frozenset((row, column) for column in range(COLUMNS)) for row in range(ROWS)]
     middle = frozenset((0, column) for column in range(1, COLUMNS - 1))
     centre = frozenset((0, column) for column in (COLUMNS // 2 - 1, COLUMNS // 2))
@@ -255,25 +254,25 @@ def _wrong_in_row_1(first: int) -> list[DemonstrationPlan]:
         DemonstrationPlan(first, "One alien in the middle of row 1", centre, *one),
         DemonstrationPlan(
             first + 1, "Several in the middle of row 1, out of order", middle, *several,
-            jumbled=True,
+            out_of_order=True,
         ),
         DemonstrationPlan(
             first + 2, "Several in and above row 1", low, *more,
-            each_of=(rows[0], above), jumbled=True,
+            each_of=(rows[0], above), out_of_order=True,
         ),
         DemonstrationPlan(
             first + 3, "Even more in and above row 1", low, *even_more,
-            each_of=(rows[0], above), jumbled=True,
+            each_of=(rows[0], above), out_of_order=True,
         ),
         DemonstrationPlan(
             first + 4, "Many in several rows", low | rows[3], *many,
-            each_of=(rows[0], rows[1], rows[2]), jumbled=True,
+            each_of=(rows[0], rows[1], rows[2]), out_of_order=True,
         ),
     ]  # fmt: skip
 
 
 def _free_columns(target: tuple[Cell, ...]) -> list[int]:
-    """The columns (from 1) without a target, the ones nearest to the targets first."""
+    """Return the columns (from 1) without a target, nearest to the targets first."""
     taken = {column + 1 for _, column in target}
     free = [column for column in range(1, COLUMNS + 1) if column not in taken]
     return sorted(free, key=lambda column: min(abs(column - other) for other in taken))
@@ -282,7 +281,7 @@ def _free_columns(target: tuple[Cell, ...]) -> list[int]:
 def _graded(
     columns: Sequence[int], n_plans: int
 ) -> tuple[list[tuple[int, ...]], list[tuple[int, int]]]:
-    """Columns and numbers of aliens for any number of wrong plans, from one alien to many."""
+    """Return columns and (min, max) hits for n_plans wrong plans, from one alien to many."""
     at = np.linspace(0, len(_WRONG_COUNTS) - 1, n_plans)
     stages = np.arange(len(_WRONG_COUNTS))
     width = np.interp(at, stages, [1, 1, 2, 3, 3]).round().astype(int)
@@ -300,7 +299,7 @@ def _graded(
 
 
 def _wrong_anywhere(first: int, target: tuple[Cell, ...], n_plans: int) -> list[DemonstrationPlan]:
-    """Plans for targets that leave no column free: strays above them, from one to many."""
+    """Return wrong plans for targets in all columns: strays above them, from one to many."""
     everywhere = frozenset((row, column) for row in range(ROWS) for column in range(COLUMNS))
     strays = everywhere - frozenset(target)
     lowest = min(row for row, _ in strays)
@@ -309,24 +308,24 @@ def _wrong_anywhere(first: int, target: tuple[Cell, ...], n_plans: int) -> list[
     return [
         DemonstrationPlan(
             number,
-            f"{_amount(least + lowest, most + lowest)}, strays among them",
+            f"{_amount(min_hits + lowest, max_hits + lowest)}, strays among them",
             everywhere,
-            least + lowest,
-            most + lowest,
+            min_hits + lowest,
+            max_hits + lowest,
             each_of=(nearest,),
         )
-        for number, (least, most) in enumerate(counts, start=first)
+        for number, (min_hits, max_hits) in enumerate(counts, start=first)
     ]
 
 
-def _amount(least: int, most: int) -> str:
-    if most == 1:
+def _amount(min_hits: int, max_hits: int) -> str:
+    if max_hits == 1:
         return "One alien"
-    return f"{'Many' if least >= 10 else 'Several'} aliens ({_span(least, most)})"
+    return f"{'Many' if min_hits >= 10 else 'Several'} aliens ({_span(min_hits, max_hits)})"
 
 
-def _span(least: int, most: int) -> str:
-    return str(least) if least == most else f"{least} to {most}"
+def _span(min_hits: int, max_hits: int) -> str:
+    return str(min_hits) if min_hits == max_hits else f"{min_hits} to {max_hits}"
 
 
 def _columns(columns: Sequence[int]) -> str:
@@ -334,5 +333,4 @@ def _columns(columns: Sequence[int]) -> str:
 
 
 def _cells(cells: Iterable[Cell]) -> str:
-    """Cells in a person's words, counted from 1."""
     return ", ".join(f"row {row + 1} of column {column + 1}" for row, column in cells) or "none"

@@ -1,8 +1,8 @@
-"""The scripted player: aims by RAM and looks ahead on the saved game for hits.
+"""The scripted player: aims by RAM and looks ahead on the saved game.
 
-It plays as an agent does, one action every four frames, in short sequences of actions that it
-tries out on the saved game before it plays them. The game is deterministic, so what it has tried
-is what happens: a sequence that hits the wanted alien, no other, and does not get the player hit.
+It plays one action every four frames, as agents do, in short sequences that it first simulates on
+the saved game. The game is deterministic, so a simulated sequence that hits the target alien and no
+other, and that the player survives, does so when played.
 """
 
 from __future__ import annotations
@@ -21,36 +21,36 @@ from tril.recording import Recorder
 
 _PX_PER_STEP = game.PLAYER_SPEED_PX * FRAMES_PER_STEP
 _REACH_PX = 6
-"""A missile this far from an alien's centre when it is fired may still hit it."""
+"""Distance from an alien's centre at which a missile, when fired, may still hit it."""
 _TAIL_STEPS = 12
-"""How long what follows a sequence has to be safe: a bomb needs fewer steps to come down, and this
-is enough to walk out of the way of one that comes then."""
+"""Steps that have to be safe after a sequence: longer than a bomb falls, and enough to dodge one
+dropped then."""
 _FLIGHT_STEPS = 30
-"""More than any missile stays in the air."""
+"""Upper bound of a missile's flight."""
 _MAX_WALK_STEPS = 45
 _RETRY_FRAMES = 16
-"""Wait after a shot that can't be made: meanwhile the aliens move half a pixel."""
+"""Wait after an impossible shot; the aliens move half a pixel meanwhile."""
 _SHARE_PER_HIT = 0.075
-"""Part of the game to keep for each wanted hit."""
+"""Share of the game reserved for each target hit."""
 _PX_PER_STEP_OF_DELAY = 0.25
-"""How much worse an aim may be if the shot comes a step earlier."""
+"""Aim error traded for a shot one step earlier."""
 _MAX_WAIT_STEPS = 4
-"""How long a walk that ends at a wall may wait there before the shot."""
+"""Longest wait at a wall before a shot."""
 _MAX_STROLL_STEPS = 6
-"""A walk that has no alien for its goal is looked at again after so many steps."""
+"""Steps after which a walk without a shot is replanned."""
 _SIDES = (Action.LEFT, Action.RIGHT)
 _DODGES = (1, 2, 3, 4, 6, 8, 12)
-"""Steps walked aside when a bomb comes."""
+"""Lengths, in steps, of dodges to either side."""
 
 
 @dataclass(frozen=True)
-class Style:
-    """How the player plays what it is to show. A game is different for each draw of its chances.
+class PlayStyle:
+    """Playing style: what varies between games that show the same, unlike errors.
 
     Attributes:
-        pace: Part of the game, 0 to 1, over which the wanted hits are spread.
-        aim_px: Standard deviation of where on an alien it aims, from the alien's centre.
-        wander_px: How far it walks about while it waits.
+        pace: Share of the game, 0 to 1, over which the target hits are spread.
+        aim_px: Standard deviation of the point aimed at, from an alien's centre.
+        wander_px: Range of walks while waiting.
         wait_steps: Mean length of a rest between two walks.
     """
 
@@ -60,9 +60,9 @@ class Style:
     wait_steps: float = 6.0
 
 
-def draw_style(rng: np.random.Generator) -> Style:
-    """Draw a style, so that games differ in more than their start."""
-    return Style(
+def draw_style(rng: np.random.Generator) -> PlayStyle:
+    """Draw a style for a ranked demonstration."""
+    return PlayStyle(
         pace=rng.uniform(0.2, 0.7),
         aim_px=rng.uniform(0.5, 2.0),
         wander_px=rng.uniform(4.0, 16.0),
@@ -70,9 +70,9 @@ def draw_style(rng: np.random.Generator) -> Style:
     )
 
 
-def draw_brisk_style(rng: np.random.Generator) -> Style:
-    """Draw a style for a clone to learn from: whoever can't count time has to see when to shoot."""
-    return Style(
+def draw_brisk_style(rng: np.random.Generator) -> PlayStyle:
+    """Draw a style for cloning: quick shots, since a clone sees no time to wait for."""
+    return PlayStyle(
         pace=rng.uniform(0.0, 0.15),
         aim_px=rng.uniform(0.2, 1.0),
         wander_px=rng.uniform(2.0, 8.0),
@@ -81,20 +81,19 @@ def draw_brisk_style(rng: np.random.Generator) -> Style:
 
 
 def draw_times(
-    wanted: Sequence[Cell], style: Style, max_frames: int, rng: np.random.Generator
+    wanted: Sequence[Cell], style: PlayStyle, max_frames: int, rng: np.random.Generator
 ) -> list[float]:
-    """Draw when each wanted hit is tried at the earliest, in frames from the start.
+    """Draw the earliest time of each target hit, in frames from the start.
 
     Args:
         wanted: The aliens to hit, in order.
-        style: How the game is to be played.
-        max_frames: How long it is.
-        rng: Where the chances come from.
+        style: Playing style.
+        max_frames: Length of the game.
+        rng: Source of the draws.
     """
     latest = min(style.pace, max(0.0, 1 - len(wanted) * _SHARE_PER_HIT))
     times = np.sort(rng.uniform(0, latest * max_frames, len(wanted)))
-    # The rightmost column drifts out of the cannon's reach within 600 frames and comes back after
-    # 1,000.
+    # The rightmost column is out of the cannon's reach from about frame 600 to 1,000.
     leaving = [n for n, (_, column) in enumerate(wanted) if column == game.COLUMNS - 1]
     if leaving:
         times[: leaving[-1] + 1] = 0
@@ -102,24 +101,17 @@ def draw_times(
 
 
 class ScriptedPlayer:
-    """Plays one game in which it hits wanted aliens, one after the other, and nothing else."""
+    """Plays one game in which it hits the given aliens in order and no others."""
 
     def __init__(
-        self, recorder: Recorder, wanted: Sequence[Cell], style: Style, rng: np.random.Generator
+        self, recorder: Recorder, wanted: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
     ) -> None:
-        """Take a seat at a game that is at its start.
-
-        Args:
-            recorder: The game to play, which it records.
-            wanted: As of Planner.
-            style: How it plays.
-            rng: Where its chances come from.
-        """
+        """Prepare to play the recorder's game, which is at its start; see Planner."""
         self._recorder = recorder
         self._planner = Planner(recorder.episode, wanted, style, rng)
 
     def play(self) -> None:
-        """Play until the game ends. Wanted hits that never come off are left out."""
+        """Play until the game ends, skipping hits that prove impossible."""
         while self._recorder.episode.end is None:
             self._execute(self._planner.next_actions())
 
@@ -132,19 +124,19 @@ class ScriptedPlayer:
 
 
 class Planner:
-    """Decides what to do next in a game, by trying it out on the game itself."""
+    """Plans the next actions in a game by simulating them on it."""
 
     def __init__(
-        self, episode: Episode, wanted: Sequence[Cell], style: Style, rng: np.random.Generator
+        self, episode: Episode, wanted: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
     ) -> None:
-        """Look at a game.
+        """Make a planner for a game.
 
         Args:
-            episode: The game, which ends at the hit; it is left as it was found.
-            wanted: The aliens to hit, as (row, column), in an order in which each stands free
-                when its turn comes, after as many cells as have been hit already.
-            style: How it is to be played.
-            rng: Where the chances come from.
+            episode: The game, which ends at the hit; planning restores its state.
+            wanted: The aliens to hit, as (row, column), in an order in which each can be shot.
+                Begins with those hit so far.
+            style: Playing style.
+            rng: Source of the player's random choices.
         """
         self._episode = episode
         self._wanted = list(wanted)
@@ -154,7 +146,7 @@ class Planner:
         self._next_try = 0
 
     def next_actions(self) -> Sequence[int]:
-        """Return the actions of the next steps, at least one; play them all before asking again."""
+        """Return the actions of the next steps, at least one, to be played before the next call."""
         n_hits = len(self._episode.hits)
         if n_hits == len(self._wanted):
             return self._walk(_player_x(self._episode))
@@ -169,11 +161,7 @@ class Planner:
     # Walking and waiting
 
     def _walk(self, place: float) -> Sequence[int]:
-        """Some steps to somewhere near a place and a rest, or what the player needs to survive.
-
-        Args:
-            place: The player's x.
-        """
+        """Return a walk to near a player x and a rest, or a dodge if that is unsafe."""
         drawn = place + self._rng.uniform(-1, 1) * self._style.wander_px
         goal = float(np.clip(drawn, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
         way = goal - _player_x(self._episode)
@@ -184,11 +172,11 @@ class Planner:
         dodges = [[int(side)] * n_steps for n_steps in _DODGES for side in _SIDES]
         self._rng.shuffle(dodges)
         dodges.sort(key=len)
-        wish = [_towards(way)] * n_walk + _rest(n_rest)
+        wish = [towards(way)] * n_walk + rest(n_rest)
         before = self._episode.save()
-        latest, best = -1, _rest(1)
-        for actions in (wish, _rest(1), *dodges):
-            hit_at = self._hit_at([*actions, *_rest(_TAIL_STEPS)])
+        latest, best = -1, rest(1)
+        for actions in (wish, rest(1), *dodges):
+            hit_at = self._hit_at([*actions, *rest(_TAIL_STEPS)])
             self._episode.restore(before)
             if hit_at is None:
                 return actions
@@ -197,12 +185,12 @@ class Planner:
         return best
 
     def _hit_at(self, actions: Sequence[int]) -> int | None:
-        """Play on the episode, to be restored: the frame of a hit on the player, or None."""
+        """Simulate actions; return the frame of a hit on the player, or None."""
         self._play_on(actions)
         return self._episode.frame if self._episode.end is EndReason.HIT else None
 
     def _play_on(self, actions: Iterable[int]) -> None:
-        """Play on the episode, to be restored, without recording it."""
+        """Simulate actions on the episode, which the caller restores."""
         for action in actions:
             for _ in range(FRAMES_PER_STEP):
                 if self._episode.end is not None:
@@ -212,7 +200,7 @@ class Planner:
     # Shooting
 
     def _shot(self, cell: Cell) -> Sequence[int] | None:
-        """A walk, a shot that hits this alien alone, and the way until then; None if none does."""
+        """Return a walk, a shot that hits only this alien, and moves until the hit, or None."""
         before = self._episode.save()
         aim = self._rng.normal(0, self._style.aim_px)
         try:
@@ -223,28 +211,28 @@ class Planner:
                     if actions is not None:
                         return [*way, *actions]
                     if self._episode.end is not EndReason.HIT:
-                        break  # The missile misses, whatever the player does meanwhile.
+                        break  # The missile misses, however the player moves.
             return None
         finally:
             self._episode.restore(before)
 
     def _asides(self) -> list[list[int]]:
-        """Ways to walk while the missile flies, best first: on to the next alien, or staying."""
+        """Return moves during the missile's flight, best first: to the next alien, or none."""
         asides = [[], *([int(side)] * n_steps for n_steps in _DODGES for side in _SIDES)]
         n_next = len(self._episode.hits) + 1
         if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
             way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
-                asides.insert(0, [_towards(way)] * round(abs(way) / _PX_PER_STEP))
+                asides.insert(0, [towards(way)] * round(abs(way) / _PX_PER_STEP))
         return asides
 
     def _ways_to(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
-        """Walks after which a missile may hit an alien, and the game then; the best one first."""
+        """Return walks after which a shot may hit an alien, and the states then, best first."""
         before = self._episode.save()
         offset = column_centre(self._episode, cell[1]) - _missile_x(self._episode)
         found: list[tuple[float, list[int], EpisodeState]] = []
         for action in (int(Action.RIGHT), int(Action.LEFT)):
-            if abs(offset) > _REACH_PX and action != _towards(offset):
+            if abs(offset) > _REACH_PX and action != towards(offset):
                 continue
             self._episode.restore(before)
             n_waited = 0
@@ -255,7 +243,7 @@ class Planner:
                 if abs(distance) <= _REACH_PX and ready:
                     cost = abs(distance - aim) + n_steps * _PX_PER_STEP_OF_DELAY
                     found.append((cost, [action] * n_steps, self._episode.save()))
-                elif abs(distance) > _REACH_PX and action == _towards(distance):
+                elif abs(distance) > _REACH_PX and action == towards(distance):
                     break
                 self._play_on([action])
                 n_waited += _missile_x(self._episode) == x
@@ -265,9 +253,9 @@ class Planner:
         return [(way, there) for _, way, there in found]
 
     def _fire(self, cell: Cell, aside: Sequence[int]) -> list[int] | None:
-        """Fire on the episode, to be restored, and walk aside: the actions until the hit.
+        """Simulate a shot while walking aside; return the actions until the hit.
 
-        None if the shot misses, hits another alien, or the player is hit meanwhile or soon after.
+        None if the shot misses, hits another alien, or the player is hit then or soon after.
         """
         n_hits = len(self._episode.hits)
         walk = iter(aside)
@@ -280,18 +268,19 @@ class Planner:
             actions.append(next(walk, int(Action.NOOP)))
             self._play_on(actions[-1:])
         new = [(hit.row, hit.column) for hit in self._episode.hits[n_hits:]]
-        if new != [cell] or self._hit_at([*walk, *_rest(_TAIL_STEPS)]) is not None:
+        if new != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
             return None
         return actions
 
 
-def _towards(way: float) -> int:
-    """The action that walks this way, positive being right."""
+def towards(way: float) -> int:
+    """Return the action that walks this way, positive being right."""
     return int(Action.RIGHT if way > 0 else Action.LEFT)
 
 
-def _rest(n_steps: int) -> list[int]:
-    return [int(Action.NOOP)] * n_steps
+def rest(n: int) -> list[int]:
+    """Return n actions without a key."""
+    return [int(Action.NOOP)] * n
 
 
 def _player_x(episode: Episode) -> int:
@@ -299,12 +288,12 @@ def _player_x(episode: Episode) -> int:
 
 
 def _missile_x(episode: Episode) -> int:
-    """Where a missile fired now would leave, in pixels."""
+    """Return the x, in pixels, of a missile fired now."""
     return _player_x(episode) + game.MISSILE_OFFSET
 
 
 def column_centre(episode: Episode, column: int) -> int:
-    """The centre of a column of aliens, in pixels; of a cleared one, where it would be."""
+    """Return the centre of a column of aliens, in pixels, also of a cleared one."""
     return (
         episode.console.ram_bytes()[game.RAM_ALIEN_X]
         + game.COLUMN_WIDTH * (column - episode.shifts)

@@ -1,11 +1,12 @@
-"""Print the JSON Schema of a recording in the exchange format, or of a behaviour's file."""
+"""Print the JSON Schema of a recording in the exchange format or of a behaviour file."""
 
 import json
 import sys
 
-from tril.exchange.formats import behaviour_schema, schema
+from tril.exchange.formats.behaviour_file import behaviour_schema
+from tril.exchange.formats.recording_object import recording_schema
 
-SCHEMAS = {"recording": schema, "behaviour": behaviour_schema}
+SCHEMAS = {"recording": recording_schema, "behaviour": behaviour_schema}
 
 if __name__ == "__main__":
     wanted = sys.argv[1] if len(sys.argv) > 1 else "recording"

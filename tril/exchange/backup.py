@@ -1,9 +1,9 @@
-"""Backups of everything a person made, taken while Tril runs, and checked.
+"""Verified backups of a data folder, taken while Tril runs.
 
-A backup is a folder laid out as a data folder: ``TRIL_DATA=BACKUP tril up`` works on it. It holds
-the two databases (by SQLite's own online backup: one consistent state of each, and nobody waits),
-the files of trainings, and a manifest with a digest of each file. Left out are caches, which can be
-made again, and the access token, which a new folder makes for itself.
+A backup is itself a data folder: ``TRIL_DATA=BACKUP tril up`` works on it. It holds the two
+databases (copied with SQLite's online backup, each in one consistent state and without blocking
+writers), the artifacts of runs, and a manifest with a digest of each file. It has neither caches
+nor the access token, which a new folder creates itself.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import make_url
 
+from tril import __version__
 from tril.errors import Conflict, Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore, free_bytes, write_whole
 from tril.settings import Settings
@@ -32,15 +32,15 @@ FORMAT = "tril-backup"
 FORMAT_VERSION = 1
 MANIFEST = "manifest.json"
 
-TRIES = 3
-"""A training that is deleted between the copies of database and files makes another try needed."""
+MAX_ATTEMPTS = 3
+"""A run deleted between the copies of the database and of the artifacts makes a retry necessary."""
 
 _CHUNK_BYTES = 1024 * 1024
 _UNDER_WAY = ("queued", "running", "cancelling")
 
 
 class BackupDamaged(Invalid):
-    """A backup that is not what it says of itself."""
+    """A backup that is incomplete or was changed."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ class CopiedFile:
     """A file of a backup.
 
     Attributes:
-        path: Its path in the backup's folder, with slashes.
-        size_bytes: Its length.
-        blake2b: Its BLAKE2b digest of 16 bytes, in hexadecimal.
+        path: Path in the backup, with slashes.
+        size_bytes: Size.
+        blake2b: BLAKE2b digest of 16 bytes, in hexadecimal.
     """
 
     path: str
@@ -60,15 +60,15 @@ class CopiedFile:
 
 @dataclass(frozen=True)
 class Backup:
-    """A backup that has been checked.
+    """A verified backup.
 
     Attributes:
-        folder: Where it is.
-        n_files: Files in it, databases included.
-        size_bytes: What they take together.
-        n_recordings: Recordings in its library, deleted ones and those of trainings included.
-        n_runs: Trainings.
-        notices: What is worth knowing of it.
+        folder: Its folder.
+        n_files: Number of files, including the databases.
+        size_bytes: Total size.
+        n_recordings: Number of recordings, including deleted ones and those of runs.
+        n_runs: Number of runs.
+        notices: Messages about what it lacks.
     """
 
     folder: Path
@@ -80,30 +80,30 @@ class Backup:
 
 
 def make_backup(settings: Settings, folder: Path) -> Backup:
-    """Back up a data folder that may be in use, and check the backup.
+    """Back up a data folder that may be in use, and verify the backup.
 
-    The folder appears when the backup is whole; one that was broken off leaves none.
+    The folder appears once the backup is complete.
 
     Args:
-        settings: Which data.
-        folder: Where to; it may not exist yet, or be empty.
+        settings: The data folder's settings.
+        folder: The backup's folder, new or empty.
 
     Raises:
-        Conflict: Something is in the folder.
-        Unavailable: A database is not SQLite or not there, or there is no room.
-        BackupDamaged: The copy does not pass its check: the data are damaged or the disk is.
+        Conflict: The folder is not empty.
+        Unavailable: A database is missing or not SQLite, or there is too little space.
+        BackupDamaged: The copy fails verification: the data or the disk are damaged.
     """
     databases = {
-        # The queue first: a run that has no job is given one, a job that has no run is an orphan.
+        # The queue first: a run without a job is given one, a job without a run is an orphan.
         "jobs.sqlite": _sqlite_file(settings.queue_url, "job queue's"),
         "tril.sqlite": _sqlite_file(settings.application_url, "application's"),
     }
     folder = folder.absolute()
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise Conflict(f"{folder} is not empty. Name a folder that does not exist yet.")
+        raise Conflict(f"{folder} is not empty. Choose a new folder.")
     folder.parent.mkdir(parents=True, exist_ok=True)
     _check_room(folder.parent, [*databases.values(), *_artifact_files(settings)])
-    for attempt in range(1, TRIES + 1):
+    for attempt in range(1, MAX_ATTEMPTS + 1):
         unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
         try:
             _copy(settings, databases, unfinished)
@@ -112,7 +112,7 @@ def make_backup(settings: Settings, folder: Path) -> Backup:
                 folder.rmdir()
             unfinished.rename(folder)
         except BackupDamaged:
-            if attempt == TRIES:
+            if attempt == MAX_ATTEMPTS:
                 raise
             continue
         finally:
@@ -122,10 +122,10 @@ def make_backup(settings: Settings, folder: Path) -> Backup:
 
 
 def check_backup(folder: Path) -> Backup:
-    """Check a backup: every digest, both databases' integrity, and that no run's file is missing.
+    """Verify a backup: digests, integrity of the databases, completeness of the artifacts.
 
     Raises:
-        BackupDamaged: It is none, or something in it is missing or changed.
+        BackupDamaged: It is not a backup, or a file is missing or was changed.
     """
     manifest = _read_manifest(folder)
     files = [CopiedFile(**entry) for entry in manifest["files"]]
@@ -134,16 +134,16 @@ def check_backup(folder: Path) -> Backup:
         if not place.is_file():
             raise BackupDamaged(f"{file.path} is missing in {folder}.")
         if _digest(place) != (file.size_bytes, file.blake2b):
-            raise BackupDamaged(f"{file.path} in {folder} is not what was written.")
+            raise BackupDamaged(f"{file.path} in {folder} was changed after the backup.")
     for name in ("jobs.sqlite", "tril.sqlite"):
         _check_database(folder / name)
-    with closing(_opened(folder / "tril.sqlite")) as database:
+    with closing(_open_read_only(folder / "tril.sqlite")) as database:
         if (elsewhere := manifest["artifacts_elsewhere"]) is None:
             notices = _check_artifacts(database, folder)
         else:
             notices = [
-                f"The files of trainings are in the artifact store {elsewhere} and not in this"
-                " backup; back them up there."
+                f"The files of runs are in the artifact store {elsewhere}, not in this backup."
+                " Back them up there."
             ]
         (n_recordings,) = database.execute("SELECT count(*) FROM recordings").fetchone()
         (n_runs,) = database.execute("SELECT count(*) FROM runs").fetchone()
@@ -168,12 +168,12 @@ def _copy(settings: Settings, databases: dict[str, Path], folder: Path) -> None:
         try:
             files.append(CopiedFile(path, *_copy_file(source, folder / path)))
         except FileNotFoundError:
-            continue  # deleted meanwhile; the check tells whether it is needed
+            continue  # deleted meanwhile; the check finds out whether it is needed
     is_local = ArtifactStore(settings.artifact_root).is_local
     manifest = {
         "format": FORMAT,
         "version": FORMAT_VERSION,
-        "tril": version("tril"),
+        "tril": __version__,
         "created_at": datetime.now(UTC).isoformat(timespec="seconds"),
         "artifacts_elsewhere": None if is_local else settings.artifact_root,
         "files": [asdict(file) for file in files],
@@ -182,10 +182,10 @@ def _copy(settings: Settings, databases: dict[str, Path], folder: Path) -> None:
 
 
 def _copy_database(source: Path, to: Path) -> None:
-    # In one step, so that it is one state however much is written meanwhile.
+    # All pages in one step: one consistent state, however much is written meanwhile.
     with closing(sqlite3.connect(source)) as live, closing(sqlite3.connect(to)) as copy:
         live.backup(copy, pages=-1)
-        # One file, without a log beside it, until somebody works on it.
+        # A single file without a log beside it.
         copy.execute("PRAGMA journal_mode=DELETE")
     descriptor = os.open(to, os.O_RDONLY)
     try:
@@ -195,7 +195,7 @@ def _copy_database(source: Path, to: Path) -> None:
 
 
 def _copy_file(source: Path, to: Path) -> tuple[int, str]:
-    """Copy a file and return its size and digest, taken of what was read."""
+    """Copy a file; return the size and digest of the bytes read."""
     digest, size = hashlib.blake2b(digest_size=16), 0
     with source.open("rb") as given:
         to.parent.mkdir(parents=True, exist_ok=True)
@@ -215,7 +215,7 @@ def _digest(place: Path) -> tuple[int, str]:
 
 
 def _artifact_files(settings: Settings) -> Iterator[Path]:
-    """Yield the files of trainings, without those that are being written."""
+    """Yield the complete files of the artifact store."""
     if not ArtifactStore(settings.artifact_root).is_local:
         return
     for folder, _, names in os.walk(settings.artifact_root):
@@ -227,7 +227,8 @@ def _check_room(folder: Path, sources: list[Path]) -> None:
     free = free_bytes(folder)
     if needed > free:
         raise Unavailable(
-            f"The backup takes {needed / 1e6:.0f} MB, and {free / 1e6:.0f} MB are free in {folder}."
+            f"The backup needs {needed / 1e6:.0f} MB, but only {free / 1e6:.0f} MB are free in"
+            f" {folder}. Choose another disk."
         )
 
 
@@ -235,22 +236,22 @@ def _sqlite_file(url: str, whose: str) -> Path:
     parsed = make_url(url)
     if parsed.get_backend_name() != "sqlite" or not parsed.database:
         raise Unavailable(
-            f"The {whose} database is {parsed.get_backend_name()}, which has tools of its own for"
-            " backups (pg_dump for PostgreSQL). `tril backup` is for SQLite."
+            f"The {whose} database is {parsed.get_backend_name()}, but `tril backup` supports only"
+            " SQLite. Use the database's own tools, such as pg_dump."
         )
     place = Path(parsed.database)
     if not place.is_file():
-        raise Unavailable(f"There is no database {place} yet, so there is nothing to back up.")
+        raise Unavailable(f"There is nothing to back up: the database {place} does not exist.")
     return place
 
 
-def _opened(place: Path) -> sqlite3.Connection:
+def _open_read_only(place: Path) -> sqlite3.Connection:
     return sqlite3.connect(f"file:{place.absolute().as_posix()}?mode=ro&immutable=1", uri=True)
 
 
 def _check_database(place: Path) -> None:
     try:
-        with closing(_opened(place)) as database:
+        with closing(_open_read_only(place)) as database:
             (found,) = database.execute("PRAGMA integrity_check(1)").fetchone()
             broken = database.execute("PRAGMA foreign_key_check").fetchone()
     except sqlite3.DatabaseError as error:
@@ -258,11 +259,13 @@ def _check_database(place: Path) -> None:
     if found != "ok":
         raise BackupDamaged(f"{place.name} is damaged: {found}.")
     if broken is not None:
-        raise BackupDamaged(f"{place.name} is damaged: a row of {broken[0]} refers to nothing.")
+        raise BackupDamaged(
+            f"{place.name} is damaged: a row of {broken[0]} has a dangling foreign key."
+        )
 
 
 def _check_artifacts(database: sqlite3.Connection, folder: Path) -> list[str]:
-    """Compare the files of trainings with what the database says of them."""
+    """Compare the artifacts with the database; return notices about runs under way."""
     found = database.execute(
         "SELECT artifacts.path, artifacts.size_bytes, runs.id, runs.status FROM artifacts"
         " JOIN runs ON runs.id = artifacts.run_id WHERE runs.deleted_at IS NULL"
@@ -274,10 +277,10 @@ def _check_artifacts(database: sqlite3.Connection, folder: Path) -> list[str]:
             raise BackupDamaged(f"The file {path} of run {run_id} is missing.")
         if place.stat().st_size != size_bytes:
             if status not in _UNDER_WAY:
-                raise BackupDamaged(f"The file {path} of run {run_id} has another size.")
+                raise BackupDamaged(f"The file {path} of run {run_id} has the wrong size.")
             newer.add(run_id)
     return [
-        f"Run {run_id} was under way: its files are a moment newer than the database."
+        f"Run {run_id} was under way, so its files are slightly newer than the database."
         for run_id in sorted(newer)
     ]
 
@@ -286,11 +289,11 @@ def _read_manifest(folder: Path) -> dict[str, Any]:
     try:
         manifest = json.loads((folder / MANIFEST).read_bytes())
     except FileNotFoundError:
-        raise BackupDamaged(f"{folder} is no backup of Tril: it has no {MANIFEST}.") from None
+        raise BackupDamaged(f"{folder} is not a Tril backup: it has no {MANIFEST}.") from None
     except ValueError as error:
         raise BackupDamaged(f"{MANIFEST} in {folder} can't be read: {error}.") from error
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
-        raise BackupDamaged(f"{folder} is no backup of Tril: its {MANIFEST} is of something else.")
+        raise BackupDamaged(f"{folder} is not a Tril backup: its {MANIFEST} has another format.")
     if manifest.get("version") != FORMAT_VERSION:
         raise BackupDamaged(
             f"{folder} was written by another version of Tril (backup version"

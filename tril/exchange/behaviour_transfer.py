@@ -1,6 +1,6 @@
-"""Whole behaviours into a file and out of it: what is taught, recordings, every ranking revision.
+"""Import and export of behaviours with their recordings and every revision of the ranking.
 
-docs/behaviour-format.md describes the file.
+See docs/behaviour-format.md.
 """
 
 from __future__ import annotations
@@ -10,18 +10,18 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from tril.behaviours import Behaviour
-from tril.exchange.formats import (
+from tril.behaviours import Cell
+from tril.exchange.formats.behaviour_file import (
     BEHAVIOUR_FORMAT,
     BEHAVIOUR_VERSION,
     BehaviourObject,
     BehaviourRefused,
-    Exchanged,
     NumberedRecording,
-    from_exchange,
+    RevisionObject,
     parse_behaviour,
 )
-from tril.exchange.recording_transfer import as_exchange
+from tril.exchange.formats.recording_file import ImportedRecording, load_recording
+from tril.exchange.recording_transfer import dump_row
 from tril.game.console import Console
 from tril.game.space_invaders import GAME
 from tril.recording import RecordingRefused
@@ -39,15 +39,15 @@ from tril.store.models import (
 
 
 @dataclass(frozen=True)
-class BehaviourImported:
-    """What became of a behaviour's file.
+class BehaviourImportResult:
+    """The result of importing a behaviour file.
 
     Attributes:
-        slug: The behaviour that holds it now.
-        was_there: Whether that came ready and was empty; else it is new.
-        n_recordings: Recordings added, deleted ones included.
+        slug: The behaviour that was filled or created.
+        was_there: Whether it is a built-in behaviour that was empty; else it is new.
+        n_recordings: Recordings added, including deleted ones.
         n_revisions: Revisions of the ranking added.
-        notices: What was changed or left out.
+        notices: What was changed or ignored.
     """
 
     slug: str
@@ -57,12 +57,11 @@ class BehaviourImported:
     notices: list[str] = field(default_factory=list)
 
 
-def export_whole(session: Session, behaviour: BehaviourRow) -> tuple[dict[str, Any], list[str]]:
-    """Write a behaviour's file as an object ready for json.dumps, and what had to be left out.
+def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[str, Any], list[str]]:
+    """Return a behaviour file, ready for json.dumps, and notices about what it leaves out.
 
-    Deleted recordings are in it where a revision of the ranking names them. What trainings made is
-    not. A recording that was never verified is left out, and out of the revisions too: nobody
-    could import it.
+    Deleted recordings are included if a revision of the ranking names them. Recordings that are not
+    verified are left out, also of the revisions, since they could not be imported.
     """
     revisions = rankings.history(session, behaviour.id)
     named = {key for row in revisions for tier in row.tiers for key in tier}
@@ -74,7 +73,7 @@ def export_whole(session: Session, behaviour: BehaviourRow) -> tuple[dict[str, A
     rows.sort(key=lambda row: row.id)
     sound = [row for row in rows if row.verification == Verification.VERIFIED]
     notices = [
-        f"Recording {row.id} is left out: it is not verified."
+        f"Recording {row.id} was left out because it is not verified."
         for row in rows
         if row.verification != Verification.VERIFIED
     ]
@@ -95,56 +94,40 @@ def export_whole(session: Session, behaviour: BehaviourRow) -> tuple[dict[str, A
     }, notices
 
 
-def import_whole(database: Database, content: bytes, name: str | None = None) -> BehaviourImported:
-    """Add a behaviour from a file, all of it or nothing; every recording is replayed before.
+def import_behaviour(
+    database: Database, content: bytes, name: str | None = None
+) -> BehaviourImportResult:
+    """Add a behaviour from a file in one transaction, after replaying every recording.
 
-    A behaviour that comes ready takes what the file says of it where it is still empty; otherwise a
-    new behaviour is made, under a short name that is free.
+    A matching built-in behaviour that is still empty is filled; otherwise a new behaviour with a
+    free slug is created.
 
     Args:
-        database: Where to.
+        database: The database of the library.
         content: The file.
-        name: What the new behaviour is called; None takes the file's name.
+        name: Name of the new behaviour; None takes the file's.
 
     Raises:
-        BehaviourRefused: It is something else, contradicts itself, or a recording in it does not
-            replay.
-        Invalid: The target makes no sense.
-        Conflict: There are very many behaviours already.
+        BehaviourRefused: The file is invalid or a recording in it does not replay.
+        Invalid: The target is invalid.
+        Conflict: There are too many behaviours.
     """
     given = parse_behaviour(content)
     replayed = _replayed(given)
     with database.writing() as session:
         found = None if name is not None else _empty_built_in(session, given)
         row = found or behaviours.create(
-            session, name or given.name, given.description, _about(given).target, given.ordered
+            session, name or given.name, given.description, _target(given), given.ordered
         )
         ids = _add_recordings(session, row.id, given, replayed)
-        rankings.restore_history(
-            session,
-            row.id,
-            [
-                RankingRow(
-                    behaviour_id=row.id,
-                    player_id=_player(session, saved.player),
-                    revision=saved.revision,
-                    tiers=[[ids[number] for number in tier] for tier in saved.tiers],
-                    change=saved.change,
-                    undo_to=saved.undo_to,
-                    redo_to=saved.redo_to,
-                    created_at=saved.saved_at,
-                )
-                for saved in given.rankings
-            ],
-        )
+        revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]
+        rankings.restore_history(session, row.id, revisions)
         notices = [
             f"Recording {number}: {notice}"
             for number, one in replayed.items()
             for notice in one.notices
         ]
-        return BehaviourImported(
-            row.slug, found is not None, len(ids), len(given.rankings), notices
-        )
+        return BehaviourImportResult(row.slug, found is not None, len(ids), len(revisions), notices)
 
 
 def _numbered(row: RecordingRow, known: set[int], names: dict[int, str]) -> dict[str, Any]:
@@ -153,7 +136,7 @@ def _numbered(row: RecordingRow, known: set[int], names: dict[int, str]) -> dict
         parent = {"number": row.parent_id, "frame": row.parent_frame}
     return {
         "number": row.id,
-        "recording": as_exchange(row),
+        "recording": dump_row(row),
         "player": None if row.player_id is None else names.get(row.player_id),
         "played_at": row.created_at.isoformat(),
         "unfinished": row.state == RecordingState.UNFINISHED,
@@ -177,45 +160,57 @@ def _revision(row: RankingRow, known: set[int], names: dict[int, str]) -> dict[s
     }
 
 
-def _about(given: BehaviourObject) -> Behaviour:
-    target = None if given.target is None else tuple((r, c) for r, c in given.target)
-    return Behaviour(given.slug, given.name, given.description, target, given.ordered)
+def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:
+    return None if given.target is None else tuple((r, c) for r, c in given.target)
 
 
-def _replayed(given: BehaviourObject) -> dict[int, Exchanged]:
+def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
     console = Console()
-    replayed: dict[int, Exchanged] = {}
+    replayed: dict[int, ImportedRecording] = {}
     for numbered in given.recordings:
         try:
             content = numbered.recording.model_dump(mode="json", exclude_none=True)
-            replayed[numbered.number] = from_exchange(content, console)
+            replayed[numbered.number] = load_recording(content, console)
         except RecordingRefused as refusal:
             raise BehaviourRefused(
-                f"Recording {numbered.number} is refused, and nothing was imported: {refusal}"
+                f"Nothing was imported. Recording {numbered.number} was refused: {refusal}"
             ) from refusal
     return replayed
 
 
 def _empty_built_in(session: Session, given: BehaviourObject) -> BehaviourRow | None:
-    wanted = _about(given)
     for row in behaviours.listing(session):
-        present = behaviours.as_behaviour(row)
-        is_same = (present.slug, present.target, present.ordered) == (
-            wanted.slug,
-            wanted.target,
-            wanted.ordered,
-        )
-        if not (row.built_in and is_same):
+        if not row.built_in or row.slug != given.slug:
             continue
+        present = behaviours.as_behaviour(row)
+        is_same = (present.target, present.ordered) == (_target(given), given.ordered)
         is_empty = not recordings.has_any(session, row.id) and not rankings.history(session, row.id)
-        return row if is_empty else None
+        return row if is_same and is_empty else None
     return None
 
 
+def _ranking_row(
+    session: Session, behaviour_id: int, saved: RevisionObject, ids: dict[int, int]
+) -> RankingRow:
+    return RankingRow(
+        behaviour_id=behaviour_id,
+        player_id=_player(session, saved.player),
+        revision=saved.revision,
+        tiers=[[ids[number] for number in tier] for tier in saved.tiers],
+        change=saved.change,
+        undo_to=saved.undo_to,
+        redo_to=saved.redo_to,
+        created_at=saved.saved_at,
+    )
+
+
 def _add_recordings(
-    session: Session, behaviour_id: int, given: BehaviourObject, replayed: dict[int, Exchanged]
+    session: Session,
+    behaviour_id: int,
+    given: BehaviourObject,
+    replayed: dict[int, ImportedRecording],
 ) -> dict[int, int]:
-    """Add the recordings and return their ids by their numbers in the file."""
+    """Add the recordings; return their ids by number in the file."""
     rows = {
         numbered.number: _add(session, behaviour_id, numbered, replayed[numbered.number])
         for numbered in given.recordings
@@ -229,7 +224,7 @@ def _add_recordings(
 
 
 def _add(
-    session: Session, behaviour_id: int, numbered: NumberedRecording, given: Exchanged
+    session: Session, behaviour_id: int, numbered: NumberedRecording, given: ImportedRecording
 ) -> RecordingRow:
     row = recordings.add(
         session,

@@ -9,18 +9,17 @@ import numpy as np
 
 from tril.behaviours import BUILT_IN
 from tril.demonstrator import N_PERFECT, Demonstration, make_example
-from tril.exchange.formats import to_exchange
+from tril.exchange.formats.recording_file import dump_recording
 
 
 def demonstration_object(demonstration: Demonstration, tier: int | None = None) -> dict[str, Any]:
     """Return a demonstration in the exchange format.
 
     Args:
-        demonstration: A game of the scripted player.
-        tier: Its tier in the ranking, from 1; None takes its plan's number, or none if it is
-            perfect.
+        demonstration: The demonstration.
+        tier: Tier in the ranking, from 1; None takes the plan's number. Ignored if perfect.
     """
-    return to_exchange(
+    return dump_recording(
         demonstration.recording,
         hits=demonstration.replay.hits,
         end=demonstration.replay.end,
@@ -33,7 +32,7 @@ def demonstration_object(demonstration: Demonstration, tier: int | None = None) 
 
 
 def main() -> None:
-    """Make the demonstrations of a ready-made behaviour and print each when it is done."""
+    """Make the demonstrations of a built-in behaviour and print each when it is done."""
     behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("behaviour", choices=list(behaviours))

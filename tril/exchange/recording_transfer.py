@@ -1,4 +1,4 @@
-"""Recordings into the library and out of it, in the exchange format; one way for page and shell."""
+"""Import and export of recordings in the exchange format, for the page and the command line."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ from typing import Any, BinaryIO
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid
-from tril.exchange.formats import (
-    MAX_OBJECTS,
-    Exchanged,
-    from_exchange,
-    ranked,
-    read_lines,
-    to_exchange,
+from tril.exchange.formats.jsonl import MAX_OBJECTS, read_lines
+from tril.exchange.formats.recording_file import (
+    ImportedRecording,
+    dump_recording,
+    load_recording,
+    ranking_of,
 )
 from tril.game.console import Console
 from tril.game.episode import EndReason
@@ -25,26 +24,26 @@ from tril.store.models import RecordingRow, Source
 
 
 @dataclass(frozen=True)
-class Remark:
-    """Something to say about a line of an imported file, counted from 1."""
+class LineMessage:
+    """A message about a line of an imported file, counted from 1."""
 
     line: int
     reason: str
 
 
 @dataclass
-class Imported:
-    """What became of a file of recordings.
+class RecordingImportResult:
+    """The result of importing a file of recordings.
 
     Attributes:
         recording_ids: The recordings added, in the file's order.
-        notices: What was changed or left out.
-        refusals: Lines that were not accepted, and why; nothing of them was stored.
+        notices: What was changed or ignored.
+        refusals: Lines that were refused, with the reason.
     """
 
     recording_ids: list[int] = field(default_factory=list)
-    notices: list[Remark] = field(default_factory=list)
-    refusals: list[Remark] = field(default_factory=list)
+    notices: list[LineMessage] = field(default_factory=list)
+    refusals: list[LineMessage] = field(default_factory=list)
 
 
 def import_recordings(
@@ -56,25 +55,25 @@ def import_recordings(
     perfect: bool = False,
     player_id: int | None = None,
     max_recordings: int = MAX_OBJECTS,
-) -> Imported:
+) -> RecordingImportResult:
     """Add the recordings of a file, each verified by a replay, in one transaction.
 
     Args:
-        database: Where the library is.
-        behaviour_id: The behaviour they are games of.
+        database: The database of the library.
+        behaviour_id: The behaviour they show.
         file: One object or JSON Lines in the exchange format.
-        rank: Whether the file's order, from best to worst, is put below the present ranking's
-            last tier as one revision. Equal tiers of the file become ties.
-        perfect: Whether all of them are marked as perfect; else those that say so.
-        player_id: Who brings them.
-        max_recordings: What follows so many recordings is refused.
+        rank: Append the file's order, from best to worst, to the current ranking as one revision.
+            Equal tiers become ties.
+        perfect: Mark all of them as perfect, else those marked in the file.
+        player_id: The player of recordings by a person.
+        max_recordings: Further recordings are refused.
 
     Raises:
         Invalid: ``rank`` and ``perfect`` at once.
     """
     if rank and perfect:
-        raise Invalid("Choose one: a file in order from best to worst, or perfect games only.")
-    outcome = Imported()
+        raise Invalid("Choose either ranking the recordings or marking all of them as perfect.")
+    outcome = RecordingImportResult()
     accepted = _read(file, outcome, max_recordings)
     if not accepted:
         return outcome
@@ -98,43 +97,43 @@ def import_recordings(
 
 
 def export_recording(session: Session, row: RecordingRow) -> dict[str, Any]:
-    """Write one recording as an object of the exchange format, with its place in the ranking."""
+    """Return a recording in the exchange format, with its place in the ranking."""
     tiers = rankings.as_ranking(rankings.current(session, row.behaviour_id)).tier_numbers()
-    return as_exchange(row, tiers.get(row.id))
+    return dump_row(row, tiers.get(row.id))
 
 
-def export_behaviour(
+def export_recordings(
     session: Session, behaviour_id: int, only: Sequence[RecordingRow] | None = None
 ) -> Iterator[dict[str, Any]]:
-    """Write a behaviour's library: the ranked recordings from best to worst, then the others.
+    """Yield a behaviour's recordings: the ranked ones from best to worst, then the others.
 
     Args:
         session: The transaction.
         behaviour_id: The behaviour.
-        only: Which of its recordings; None for all that are not deleted.
+        only: The recordings to export; None for all that are not deleted.
     """
     tiers = rankings.as_ranking(rankings.current(session, behaviour_id)).tier_numbers()
     rows = recordings.listing(session, behaviour_id) if only is None else only
     last = len(rows) + 1
     for row in sorted(rows, key=lambda row: (tiers.get(row.id, last), row.id)):
-        yield as_exchange(row, tiers.get(row.id))
+        yield dump_row(row, tiers.get(row.id))
 
 
 def _read(
-    file: BinaryIO | bytes | str, outcome: Imported, max_recordings: int
-) -> list[tuple[int, Exchanged]]:
+    file: BinaryIO | bytes | str, outcome: RecordingImportResult, max_recordings: int
+) -> list[tuple[int, ImportedRecording]]:
     console = Console()
     accepted = []
     for line in read_lines(file, max_objects=max_recordings):
         if line.refusal is not None:
-            outcome.refusals.append(Remark(line.number, line.refusal))
+            outcome.refusals.append(LineMessage(line.number, line.refusal))
             continue
         try:
-            given = from_exchange(line.content, console)
+            given = load_recording(line.content, console)
         except Invalid as error:
-            outcome.refusals.append(Remark(line.number, str(error)))
+            outcome.refusals.append(LineMessage(line.number, str(error)))
             continue
-        outcome.notices += [Remark(line.number, notice) for notice in given.notices]
+        outcome.notices += [LineMessage(line.number, notice) for notice in given.notices]
         accepted.append((line.number, given))
     return accepted
 
@@ -142,12 +141,12 @@ def _read(
 def _rank(
     session: Session,
     behaviour_id: int,
-    accepted: list[Exchanged],
-    outcome: Imported,
+    accepted: list[ImportedRecording],
+    outcome: RecordingImportResult,
     player_id: int | None,
 ) -> None:
-    order, notices = ranked(accepted)
-    outcome.notices += [Remark(1, notice) for notice in notices]
+    order, notices = ranking_of(accepted)
+    outcome.notices += [LineMessage(1, notice) for notice in notices]
     newest = rankings.current(session, behaviour_id)
     added = [[outcome.recording_ids[index] for index in tier] for tier in order.tiers]
     rankings.save(
@@ -160,14 +159,14 @@ def _rank(
     )
 
 
-def _conditions(given: Exchanged) -> dict[str, Any]:
+def _conditions(given: ImportedRecording) -> dict[str, Any]:
     parent = {} if given.parent is None else {"imported_parent": given.parent}
     return {**given.conditions, **parent}
 
 
-def as_exchange(row: RecordingRow, tier: int | None = None) -> dict[str, Any]:
-    """Write one recording as an object of the exchange format, at this place in a ranking."""
-    return to_exchange(
+def dump_row(row: RecordingRow, tier: int | None = None) -> dict[str, Any]:
+    """Return a recording in the exchange format."""
+    return dump_recording(
         recordings.as_recording(row),
         hits=recordings.hits_of(row),
         end=None if row.end is None else EndReason(row.end),

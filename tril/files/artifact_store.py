@@ -1,4 +1,4 @@
-"""The files of runs: a folder by default, any store that fsspec reaches by URL."""
+"""The store of runs' files: a folder or any store that fsspec supports."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ from tril.errors import Invalid, NotFound, Unavailable
 class ArtifactStore:
     """Files by relative path such as ``runs/<id>/reward-model.safetensors``.
 
-    In a folder, a file appears whole or not at all: it is written under a temporary name, synced
-    and renamed. Object stores have that property by themselves.
+    Writes are atomic: in a folder by way of a temporary file, in object stores by themselves.
 
     Args:
-        root: Folder or fsspec URL under which everything is kept.
+        root: Folder or fsspec URL of the store.
     """
 
     def __init__(self, root: str) -> None:
@@ -31,26 +30,22 @@ class ArtifactStore:
 
     @property
     def is_local(self) -> bool:
-        """Whether the files lie on this machine's disk."""
+        """Whether the store is a local folder."""
         return isinstance(self._files, LocalFileSystem)
 
     def put(self, path: str, content: bytes) -> int:
-        """Store bytes under a path, replacing what was there; returns their number.
+        """Write a file, replacing an existing one; return its size in bytes.
 
         Raises:
             Unavailable: The disk is full.
         """
         place = self._place(path)
         if self.is_local:
-            with _explaining_full_disk():
+            with _report_full_disk():
                 write_whole(Path(place), content)
         else:
             self._files.pipe_file(place, content)
         return len(content)
-
-    def put_file(self, path: str, source: Path) -> int:
-        """Store a local file's content under a path; returns its size in bytes."""
-        return self.put(path, source.read_bytes())
 
     def get(self, path: str) -> bytes:
         """Return a file's content; raises NotFound if there is none."""
@@ -62,7 +57,7 @@ class ArtifactStore:
 
     @contextmanager
     def local(self, path: str) -> Iterator[Path]:
-        """Give a path on this machine's disk from which the file can be read in the block."""
+        """Provide a local path to read the file from within a block."""
         if self.is_local:
             place = Path(self._place(path))
             if not place.is_file():
@@ -75,12 +70,12 @@ class ArtifactStore:
             yield copy
 
     def exists(self, path: str) -> bool:
-        """Whether there is a file of this path."""
+        """Return whether the file exists."""
         found: bool = self._files.isfile(self._place(path))
         return found
 
     def remove_folder(self, path: str) -> None:
-        """Remove everything below a path; nothing happens if there is nothing."""
+        """Remove everything below a path, if there is anything."""
         place = self._place(path)
         if self._files.exists(place):
             self._files.rm(place, recursive=True)
@@ -93,7 +88,7 @@ class ArtifactStore:
 
 
 def write_whole(place: Path, content: bytes, mode: int = 0o644) -> None:
-    """Write a file so that it is there whole or not at all, also after a power cut."""
+    """Write a file atomically and durably: temporary file, fsync, rename."""
     place.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name[:40]}-")
     try:
@@ -118,7 +113,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 @contextmanager
-def _explaining_full_disk() -> Iterator[None]:
+def _report_full_disk() -> Iterator[None]:
     try:
         yield
     except OSError as error:
@@ -127,9 +122,9 @@ def _explaining_full_disk() -> Iterator[None]:
         raise
 
 
-DISK_FULL = "The disk is full. Free some space, then resume; what was saved so far is kept."
+DISK_FULL = "The disk is full. Free some space, then resume. Everything saved so far is kept."
 
 
 def free_bytes(folder: Path) -> int:
-    """Return how many bytes are free on the disk that holds a folder."""
+    """Return the free bytes on a folder's disk."""
     return shutil.disk_usage(folder).free

@@ -1,7 +1,7 @@
-"""A bounded folder of files that can be made again: frames, thumbnails, whatever a replay yields.
+"""A bounded disk cache of reproducible files such as frames and thumbnails.
 
-Files are named by what they are made of, so none ever goes stale; the ones that were not used for
-the longest time go first. Several processes may share one folder.
+Files are named by their inputs and therefore never stale; the least recently used are evicted
+first. Several processes may share a folder.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from tril.files.artifact_store import write_whole
 _LOG = logging.getLogger(__name__)
 
 _SWEPT_TO = 0.9
-"""Share of the limit that a sweep leaves, so that not every new file sweeps."""
+"""Share of the limit left by a sweep, so that not every new file causes one."""
 _ABANDONED_AFTER_S = 600.0
-"""Age after which a temporary file is one that a killed process left."""
+"""Age after which a temporary file must be of a killed process."""
 
 
 class Cache:
-    """Files by name in a folder, never more than a limit.
+    """Files by name in a folder of limited size.
 
     Args:
-        folder: Where they are; made when the first one is kept.
-        limit_bytes: What they may take together; 0 keeps none.
+        folder: The folder, created with the first file.
+        limit_bytes: Maximum total size; 0 caches nothing.
     """
 
     def __init__(self, folder: Path, limit_bytes: int) -> None:
@@ -39,12 +39,12 @@ class Cache:
         self._used_bytes: int | None = None
 
     def get(self, name: str, make: Callable[[], bytes]) -> bytes:
-        """Return a file's content; what is not there is made, once for all who ask meanwhile.
+        """Return a file's content, making it if necessary, once for concurrent callers.
 
-        A disk on which it can't be kept is no reason not to answer.
+        A file that can't be written is returned all the same.
 
         Args:
-            name: What it is made of, in letters, digits, dots and hyphens.
+            name: Name derived from the inputs, in letters, digits, dots and hyphens.
             make: Makes the content.
         """
         if not name.replace("-", "").replace(".", "").isalnum() or name.startswith("."):

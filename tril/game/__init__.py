@@ -1,1 +1,1 @@
-"""The emulator and all that is read off it."""
+"""The emulator, the state read from it, and the agents' view of it."""

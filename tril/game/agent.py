@@ -1,4 +1,4 @@
-"""A game stepped by an agent: four frames of one action, then an observation."""
+"""A game stepped by an agent: one action for four frames per observation."""
 
 from dataclasses import dataclass
 
@@ -11,15 +11,14 @@ from tril.game.observation import AgentView, AgentViewState, Observation
 
 
 class StickyActions:
-    """Chance in what is executed: at every frame the frame before's action may be repeated.
+    """Sticky actions: at every frame the previous frame's action may be repeated.
 
-    This is the emulator's own rule (Machado et al. 2018, "Revisiting the Arcade Learning
-    Environment", section 5.1), drawn outside it, so that the executed actions are known and can be
-    recorded.
+    This is the emulator's rule (Machado et al. 2018, "Revisiting the Arcade Learning Environment",
+    section 5.1), drawn outside of it so that the executed actions can be recorded.
 
     Attributes:
-        probability: of repeating the action of the frame before, 0 to 1.
-        rng: where the draws come from.
+        probability: of repeating the previous frame's action, 0 to 1.
+        rng: source of the draws.
     """
 
     def __init__(self, probability: float, rng: np.random.Generator) -> None:
@@ -30,7 +29,7 @@ class StickyActions:
         self.rng = rng
 
     def executed(self, chosen: int, before: int) -> int:
-        """Return the action to execute, given the chosen one and that of the frame before."""
+        """Return the action to execute, given the chosen one and the previous frame's."""
         if self.probability > 0.0 and self.rng.random() < self.probability:
             return before
         return chosen
@@ -45,10 +44,9 @@ class AgentGameState:
 
 
 class AgentGame:
-    """An Episode stepped by whole steps, with its AgentView.
+    """An Episode stepped by agent steps, with its AgentView.
 
-    An episode that ends inside a step ends there; the observation after it is that of the whole
-    step, the rest of which runs without keys and is no part of the episode.
+    An episode may end within a step; see AgentView.finish_step for its last observation.
     """
 
     def __init__(
@@ -59,14 +57,14 @@ class AgentGame:
         sticky: StickyActions | None = None,
         view: AgentView | None = None,
     ) -> None:
-        """Make a game on this console; call reset or restore to begin one.
+        """Make a game on this console; call reset or restore to begin.
 
         Args:
-            console: what it runs on.
+            console: the console to play on.
             ending: which rule for the player's death ends an episode.
-            max_frames: after how many frames an episode ends in any case.
-            sticky: chance in the executed actions, if wanted.
-            view: what sees it, where several games are seen together.
+            max_frames: maximum length of an episode.
+            sticky: sticky actions, None for none.
+            view: the view if it is one of AgentViews; None makes one.
         """
         self.console = console
         self.ending = ending
@@ -80,7 +78,7 @@ class AgentGame:
         """The episode being played.
 
         Raises:
-            RuntimeError: none has begun.
+            RuntimeError: no episode has begun.
         """
         if self._episode is None:
             raise RuntimeError("No game has begun: call reset(start) first.")
@@ -89,10 +87,10 @@ class AgentGame:
     def reset(self, start: Start) -> None:
         """Begin a game."""
         self._episode = Episode(self.console, start, self.ending, self.max_frames)
-        self._view.begin(self.console)
+        self._view.reset(self.console)
 
     def step(self, action: int) -> None:
-        """Execute the action at four frames, or fewer when the episode ends before.
+        """Execute the action for four frames, or until the episode ends.
 
         Raises:
             EpisodeEnded: the episode is over.
@@ -106,7 +104,7 @@ class AgentGame:
                 return
 
     def advance(self, action: int) -> None:
-        """Execute one frame: for replays, in which a person may change the action at any frame.
+        """Execute one frame, for replays of games with an action per frame.
 
         Raises:
             EpisodeEnded: the episode is over.
@@ -116,7 +114,7 @@ class AgentGame:
 
     def _advance(self, episode: Episode, action: int) -> None:
         episode.advance(action)
-        self._view.watch(self.console, episode.frame)
+        self._view.update(self.console, episode.frame)
         if episode.end is not None:
             self._view.finish_step(self.console, episode.frame)
 
@@ -131,7 +129,7 @@ class AgentGame:
 
     @property
     def steps(self) -> int:
-        """Steps executed since the start; one cut short by the end counts."""
+        """Steps executed since the start, including one cut short by the end."""
         return -(-self.episode.frame // game.FRAMES_PER_STEP)
 
     @property
@@ -149,7 +147,7 @@ class AgentGame:
         return AgentGameState(self.episode.save(), self._view.save())
 
     def restore(self, state: AgentGameState) -> None:
-        """Take up a saved state; ending, length and sticky actions stay this game's own."""
+        """Restore a saved state; ending, maximum length and sticky actions do not change."""
         if self._episode is None:
             self._episode = Episode(self.console, state.episode.start, self.ending, self.max_frames)
         self._episode.restore(state.episode)

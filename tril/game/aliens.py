@@ -1,8 +1,8 @@
-"""RAM to the absolute 6x6 grid of aliens, and the ends that the RAM shows.
+"""The absolute 6x6 grid of aliens and the ends of a game, from the RAM.
 
-The RAM keeps one byte per row of aliens in which bit 0 is the leftmost column *that still has
-aliens*: when that column empties, all rows shift right and the aliens' x jumps by a column. So the
-absolute grid takes a counter of these shifts, kept from the start of the game on.
+The RAM has one byte per row of aliens in which bit 0 is the leftmost column *that still has
+aliens*: when that column empties, all rows shift right and the aliens' x jumps by a column. The
+absolute grid therefore needs a count of these shifts since the start of the game.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class AlienGridState:
 
     Attributes:
         rows: one mask per row, bottom row first; bit 0 is the leftmost column of the game.
-        shifts: by how many columns the RAM's rows have been shifted.
+        shifts: number of columns by which the RAM's rows have been shifted.
         alien_x: the aliens' x in the RAM at the last update.
     """
 
@@ -39,10 +39,10 @@ class AlienGridState:
 
 @dataclass(frozen=True)
 class Formation:
-    """Where the full 6x6 grid of aliens stands on the screen, in pixels.
+    """The position of the full 6x6 grid on the screen, in pixels.
 
     Attributes:
-        left: of the first column; negative where that column is gone and the rest has moved on.
+        left: of the first column; may be negative once that column is gone.
         top: of the top row.
     """
 
@@ -51,27 +51,27 @@ class Formation:
 
 
 class AlienGrid:
-    """The aliens that are left in a game, by their place in the full grid."""
+    """The remaining aliens of a game, by their place in the full grid."""
 
     def __init__(self, ram: bytes) -> None:
-        """Begin at a start, where all 36 aliens stand.
+        """Begin at a start, with all 36 aliens.
 
         Raises:
-            ValueError: aliens are missing already.
+            ValueError: aliens are missing.
         """
         self._raw = ram[_ROWS]
         self._state = AlienGridState(alien_x=ram[game.RAM_ALIEN_X])
         if self._raw != bytes(_FULL_ROWS):
             raise ValueError(
-                "Expected all 36 aliens at the start of a game. Restore the state of a grid that"
-                " was followed from the start: the RAM alone does not tell the columns."
+                "Expected all 36 aliens at the start of a game. Later, restore the state of a grid"
+                " that was followed from the start: the RAM alone does not tell the columns."
             )
 
     def update(self, ram: bytes) -> list[tuple[int, int]]:
-        """Follow one frame; call it after every frame of a game.
+        """Update the grid; call it after every frame of a game.
 
         Returns:
-            The (row, column) of each alien that was hit in this frame.
+            The (row, column) of each alien hit in this frame.
         """
         raw = ram[_ROWS]
         alien_x = ram[game.RAM_ALIEN_X]
@@ -95,17 +95,17 @@ class AlienGrid:
 
     @property
     def alive(self) -> npt.NDArray[np.bool_]:
-        """The aliens that are left, bool (6, 6): row from the bottom, column from the left."""
+        """The remaining aliens, bool (6, 6): row from the bottom, column from the left."""
         cells = [[row >> column & 1 for column in range(game.COLUMNS)] for row in self._state.rows]
         return np.array(cells, np.bool_)
 
     @property
     def shifts(self) -> int:
-        """How many columns at the left have emptied: the column that the RAM's bit 0 stands for."""
+        """Number of emptied columns at the left: the column of the RAM's bit 0."""
         return self._state.shifts
 
     def formation(self, ram: Ram) -> Formation:
-        """Return where the grid stands on the screen of the frame that was followed last."""
+        """Return the position of the grid on the screen of the last update."""
         return Formation(
             left=int(ram[game.RAM_ALIEN_X]) + game.ALIEN_LEFT - game.COLUMN_WIDTH * self.shifts,
             top=game.TOP_ROW + game.ALIEN_Y_PX * int(ram[game.RAM_ALIEN_Y]),
@@ -116,13 +116,13 @@ class AlienGrid:
         return self._state
 
     def restore(self, state: AlienGridState) -> None:
-        """Take up a saved state."""
+        """Restore a saved state."""
         self._state = state
         self._raw = bytes(row >> state.shifts for row in state.rows)
 
 
 def in_play(ram: Ram) -> bool:
-    """Tell whether the game just goes on: neither hit nor landed nor cleared, nor in the intro."""
+    """Return whether the game goes on: neither hit nor landed nor cleared nor in the intro."""
     return not (
         ram[game.RAM_PHASE]
         or ram[game.RAM_LANDING] & game.RAM_LANDED_BIT
@@ -131,20 +131,20 @@ def in_play(ram: Ram) -> bool:
 
 
 def player_hit(ram: Ram) -> bool:
-    """Tell whether the player has been hit: true from the frame of the hit on."""
+    """Return whether the player has been hit: true from the frame of the hit on."""
     return int(ram[game.RAM_PHASE]) == game.PHASE_HIT
 
 
 def landed(ram: Ram) -> bool:
-    """Tell whether the aliens have reached the ground, which ends the game at once."""
+    """Return whether the aliens have reached the ground."""
     return bool(ram[game.RAM_LANDING] & game.RAM_LANDED_BIT)
 
 
 def cleared(ram: Ram) -> bool:
-    """Tell whether no alien is left."""
+    """Return whether no alien is left."""
     return int(ram[game.RAM_ALIENS_LEFT]) == 0
 
 
 def missile_in_air(ram: Ram) -> bool:
-    """Tell whether the player's one missile is in the air."""
+    """Return whether the player's missile is in the air."""
     return int(ram[game.RAM_MISSILE_Y]) != game.NO_MISSILE

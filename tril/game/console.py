@@ -1,4 +1,4 @@
-"""One machine: start, step, screen, RAM, save and restore."""
+"""The emulated console: start, step, screen, RAM, save and restore."""
 
 import hashlib
 import struct
@@ -24,11 +24,11 @@ _STATE_VERSION = 1
 
 @dataclass(frozen=True)
 class ConsoleState:
-    """A saved console. It can be restored into any console, in any process.
+    """A saved console, which can be restored into any console in any process.
 
     Attributes:
-        machine: the emulator's own state.
-        screen: the screen's palette values, 210 x 160 bytes; the emulator does not keep them.
+        machine: the emulator's state.
+        screen: the screen's palette values, 210 x 160 bytes, which the emulator's state lacks.
     """
 
     machine: ale_py.ALEState
@@ -55,53 +55,53 @@ class ConsoleState:
         return cls(machine, zlib.decompress(data[end:]))
 
 
-KnownStarts = dict[Start, ConsoleState]
-"""Consoles saved at their starts; consoles of one process can share them."""
+StartCache = dict[Start, ConsoleState]
+"""Console states at starts, to be shared by the consoles of a process."""
 
 
 class Console:
     """One emulated console with Space Invaders in it.
 
-    The game is a deterministic function of the start and the actions since. A start that was
-    reached before is restored instead of played through again, which is the same and faster.
+    The game is a deterministic function of the start and the actions since. A start reached before
+    is restored from the cache instead of played again, with the same result.
     """
 
-    def __init__(self, known_starts: KnownStarts | None = None) -> None:
+    def __init__(self, start_cache: StartCache | None = None) -> None:
         """Load the ROM; takes about 0.1 s.
 
         Args:
-            known_starts: starts already reached, shared with other consoles of this process, also
-                those of other threads.
+            start_cache: starts reached before, shared with other consoles and threads of this
+                process.
         """
         ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
         self._ale = ale_py.ALEInterface()
         self._ale.setFloat("repeat_action_probability", 0.0)
         self._ale.setBool("sound", False)
         self._ale.loadROM(game.rom_path())
-        self._known_starts: KnownStarts = {} if known_starts is None else known_starts
+        self._start_cache: StartCache = {} if start_cache is None else start_cache
         self._ram = np.empty(game.RAM_SIZE, np.uint8)
-        # The emulator's screen is the one before a restore until the next frame is drawn.
+        # After a restore, the emulator shows the old screen until the next frame is drawn.
         self._restored_screen: Screen | None = None
 
     def start(self, start: Start) -> None:
-        """Begin a game: reset, then run the intro and the start's idle frames unseen."""
-        state = self._known_starts.get(start)
+        """Begin a game: reset, run the intro and the start's idle frames."""
+        state = self._start_cache.get(start)
         if state is None:
             self._play_to(start)
-            state = self._known_starts[start] = self.save()
-        # Also after playing to it: a start is then the same thing however it was reached.
+            state = self._start_cache[start] = self.save()
+        # Also after playing to it, so that a start is the same however it was reached.
         self.restore(state)
 
     def _play_to(self, start: Start) -> None:
         earlier = [
             known
-            for known in list(self._known_starts)  # another thread may add one
+            for known in list(self._start_cache)  # another thread may add one
             if (known.mode, known.difficulty) == (start.mode, start.difficulty)
             and known.idle_frames < start.idle_frames
         ]
         if earlier:
             nearest = max(earlier)
-            self.restore(self._known_starts[nearest])
+            self.restore(self._start_cache[nearest])
             frames = start.idle_frames - nearest.idle_frames
         else:
             self._ale.setMode(start.mode)
@@ -127,16 +127,16 @@ class Console:
         return self._ram.tobytes()
 
     def ram_hash(self) -> str:
-        """Return a short stable digest of the RAM: 16 hexadecimal digits of BLAKE2b."""
+        """Return a digest of the RAM: 16 hexadecimal digits of BLAKE2b."""
         return hashlib.blake2b(self.ram_bytes(), digest_size=8).hexdigest()
 
     @property
     def lives(self) -> int:
-        """Lives by the emulator's count, which drops 128 to 131 frames after the hit."""
+        """The emulator's count of lives, which drops 128 to 131 frames after the hit."""
         return int(self._ale.lives())
 
     def screen_palette(self, out: Screen | None = None) -> Screen:
-        """Return the screen, uint8 (210, 160) of palette values, filled into out if given."""
+        """Return the screen, uint8 (210, 160) of palette values, in out if given."""
         if out is None:
             out = np.empty(game.SCREEN_SHAPE, np.uint8)
         if self._restored_screen is None:
@@ -146,7 +146,7 @@ class Console:
         return out
 
     def screen_grayscale(self, out: Screen | None = None) -> Screen:
-        """Return the screen, uint8 (210, 160) of grays from 0 to 255, filled into out if given."""
+        """Return the screen, uint8 (210, 160) of grays from 0 to 255, in out if given."""
         gray = cv2.LUT(self.screen_palette(), palette_grayscale(), dst=out)
         return np.asarray(gray, np.uint8)
 
@@ -155,11 +155,11 @@ class Console:
         return palette_rgb()[self.screen_palette()]
 
     def save(self) -> ConsoleState:
-        """Return the whole state of the console."""
+        """Return the state of the console."""
         return ConsoleState(self._ale.cloneState(), self.screen_palette().tobytes())
 
     def restore(self, state: ConsoleState) -> None:
-        """Take up a saved state; the frames that follow are those that followed it then."""
+        """Restore a saved state; equal actions then give equal frames."""
         self._ale.restoreState(state.machine)
         self._restored_screen = np.frombuffer(state.screen, np.uint8).reshape(game.SCREEN_SHAPE)
 

@@ -1,4 +1,4 @@
-"""Held keys to action: the only key table."""
+"""The mapping between held keys and actions."""
 
 from collections.abc import Mapping
 from enum import IntFlag
@@ -8,7 +8,7 @@ from tril.game.space_invaders import Action
 
 
 class Keys(IntFlag):
-    """The keys that are held; the value is the byte in the play protocol."""
+    """The held keys; the value is the byte in the play protocol."""
 
     LEFT = 1
     RIGHT = 2
@@ -28,10 +28,10 @@ _ACTIONS = {
 
 
 def action_for(keys: Keys) -> Action:
-    """Return the action that the held keys stand for.
+    """Return the action of the held keys.
 
-    Left and right held together cancel out, as on a joystick that cannot lean both ways. Fire may
-    be held: the game itself shoots again as soon as its one missile is gone.
+    Left and right cancel out, as on a joystick. While fire is held, the game shoots again as soon
+    as its one missile is gone.
     """
     return _ACTIONS[_MOVES[keys & (Keys.LEFT | Keys.RIGHT)], bool(keys & Keys.FIRE)]
 
@@ -40,7 +40,7 @@ _KEYS = {action_for(keys): keys for keys in map(Keys, (0, 1, 2, 4, 5, 6))}
 
 
 def keys_for(action: int) -> Keys:
-    """Return the held keys that stand for an action, never left and right at once."""
+    """Return the held keys of an action, never both left and right."""
     return _KEYS[Action(action)]
 
 
@@ -55,4 +55,4 @@ DEFAULT_KEY_CODES: Mapping[str, Keys] = MappingProxyType(
         "KeyW": Keys.FIRE,
     }
 )
-"""A browser's `KeyboardEvent.code` (the key's place, whatever the layout) to the key it holds."""
+"""Keys by `KeyboardEvent.code`, the physical key independent of the layout."""

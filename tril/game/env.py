@@ -18,10 +18,9 @@ from tril.game.agent import AgentGame, StickyActions
 from tril.game.console import Console
 from tril.game.episode import Ending, EndReason, Hit, Start, draw_start
 from tril.game.observation import OBSERVATION_SHAPE, Observation
+from tril.game.space_invaders import Cell
 
 ENV_ID = "tril/SpaceInvaders-v0"
-
-Cell = tuple[int, int]
 
 EnvReward = Literal["points", "shots", "none"]
 
@@ -32,30 +31,29 @@ def points_of(hits: Iterable[Hit]) -> int:
 
 
 class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
-    """Space Invaders as Tril's agents see and end it.
+    """Space Invaders with the observations and episode ends of Tril's agents.
 
-    A step is four frames of one action. Observations are uint8 (4, 84, 84), actions the six
-    minimal ones. An episode is terminated by the hit on the player, or when the aliens are gone or
-    have landed, and truncated after 300 steps.
+    A step executes one action for four frames. Observations are uint8 (4, 84, 84); there are six
+    actions. An episode terminates when the player is hit, the aliens are cleared or they have
+    landed, and is truncated after 300 steps.
 
-    The reward is the points of the aliens shot (5 to 30 by row), or 1 for each missile fired, or
-    always 0: a learned reward can then be put on top by a wrapper. The bonus ship, which
-    observations do not show, pays nothing.
+    The reward is the points of the aliens shot (5 to 30 by row), 1 for each missile fired, or 0 for
+    a learned reward added by a wrapper. The bonus ship, which observations do not show, gives none.
 
     `info` holds `hits` (list of (row from the bottom, column from the left), from 0, in order of
     time), `frame`, `end` (why the episode ended, None while it goes on), `start` (its idle frames),
-    `executed_actions` (of the step's frames) and, where a target is given, `targets` and `strays`
-    (how many hits were inside and outside of it).
+    `executed_actions` (of the step's frames) and, if a target is given, `targets` and `strays`
+    (the number of hits inside and outside of it).
 
     Args:
-        target: the cells of the behaviour that is taught, if hits describe it.
-        start: how every game begins; None draws one for each, never an evaluation start.
+        target: the target cells of the taught behaviour, if any.
+        start: how every episode begins; None draws one for each, never an evaluation start.
         ending: which rule for the player's death ends an episode: "hit" or "life_counter".
         reward: "points", "shots" or "none".
-        sticky_action_probability: of repeating, at any frame, the action of the frame before.
+        sticky_action_probability: of repeating, at any frame, the previous frame's action.
         render_mode: None or "rgb_array".
 
-    `reset(options=...)` takes `target`, `start` and `ending` for the episodes from then on.
+    `reset(options=...)` takes `target`, `start` and `ending` for this and later episodes.
     """
 
     metadata = {  # noqa: RUF012 - as gymnasium declares it
@@ -91,7 +89,7 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
         """Begin an episode; see gymnasium.Env.
 
         Raises:
-            ValueError: there is no such option.
+            ValueError: an option is unknown.
         """
         super().reset(seed=seed)
         given = dict(options or {})
@@ -122,7 +120,7 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
         )
 
     def _earned(self) -> int:
-        """Return what the episode has paid so far."""
+        """Return the episode's reward so far."""
         match self._reward:
             case "points":
                 return points_of(self._game.hits)
@@ -152,11 +150,7 @@ class SpaceInvadersEnv(gymnasium.Env[Observation, np.int64]):
 
 
 def _cells(target: Sequence[Cell] | None) -> frozenset[Cell] | None:
-    """Check and return target cells.
-
-    Raises:
-        ValueError: a cell lies outside of the grid.
-    """
+    """Return target cells; raise ValueError for cells outside of the grid."""
     if target is None:
         return None
     cells = frozenset((int(row), int(column)) for row, column in target)

@@ -1,4 +1,4 @@
-"""One game on one console, from its start to its end, and how it ends."""
+"""An episode: one game on a console from its start to its end."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -31,6 +31,7 @@ from tril.game.starts import (
 )
 
 __all__ = [
+    "DEATHS",
     "EVALUATION_STARTS",
     "EVALUATION_START_COUNT",
     "TRAINING_IDLE_FRAMES",
@@ -49,14 +50,14 @@ __all__ = [
 
 
 class EpisodeEnded(Conflict):
-    """A frame was asked of an episode that is over."""
+    """The episode is over."""
 
 
 class Ending(StrEnum):
-    """What of the player's death ends an episode.
+    """When the player's death ends an episode.
 
-    HIT: the frame in which the player is hit. LIFE_COUNTER: the frame in which the emulator counts
-    one life less, 128 to 131 frames later, as in the published work.
+    HIT: at the frame of the hit. LIFE_COUNTER: when the emulator's count of lives drops, 128 to 131
+    frames later, as in the published work.
     """
 
     HIT = "hit"
@@ -64,16 +65,17 @@ class Ending(StrEnum):
 
 
 class EndReason(StrEnum):
-    """Why an episode ended.
-
-    Of reasons that hold in the same frame the first in this order is given.
-    """
+    """Why an episode ended; the first in this order if several apply."""
 
     HIT = "hit"
     LIVES = "lives"
     LANDED = "landed"
     CLEARED = "cleared"
     STEPS = "steps"
+
+
+DEATHS = frozenset({EndReason.HIT, EndReason.LIVES})
+"""The ends that the player's death brings, by either rule."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ class Hit:
     Attributes:
         row: from 0 at the bottom.
         column: from 0 at the left.
-        frame: how many frames of the episode had been executed then, at least 1.
+        frame: number of frames of the episode executed by then, at least 1.
     """
 
     row: int
@@ -107,13 +109,13 @@ class EpisodeState:
 
 
 class Episode:
-    """One game on one console: the same for play at 60 Hz, for agents and for replays.
+    """One game on a console, whether played by a person, by an agent or replayed.
 
     Attributes:
         console: the console that the game runs on.
         start: how the game began.
         ending: which rule for the player's death ends it.
-        max_frames: after how many frames it ends in any case.
+        max_frames: maximum length.
         end: why it ended, None while it goes on.
         shots: missiles that left the cannon.
     """
@@ -148,7 +150,7 @@ class Episode:
 
     @property
     def frame(self) -> int:
-        """How many frames have been executed since the start."""
+        """Number of frames executed since the start."""
         return len(self._actions)
 
     @property
@@ -158,7 +160,7 @@ class Episode:
 
     @property
     def last_action(self) -> int:
-        """The action executed last; the idle frames before the first have none held."""
+        """The last executed action, NOOP at the start."""
         return self._actions[-1] if self._actions else game.Action.NOOP
 
     @property
@@ -168,17 +170,17 @@ class Episode:
 
     @property
     def aliens(self) -> npt.NDArray[np.bool_]:
-        """The aliens left, bool (6, 6): row from the bottom, column from the left."""
+        """The remaining aliens, bool (6, 6): row from the bottom, column from the left."""
         return self._grid.alive
 
     @property
     def shifts(self) -> int:
-        """The absolute column that bit 0 of the RAM's alien rows stands for."""
+        """The absolute column of bit 0 of the RAM's alien rows."""
         return self._grid.shifts
 
     @property
     def formation(self) -> Formation:
-        """Where the grid of aliens stands on the screen: for pictures, never for learning."""
+        """The position of the grid on the screen: for pictures, never for learning."""
         return self._grid.formation(self.console.ram_bytes())
 
     def advance(self, action: int) -> None:
@@ -219,7 +221,7 @@ class Episode:
         return None
 
     def save(self) -> EpisodeState:
-        """Return the state of the episode and of its console."""
+        """Return the state of the episode and its console."""
         return EpisodeState(
             console=self.console.save(),
             start=self.start,
@@ -233,7 +235,7 @@ class Episode:
         )
 
     def restore(self, state: EpisodeState) -> None:
-        """Take up a saved state, of this episode or of another; ending and length stay."""
+        """Restore the state of this or another episode; ending and max_frames do not change."""
         self.console.restore(state.console)
         self.start = state.start
         self._actions = bytearray(state.actions)

@@ -1,7 +1,7 @@
-"""Screens to observation: the only preprocessing.
+"""Observations from screens: the only preprocessing.
 
-An observation is the last four steps' screens, oldest first. The screen of a step is the maximum
-of the step's last two frames in grayscale (bombs are drawn on even frames only), reduced to 84x84
+An observation stacks the screens of the last four steps, oldest first. The screen of a step is the
+maximum of its last two frames in grayscale (bombs are drawn on even frames only), resized to 84x84
 by cv2.INTER_AREA, with the score's rows zeroed. Values are uint8 from 0 to 255.
 """
 
@@ -24,12 +24,11 @@ Observation = npt.NDArray[np.uint8]
 """uint8 (4, 84, 84), oldest screen first, 0 to 255."""
 
 Observations = npt.NDArray[np.uint8]
-"""uint8 (N, 4, 84, 84): some of them, in any order in memory."""
+"""uint8 (N, 4, 84, 84), in any memory order."""
 
-# A tile of the screen, 5 rows x 40 columns, makes a tile of the observation, 2 rows x 21 columns,
-# whatever is around it, because the borders coincide (210 / 84 = 5 / 2 and 160 / 84 = 40 / 21). So
-# tiles can be reduced apart, and those that did not change need not be reduced again. There are
-# none where the score is.
+# A tile of the screen, 5 rows x 40 columns, maps to a tile of the observation, 2 rows x 21 columns,
+# since their borders coincide (210 / 84 = 5 / 2 and 160 / 84 = 40 / 21). Tiles can therefore be
+# resized independently, and only those that changed. The score's rows have none.
 _TILE_ROWS, _TILE_COLUMNS = 5, 40
 _REDUCED_ROWS, _REDUCED_COLUMNS = 2, 21
 _SCORE_ROWS = game.SCORE_ROWS // _REDUCED_ROWS * _TILE_ROWS
@@ -41,10 +40,10 @@ Indices = npt.NDArray[np.intp]
 
 
 def check_observations(observations: Observations) -> None:
-    """Refuse what is no batch of observations.
+    """Check that an array is a batch of observations.
 
     Raises:
-        ValueError: The observations have another shape or dtype.
+        ValueError: the shape or dtype is wrong.
     """
     if observations.shape[1:] != OBSERVATION_SHAPE or observations.dtype != np.uint8:
         raise ValueError(
@@ -54,7 +53,7 @@ def check_observations(observations: Observations) -> None:
 
 
 def _tiles_of(shape: tuple[int, int], tile_shape: tuple[int, int], first_row: int) -> Indices:
-    """Return the flat indices of an array's items below first_row by tile, (tiles, items)."""
+    """Return flat indices of an array's items from first_row on by tile, (tiles, items)."""
     rows, columns = tile_shape
     indices = np.arange(shape[0] * shape[1]).reshape(shape)[first_row:]
     tiles = indices.reshape(-1, rows, shape[1] // columns, columns).transpose(0, 2, 1, 3)
@@ -83,7 +82,7 @@ def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
     """Return the screen of a step, uint8 (84, 84), from its last two frames.
 
     Args:
-        first: the frame before the last, uint8 (210, 160) grayscale.
+        first: the second-to-last frame, uint8 (210, 160) grayscale.
         second: the last frame, uint8 (210, 160) grayscale.
     """
     reduced = np.zeros(SIZE * SIZE, np.uint8)
@@ -93,7 +92,7 @@ def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
 
 
 def _reduce(tiles: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Reduce tiles in grayscale to tiles of an observation.
+    """Resize grayscale tiles to tiles of an observation.
 
     Args:
         tiles: uint8 (tiles, 400): the 5 x 40 pixels of the first frame, then of the second.
@@ -114,8 +113,8 @@ class AgentViewState:
 
     Attributes:
         observation: 4 x 84 x 84 bytes.
-        first: palette values of the step's third frame, 210 x 160 bytes, when that frame was the
-            last one watched; None otherwise.
+        first: palette values of the step's third frame, 210 x 160 bytes, if that was the last
+            frame, else None.
     """
 
     observation: bytes
@@ -123,31 +122,31 @@ class AgentViewState:
 
 
 class AgentViews:
-    """What agents see of several games, kept up to date frame by frame.
+    """Observations of several games, updated frame by frame.
 
-    Only the tiles of a screen that differ from the step before are reduced again, which gives what
-    `preprocess` gives in a third of the time. It happens when an observation is asked for, for all
-    games at once: who steps several games gains by stepping them all first.
+    Only tiles that differ from the previous step are resized, which equals `preprocess` in a third
+    of the time. This happens lazily and for all games at once, so step all games before reading an
+    observation.
 
     Attributes:
-        stacks: the observations as of the last completion, uint8 (n, 4, 84, 84).
+        stacks: the observations as of the last flush, uint8 (n, 4, 84, 84).
         frames: the last two frames in palette values, uint8 (n, 2, 210, 160).
     """
 
     def __init__(self, n_games: int, stacks: Observation | None = None) -> None:
-        """Make views that see nothing yet: call begin on each.
+        """Allocate the views; call reset on each.
 
         Args:
-            n_games: how many.
-            stacks: memory for the observations, uint8 (n, 4, 84, 84), if it is not to be its own.
+            n_games: number of games.
+            stacks: memory for the observations, uint8 (n, 4, 84, 84); None allocates it.
         """
         shape = (n_games, *OBSERVATION_SHAPE)
         self.stacks = np.zeros(shape, np.uint8) if stacks is None else stacks
         self._stacks_before = self.stacks
         self.frames = np.zeros((n_games, 2, *game.SCREEN_SHAPE), np.uint8)
         self._words = self.frames.reshape(-1).view(_WORD)
-        # Of both frames what is below the score; of the step before, its second frame and where
-        # its two frames differed.
+        # Both frames below the score; of the previous step, its second frame and where its two
+        # frames differed.
         below = self._words.reshape(n_games, 2, -1)[:, :, _SCORE_WORDS:]
         self._first, self._second = below[:, 0], below[:, 1]
         self._second_before = np.zeros_like(self._second)
@@ -159,8 +158,8 @@ class AgentViews:
         tile_pixels = _TILE_PIXELS + games * _STACK_PIXELS + _NEWEST
         self._tile_pixels = tile_pixels.reshape(-1, _TILE_PIXELS.shape[1])
         self._grays = palette_grayscale()
-        # Which games have a whole step to be pushed, of which the step before is not known, and
-        # which are at their start.
+        # Which games have a complete step to push, whose previous step is unknown, and which are
+        # at their start.
         self._to_push = np.zeros(n_games, np.bool_)
         self._is_complete = True
         self._unknown = np.ones(n_games, np.bool_)
@@ -168,41 +167,41 @@ class AgentViews:
         self._any_unknown = True
 
     def __iter__(self) -> Iterator["AgentView"]:
-        """Return the views of the games one by one."""
+        """Yield the views of the single games."""
         return (AgentView(self, index) for index in range(len(self.stacks)))
 
     def push(self, index: int) -> None:
-        """Note that both frames of a game are the last ones of a step."""
+        """Mark a game's frames as the last two of a step."""
         self._to_push[index] = True
         self._is_complete = False
 
-    def begin(self, index: int) -> None:
-        """Note that both frames of a game are its start's."""
-        self.forget(index)
+    def reset(self, index: int) -> None:
+        """Mark a game's frames as those of its start."""
+        self.invalidate(index)
         self._at_start[index] = True
         self.push(index)
 
-    def forget(self, index: int) -> None:
-        """Note that what was seen of a game says nothing about what comes."""
+    def invalidate(self, index: int) -> None:
+        """Discard the previous step of a game."""
         self._to_push[index] = self._at_start[index] = False
         self._unknown[index] = self._any_unknown = True
 
-    def turn_to(self, stacks: Observation) -> None:
-        """Write the observations into other memory from now on; the old keeps those of now."""
-        self.complete()
+    def set_output(self, stacks: Observation) -> None:
+        """Switch to other memory for the observations; the old keeps the current ones."""
+        self.flush()
         self.stacks = stacks
         self._is_complete = False
 
-    def complete_of(self, index: int) -> None:
-        """Complete at least this game's step, if it is whole and has not been pushed."""
+    def flush_game(self, index: int) -> None:
+        """Flush if this game has a pending step."""
         if self._to_push[index]:
-            self.complete()
+            self.flush()
 
-    def complete(self) -> None:
-        """Push the screens of all whole steps that have not been pushed onto their stacks."""
+    def flush(self) -> None:
+        """Push the screens of all pending steps onto their stacks."""
         if self._is_complete:
             return
-        # No indices where none are needed: slices make views instead of copies.
+        # A slice if possible: it makes views instead of copies.
         pushed = slice(None) if self._to_push.all() else self._to_push.nonzero()[0]
         stacks = self._roll(pushed)
         tiles = self._changed_tiles(pushed)
@@ -221,7 +220,7 @@ class AgentViews:
         self._is_complete = True
 
     def _roll(self, pushed: slice | Indices) -> Observation:
-        """Make room for the newest screens; what stands there is the screen before."""
+        """Shift the stacks; the newest screen starts as a copy of the one before."""
         stacks, before = self.stacks, self._stacks_before
         self._stacks_before = stacks
         if before is not stacks and isinstance(pushed, slice):
@@ -234,10 +233,10 @@ class AgentViews:
         return stacks
 
     def _changed_tiles(self, pushed: slice | Indices) -> Indices:
-        """Return the indices of the tiles to reduce, _TILES for each game.
+        """Return the indices of the tiles to resize, _TILES per game.
 
-        A tile has not changed where the second frame is that of the step before and the first
-        frame equals the second, in this step as in the one before.
+        A tile is unchanged if the second frame equals that of the previous step and, in both steps,
+        the first frame equals the second.
         """
         second = self._second[pushed]
         differ = self._first[pushed] != second
@@ -257,14 +256,14 @@ class AgentViews:
 
 
 class AgentView:
-    """What an agent sees of a game, kept up to date frame by frame."""
+    """The observation of one game, updated frame by frame."""
 
     def __init__(self, views: AgentViews | None = None, index: int = 0) -> None:
-        """Make a view that sees nothing yet: call begin.
+        """Make a view; call reset.
 
         Args:
-            views: the views it is one of, if it is not alone.
-            index: which one.
+            views: the views that it belongs to; None makes its own.
+            index: its index among them.
         """
         self._views = AgentViews(1) if views is None else views
         self._index = index
@@ -273,26 +272,26 @@ class AgentView:
 
     @property
     def _stack(self) -> Observation:
-        self._views.complete()
+        self._views.flush()
         return np.asarray(self._views.stacks[self._index], np.uint8)
 
-    def begin(self, console: Console) -> None:
-        """Begin a game: the stack holds the start's screen four times."""
+    def reset(self, console: Console) -> None:
+        """Begin a game: fill the stack with the start's screen."""
         console.screen_palette(self._first)
         self._second[:] = self._first
         self._has_first = False
-        self._views.begin(self._index)
+        self._views.reset(self._index)
 
-    def watch(self, console: Console, frame: int) -> None:
-        """Look at the console after a frame; call it after every frame.
+    def update(self, console: Console, frame: int) -> None:
+        """Read the screen if the frame matters; call it after every frame.
 
         Args:
             console: the console that ran the frame.
-            frame: how many frames have been executed since the start, at least 1.
+            frame: number of frames executed since the start, at least 1.
         """
         frame_of_step = frame % game.FRAMES_PER_STEP
         if frame_of_step == game.FRAMES_PER_STEP - 1:
-            self._views.complete_of(self._index)
+            self._views.flush_game(self._index)
             console.screen_palette(self._first)
             self._has_first = True
         elif frame_of_step == 0:
@@ -301,23 +300,22 @@ class AgentView:
             self._views.push(self._index)
 
     def finish_step(self, console: Console, frame: int) -> None:
-        """Complete the step in which an episode ended, so that its end can be seen.
+        """Complete the step in which an episode ended, so that the observation shows its end.
 
-        The rest of the step runs on the console with no key held. It is no part of the episode
-        and is not recorded. Nothing happens where the episode ended with a whole step.
+        The rest of the step runs on the console with no key held and is not part of the episode.
 
         Args:
-            console: the console; it is ahead of the episode afterwards.
+            console: the console, ahead of the episode afterwards.
             frame: the episode's last frame.
         """
         while frame % game.FRAMES_PER_STEP:
             console.act(game.Action.NOOP)
             frame += 1
-            self.watch(console, frame)
+            self.update(console, frame)
 
     @property
     def observation(self) -> Observation:
-        """The observation as of the last whole step, uint8 (4, 84, 84), a fresh array."""
+        """The observation as of the last complete step, uint8 (4, 84, 84), a fresh array."""
         return self._stack.copy()
 
     def observe(self, out: Observation) -> None:
@@ -330,9 +328,9 @@ class AgentView:
         return AgentViewState(self._stack.tobytes(), first)
 
     def restore(self, state: AgentViewState) -> None:
-        """Take up a saved state."""
+        """Restore a saved state."""
         self._stack[:] = np.frombuffer(state.observation, np.uint8).reshape(OBSERVATION_SHAPE)
         self._has_first = state.first is not None
         if state.first is not None:
             self._first[:] = np.frombuffer(state.first, np.uint8).reshape(game.SCREEN_SHAPE)
-        self._views.forget(self._index)
+        self._views.invalidate(self._index)

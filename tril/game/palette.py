@@ -1,11 +1,11 @@
-"""The colours of the console, by palette value, as the emulator shows them."""
+"""The emulator's colours by palette value."""
 
 from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
-# One line per hue, eight luminances each, as RGB in hexadecimal: what an NTSC console sends.
+# NTSC colours as hexadecimal RGB: one line per hue, eight luminances each.
 _NTSC_COLOURS = """
 000000 4a4a4a 6f6f6f 8e8e8e aaaaaa c0c0c0 d6d6d6 ececec
 484800 69690f 86861d a2a22a bbbb35 d2d240 e8e84a fcfc54
@@ -33,8 +33,7 @@ _LUMA = (0.2989, 0.5870, 0.1140)
 def palette_rgb() -> npt.NDArray[np.uint8]:
     """Return the colours, uint8 (256, 3) RGB, indexed by palette value; read-only.
 
-    Colours stand at the even values, which are the only ones on a screen; the odd value after
-    each is its shade of gray.
+    Colours are at the even values, the only ones on a screen; the odd value after each is its gray.
     """
     colours = np.frombuffer(bytes.fromhex(_NTSC_COLOURS), np.uint8).reshape(-1, 3)
     palette = np.empty((256, 3), np.uint8)

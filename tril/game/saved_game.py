@@ -1,4 +1,4 @@
-"""An AgentGame's saved state as bytes, without pickle."""
+"""Serialisation of a saved AgentGame without pickle."""
 
 import json
 import struct

@@ -1,8 +1,8 @@
-"""Every fact about Space Invaders that the project relies on; a second game is a second module.
+"""All facts about Space Invaders; another game would be another module.
 
-The addresses, positions and times were read off the emulator (ALE 0.12.1) and are held by the
-tests in tests/game. Columns count from 0 at the left and rows from 0 at the bottom, here and in
-all code; people are shown them counted from 1.
+The addresses, positions and times were measured on the emulator (ALE 0.12.1) and are verified by
+tests. Rows count from 0 at the bottom and columns from 0 at the left in all code; the page shows
+them from 1.
 """
 
 import hashlib
@@ -23,16 +23,19 @@ MAX_STEPS = 300
 MAX_FRAMES = MAX_STEPS * FRAMES_PER_STEP
 
 INTRO_FRAMES = 128
-"""Frames after a reset in which nothing moves and keys do nothing."""
+"""Frames after a reset in which nothing moves and keys have no effect."""
 
 MAX_IDLE_FRAMES = 127
-"""A start idles 0 to this many frames after the intro."""
+"""Maximum number of a start's idle frames after the intro."""
 
 MODES = (0,)
-"""Modes in which the reading of the aliens is tested; the cartridge has 16."""
+"""Modes in which the detection of aliens is tested; the cartridge has 16."""
 
 DIFFICULTIES = (0, 1)
-"""1 makes the player's cannon twice as wide."""
+"""1 doubles the width of the player's cannon."""
+
+Cell = tuple[int, int]
+"""(row from the bottom, column from the left), both from 0, in the grid of aliens."""
 
 ROWS = 6
 COLUMNS = 6
@@ -40,11 +43,11 @@ POINTS = (5, 10, 15, 20, 25, 30)
 """Points for an alien, by row from the bottom."""
 
 BACKGROUND = 0
-"""Value of the black background, in palette values as in grayscale."""
+"""Value of the black background, as palette value and in grayscale."""
 
 SCORE_ROWS = 10
-"""Rows of the 84x84 observation, from the top, that are zeroed: they hold the score, the bonus ship
-and the last of a missile's flight. The topmost aliens start at row 12."""
+"""Rows at the top of the 84x84 observation that are zeroed: they show the score, the bonus ship and
+the end of a missile's flight. The topmost aliens start at row 12."""
 
 
 class Action(IntEnum):
@@ -84,7 +87,7 @@ RAM_SCORE_LOW = 104
 PHASE_PLAY = 0
 PHASE_INTRO = 1
 PHASE_HIT = 4
-"""The player has been hit, from the very frame of the hit on."""
+"""The player has been hit, from the frame of the hit on."""
 PHASE_CLEARED = 8
 
 NO_MISSILE = 246
@@ -107,7 +110,7 @@ RAM_NAMES = {
     RAM_SCORE_HIGH: "score, hundreds (BCD)",
     RAM_SCORE_LOW: "score, units (BCD)",
 }
-"""What people call the addresses above; rows and bombs are counted from 1."""
+"""Display names of the addresses above; rows and bombs count from 1."""
 
 # Geometry in pixels.
 COLUMN_WIDTH = 16
@@ -145,6 +148,6 @@ def rom_path() -> str:
 
 @cache
 def rom_md5() -> str:
-    """Return the MD5 of the ROM in hexadecimal: a recording only replays on this very ROM."""
+    """Return the MD5 of the ROM in hexadecimal; recordings replay on this ROM only."""
     with open(rom_path(), "rb") as rom:
         return hashlib.md5(rom.read(), usedforsecurity=False).hexdigest()

@@ -1,4 +1,4 @@
-"""How a game begins, and which starts are kept for evaluation."""
+"""How a game begins, and which starts are reserved for evaluation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ EVALUATION_START_COUNT = 32
 
 
 class UnknownStart(Invalid):
-    """A start or start number that the game does not have or the project does not support."""
+    """A start or start number that does not exist or is not supported."""
 
 
 @dataclass(frozen=True, order=True)
 class Start:
-    """How a game begins. The 128 intro frames come first and are no part of it.
+    """How a game begins, after the 128 frames of the intro.
 
     Attributes:
         idle_frames: frames after the intro in which no key is held, 0 to 127.
@@ -41,18 +41,18 @@ class Start:
             )
         if self.mode not in game.MODES:
             raise UnknownStart(
-                f"Expected game mode 0, got {self.mode}: reading the aliens is only tested in"
-                " mode 0, so games in other modes are not accepted."
+                f"Expected game mode 0, got {self.mode}: the detection of aliens is only tested in"
+                " mode 0."
             )
         if self.difficulty not in game.DIFFICULTIES:
             raise UnknownStart(f"Expected difficulty 0 or 1, got {self.difficulty}.")
 
 
 def _permutation() -> tuple[int, ...]:
-    """Return the fixed order of the idle frames 0..127.
+    """Return the idle frames 0..127 in a fixed order.
 
-    49 is coprime to 128, so the values run through all of them, far apart from one to the next
-    and spread evenly over the four phases of the frame skip.
+    49 is coprime to 128, so the sequence visits all values, with distant neighbours and evenly
+    spread over the four phases of the frame skip.
     """
     count = game.MAX_IDLE_FRAMES + 1
     return tuple((11 + 49 * n) % count for n in range(count))
@@ -64,12 +64,11 @@ EVALUATION_IDLE_FRAMES: tuple[int, ...] = _permutation()[:EVALUATION_START_COUNT
 EVALUATION_STARTS: tuple[Start, ...] = tuple(Start(idle) for idle in EVALUATION_IDLE_FRAMES)
 
 TRAINING_IDLE_FRAMES: tuple[int, ...] = tuple(sorted(_permutation()[EVALUATION_START_COUNT:]))
-"""The idle frames that play, the demonstrator and training draw from: none is an evaluation
-start."""
+"""The idle frames for play, demonstrations and training; none is of an evaluation start."""
 
 
 def spread_starts(count: int, idle_frames: Sequence[int] = TRAINING_IDLE_FRAMES) -> list[Start]:
-    """Return starts spread evenly over those with these idle frames, at most all of them."""
+    """Return starts spread evenly over these idle frames, at most all of them."""
     places = np.linspace(0, len(idle_frames) - 1, min(count, len(idle_frames)))
     return [Start(idle_frames[round(place)]) for place in places]
 
@@ -78,7 +77,7 @@ def evaluation_start(number: int) -> Start:
     """Return the evaluation start with this start number.
 
     Raises:
-        UnknownStart: there is no such number.
+        UnknownStart: the number is out of range.
     """
     if not 0 <= number < EVALUATION_START_COUNT:
         raise UnknownStart(
@@ -88,15 +87,12 @@ def evaluation_start(number: int) -> Start:
 
 
 def evaluation_number(start: Start) -> int | None:
-    """Return the start number of this start, or None when it is no evaluation start.
-
-    The difficulty does not matter: a start that was seen at the other difficulty counts as seen.
-    """
+    """Return the start number of an evaluation start at any difficulty, None for others."""
     if start.idle_frames not in EVALUATION_IDLE_FRAMES:
         return None
     return EVALUATION_IDLE_FRAMES.index(start.idle_frames)
 
 
 def draw_start(rng: np.random.Generator) -> Start:
-    """Draw a start for play, the demonstrator or training: never an evaluation start."""
+    """Draw a start for play, demonstrations or training, never an evaluation start."""
     return Start(TRAINING_IDLE_FRAMES[rng.integers(len(TRAINING_IDLE_FRAMES))])

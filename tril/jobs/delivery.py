@@ -1,4 +1,4 @@
-"""Brings runs to workers and heals whatever a crash left half done."""
+"""Brings runs to workers and repairs what a crash left half done."""
 
 from __future__ import annotations
 
@@ -21,35 +21,37 @@ from tril.store.training import leases, runs
 log = logging.getLogger(__name__)
 
 LOST_AFTER_S = 30.0
-"""A worker is given up once its run did not move for this long, by the watcher's own clock."""
+"""A lease is revoked once its run did not change for this long, by the watcher's own clock."""
 
 RECONCILE_EVERY_S = 5.0
 
 ACTIVE = frozenset({"ENQUEUED", "DELAYED", "PENDING"})
 GIVEN_UP = "MAX_RECOVERY_ATTEMPTS_EXCEEDED"
 GIVEN_UP_MESSAGE = (
-    "The worker ended without a word each time it tried to go on, so it no longer tries. It may "
-    "have run out of memory. Resume to try again."
+    "The worker died each time it took this training up, so it is not tried any more. It may have "
+    "run out of memory. Resume to try again."
 )
 
 
-@dataclass
-class _Sighting:
-    seen: Any
-    since: float
+@dataclass(frozen=True)
+class _LastChange:
+    """A run and its job as they are, and since when: seconds, monotonic."""
+
+    state: tuple[Any, ...]
+    since_s: float
 
 
 class Jobs:
     """Enqueues, cancels and resumes runs.
 
     Every method changes the run's row first and then the queue. A crash in between leaves a row
-    whose job is missing or over, or a job whose row is over; ``reconcile`` gives the former a job
-    again, and a worker that gets the latter finds nothing to do.
+    whose job is missing or over, or a job whose row is over; ``reconcile`` makes a new job for the
+    former, and a worker that gets the latter finds nothing to do.
 
     Args:
         database: The application's database.
         settings: Says where the queue is.
-        lost_after_s: Seconds without a sign of life after which a worker is given up. The time is
+        lost_after_s: Seconds without a change after which a worker's lease is revoked. The time is
             measured by watching heartbeats change, so clocks need not agree and a machine that
             slept is not taken for dead.
     """
@@ -60,16 +62,16 @@ class Jobs:
         self._database = database
         self._client = open_client(settings)
         self._lost_after_s = lost_after_s
-        self._sightings: dict[str, _Sighting] = {}
+        self._last_changes: dict[str, _LastChange] = {}
         self._closing = threading.Event()
         self._reconciling: threading.Thread | None = None
 
     def enqueue(self, run_id: str) -> None:
-        """Bring a queued run to the workers; if the queue can't be reached, ``reconcile`` will."""
+        """Enqueue a queued run; if the queue can't be reached, ``reconcile`` does it later."""
         try:
             self._deliver(run_id)
         except (SQLAlchemyError, error.DBOSException, Unavailable) as problem:
-            log.warning("Run %s waits for its job, which could not be made: %s", run_id, problem)
+            log.warning("Run %s could not be enqueued yet: %s", run_id, problem)
 
     def cancel(self, run_id: str) -> None:
         """Cancel a run; a worker that has it stops within seconds.
@@ -87,7 +89,7 @@ class Jobs:
                 log.warning("The job of cancelled run %s stays in the queue: %s", run_id, problem)
 
     def resume(self, run_id: str) -> None:
-        """Let a cancelled, stopped or failed run go on from where it was.
+        """Let a cancelled, stopped or failed run go on from its last checkpoint.
 
         Raises:
             NotFound: No such run.
@@ -98,10 +100,10 @@ class Jobs:
         self.enqueue(run_id)
 
     def reconcile(self) -> None:
-        """Make the queue agree with the rows: nothing waits without a job, no job without a worker.
+        """Make the queue agree with the rows: no run waits without a job, no job without a worker.
 
-        Call it at start and then every few seconds; the same ``Jobs`` notices workers that are
-        gone by watching their runs between calls.
+        Call it at start and then every few seconds; between calls the same ``Jobs`` notices
+        workers that are gone by watching their runs.
         """
         with self._database.reading() as session:
             candidates = [row.id for row in runs.not_over(session)]
@@ -110,27 +112,29 @@ class Jobs:
         jobs = self._jobs(candidates)
         with self._database.reading() as session:
             rows = [row for row in runs.not_over(session) if row.id in set(candidates)]
-        self._sightings = {row.id: self._look(row, jobs.get(row.id)) for row in rows}
+        self._last_changes = {row.id: self._last_change(row, jobs.get(row.id)) for row in rows}
         for row in rows:
             try:
-                self._heal(row, jobs.get(row.id))
+                self._repair(row, jobs.get(row.id))
             except error.DBOSException as problem:
-                # Somebody else was at it at the same moment; the next look tells.
-                log.warning("The job of run %s could not be healed yet: %s", row.id, problem)
+                # Mostly another process that repaired it at the same moment; the next call tells.
+                log.warning("The job of run %s could not be repaired yet: %s", row.id, problem)
+            except Exception:
+                log.exception("The job of run %s could not be repaired.", row.id)
 
     def start_reconciling(self, every_s: float = RECONCILE_EVERY_S) -> None:
         """Reconcile now and then every few seconds, in a thread that ``close`` ends."""
         self._reconciling = threading.Thread(
-            target=self._reconcile_for_ever, args=(every_s,), name="reconcile", daemon=True
+            target=self._reconcile_until_closed, args=(every_s,), name="reconcile", daemon=True
         )
         self._reconciling.start()
 
-    def _reconcile_for_ever(self, every_s: float) -> None:
+    def _reconcile_until_closed(self, every_s: float) -> None:
         while True:
             try:
                 self.reconcile()
-            except SQLAlchemyError as problem:
-                log.warning("The queue could not be compared with the runs: %s", problem)
+            except Exception:
+                log.exception("The queue could not be compared with the runs.")
             if self._closing.wait(every_s):
                 return
 
@@ -141,35 +145,35 @@ class Jobs:
             self._reconciling.join()
         self._client.destroy()
 
-    def _look(self, row: RunRow, job: WorkflowStatus | None) -> _Sighting:
-        seen = (row.status, row.epoch, row.heartbeat_at) + (
+    def _last_change(self, row: RunRow, job: WorkflowStatus | None) -> _LastChange:
+        state = (row.status, row.epoch, row.heartbeat_at) + (
             (job.status, job.executor_id, job.updated_at) if job else ()
         )
-        earlier = self._sightings.get(row.id)
-        if earlier is not None and earlier.seen == seen:
+        earlier = self._last_changes.get(row.id)
+        if earlier is not None and earlier.state == state:
             return earlier
-        return _Sighting(seen, time.monotonic())
+        return _LastChange(state, time.monotonic())
 
     def _is_stuck(self, run_id: str) -> bool:
-        return time.monotonic() - self._sightings[run_id].since >= self._lost_after_s
+        return time.monotonic() - self._last_changes[run_id].since_s >= self._lost_after_s
 
-    def _heal(self, row: RunRow, job: WorkflowStatus | None) -> None:
+    def _repair(self, row: RunRow, job: WorkflowStatus | None) -> None:
         if row.status == RunStatus.QUEUED:
             if job is None or job.status not in ACTIVE:
                 log.info("Run %s waits without a job; it gets one.", row.id)
                 self._deliver(row.id)
             elif job.status == "PENDING" and self._is_stuck(row.id):
-                self._take_job_back(row.id, job)
+                self._deliver_again(row.id, job)
         elif job is not None and job.status == GIVEN_UP:
             with self._database.writing() as session:
                 leases.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
         elif self._is_stuck(row.id):
             with self._database.writing() as session:
-                waits = leases.take_away(session, row.id, row.epoch)
-            if waits:
-                self._take_job_back(row.id, job)
+                is_queued = leases.revoke(session, row.id, row.epoch)
+            if is_queued:
+                self._deliver_again(row.id, job)
 
-    def _take_job_back(self, run_id: str, job: WorkflowStatus | None) -> None:
+    def _deliver_again(self, run_id: str, job: WorkflowStatus | None) -> None:
         log.warning(
             "Nothing was heard of run %s (%s) for %.0f s; another worker may go on with it.",
             run_id,

@@ -1,4 +1,7 @@
-"""How long a run takes, from what was measured on this machine where there is something."""
+"""How much of a run is done and how long it will take.
+
+Estimates are scaled by the newest finished run of the same recipe, if there is one.
+"""
 
 from __future__ import annotations
 
@@ -7,24 +10,26 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from tril.jobs.stages import expected_seconds, stages_of
+from tril.errors import Invalid
+from tril.jobs.durations import expected_seconds
 from tril.recipes import Recipe, recipe_from_dict
-from tril.store.models import RunRow
+from tril.stages import Stage, stages_of
+from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
 
 SLOWEST, FASTEST = 4.0, 0.25
-"""Bounds of the correction that a run's own finished stages make to what is still to come."""
+"""Bounds of the correction by which a run's finished stages scale those still to come."""
 
 
 @dataclass(frozen=True)
-class Estimate:
+class CostEstimate:
     """What a recipe costs on this machine.
 
     Attributes:
         steps_per_s: Steps of the imitator's training per second, judging its snapshots included.
         measured: Whether a finished run of the recipe was measured here; otherwise the rates of
             two 2.5 GHz cores are assumed.
-        overhead_s: Seconds of everything that takes as long however many steps there are.
+        overhead_s: Seconds that do not depend on the number of steps.
     """
 
     steps_per_s: float
@@ -32,23 +37,21 @@ class Estimate:
     overhead_s: float
 
 
-def estimate(session: Session, recipe: Recipe) -> Estimate:
-    """Return what a recipe costs here, by its newest finished run if there is one."""
+def estimate(session: Session, recipe: Recipe) -> CostEstimate:
+    """Estimate what a recipe costs here."""
     last = runs.latest_done(session, recipe.name)
     steps = recipe.default_steps
-    seconds, at_once = (
-        expected_seconds(recipe, n) if last is None else _measured(recipe, n, last)
-        for n in (steps, 0)
-    )
-    # Before the first step and for judging the policy, a short training takes as long.
-    training_s = seconds["imitator"] - at_once["imitator"]
-    overhead_s = sum(s for stage, s in at_once.items() if stage != "demonstrations")
-    return Estimate(steps / training_s, last is not None, overhead_s)
+    seconds, fixed = (_stage_seconds(recipe, n, last) for n in (steps, 0))
+    training_s = seconds[Stage.IMITATOR] - fixed[Stage.IMITATOR]
+    overhead_s = sum(s for stage, s in fixed.items() if stage is not Stage.DEMONSTRATIONS)
+    return CostEstimate(steps / training_s, last is not None, overhead_s)
 
 
-def _measured(recipe: Recipe, steps: int, last: RunRow) -> dict[str, float]:
-    """Return expected seconds per stage, scaled by what another run's stages really took."""
+def _stage_seconds(recipe: Recipe, steps: int, last: RunRow | None) -> dict[Stage, float]:
+    """Return the seconds expected for each stage, scaled by what a finished run's stages took."""
     expected = expected_seconds(recipe, steps)
+    if last is None:
+        return expected
     of_last = expected_seconds(recipe_from_dict(last.recipe), last.steps)
     return {
         stage: seconds * last.finished_stages.get(stage, of_last[stage]) / of_last[stage]
@@ -58,7 +61,7 @@ def _measured(recipe: Recipe, steps: int, last: RunRow) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class RunEta:
-    """What the stages of one run will take.
+    """What the stages of one run are expected to take.
 
     Attributes:
         seconds: By stage, in order.
@@ -68,31 +71,26 @@ class RunEta:
 
     @classmethod
     def of(cls, session: Session, run: RunRow) -> RunEta:
-        """RunEta a run by the newest finished one of its recipe, or by typical rates."""
+        """Estimate the stages of a run."""
         recipe = recipe_from_dict(run.recipe)
-        last = runs.latest_done(session, run.recipe_name)
-        seconds = (
-            expected_seconds(recipe, run.steps)
-            if last is None
-            else _measured(recipe, run.steps, last)
-        )
-        return cls({stage: seconds[stage] for stage in stages_of(run)})
+        seconds = _stage_seconds(recipe, run.steps, runs.latest_done(session, run.recipe_name))
+        return cls({stage: seconds[stage] for stage in stages_of(run.example)})
 
     def remaining_s(
         self, finished: Mapping[str, float], stage: str, stage_remaining_s: float | None
     ) -> float:
-        """Return the seconds that the rest of the run takes.
+        """Return the estimated seconds to the end of the run.
 
         Args:
-            finished: Seconds that the finished stages took; they correct the forecast of those to
-                come.
+            finished: Seconds that the finished stages took; they scale those still to come.
             stage: The stage at work.
-            stage_remaining_s: Seconds that it will still take by its own measured rate; None when
-                it has only begun.
+            stage_remaining_s: Seconds that it still takes by its own rate; None if too little of
+                it is done to tell.
         """
-        foreseen = sum(self.seconds[name] for name in finished if name in self.seconds)
-        took = sum(finished[name] for name in finished if name in self.seconds)
-        pace = min(SLOWEST, max(FASTEST, took / foreseen)) if foreseen > 1.0 else 1.0
+        known = [name for name in finished if name in self.seconds]
+        expected = sum(self.seconds[name] for name in known)
+        took = sum(finished[name] for name in known)
+        pace = min(SLOWEST, max(FASTEST, took / expected)) if expected > 1.0 else 1.0
         later = sum(
             seconds
             for name, seconds in self.seconds.items()
@@ -101,3 +99,19 @@ class RunEta:
         if stage_remaining_s is None:
             stage_remaining_s = 0.0 if stage in finished else pace * self.seconds.get(stage, 0.0)
         return stage_remaining_s + pace * later
+
+
+def overall_progress(run: RunRow) -> float:
+    """Return how much of a run is done, 0..1, weighting its stages by the time they take."""
+    if run.status == RunStatus.DONE:
+        return 1.0
+    stages = stages_of(run.example)
+    try:
+        weights = expected_seconds(recipe_from_dict(run.recipe), run.steps)
+    except Invalid:
+        # A recipe of another version: the run is listed all the same.
+        weights = dict.fromkeys(stages, 1.0)
+    done = sum(weights[stage] for stage in stages if stage in run.finished_stages)
+    if run.stage in stages and run.stage not in run.finished_stages:
+        done += weights[Stage(run.stage)] * run.stage_done
+    return min(1.0, done / sum(weights[stage] for stage in stages))

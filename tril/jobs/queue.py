@@ -1,4 +1,4 @@
-"""The job queue's database and what names a job in it."""
+"""The job queue's database, and how its jobs are named."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import logging
 import sqlite3
 from pathlib import Path
 
-from dbos import DBOS, DBOSClient, DBOSPortableJSONSerializer, Serializer
+from dbos import DBOS, DBOSClient, DBOSConfig, DBOSPortableJSONSerializer, Serializer
 from sqlalchemy import make_url
 
 from tril.settings import Settings
@@ -16,18 +16,17 @@ APPLICATION = "tril"
 QUEUE = "runs"
 WORKFLOW = "train"
 VERSION = "1"
-"""Jobs of another version are left alone. It is raised only when a job's arguments change, which
-is next to never: they are the run's id."""
+"""Jobs of another version are left alone. Raised when a job's argument, the run's id, changes."""
 
 POLL_S = 0.5
 
 
 def prepare_queue(settings: Settings) -> None:
-    """Create or upgrade the queue's database and describe its queue; harmless when repeated.
+    """Create or upgrade the queue's database and register its queue; harmless when repeated.
 
-    Has to be done once before anything is enqueued: the queue's client never migrates.
+    Has to be done before anything is enqueued: the queue's client never migrates.
     """
-    quiet_dbos()
+    _quiet_dbos()
     url = make_url(settings.queue_url)
     if url.get_backend_name() == "sqlite" and url.database:
         path = Path(url.database)
@@ -42,23 +41,39 @@ def prepare_queue(settings: Settings) -> None:
 
 
 def open_client(settings: Settings) -> DBOSClient:
-    """Open the queue for enqueuing, cancelling and looking."""
-    quiet_dbos()
+    """Open the queue for enqueuing, cancelling and listing jobs."""
+    _quiet_dbos()
     return DBOSClient(
         system_database_url=settings.queue_url,
         application_name=APPLICATION,
-        serializer=serializer(),
+        serializer=_serializer(),
         lazy=True,
     )
 
 
-def serializer() -> Serializer:
-    """Make what writes a job's argument (the run's id) into the queue: as JSON, not as a pickle."""
+def executor_config(settings: Settings, name: str) -> DBOSConfig:
+    """Return the configuration by which a process takes jobs from the queue.
+
+    Args:
+        settings: Say where the queue is.
+        name: Name of the process; a later one of that name takes back the jobs that it left.
+    """
+    return {
+        "name": APPLICATION,
+        "system_database_url": settings.queue_url,
+        "executor_id": name,
+        "application_version": VERSION,
+        "serializer": _serializer(),
+        "log_level": "WARNING",
+    }
+
+
+def _serializer() -> Serializer:
+    # A job's argument, the run's id, is written as JSON and not as a pickle.
     return DBOSPortableJSONSerializer()
 
 
-def quiet_dbos() -> None:
-    """Let DBOS speak up only when something is wrong."""
+def _quiet_dbos() -> None:
     logging.getLogger("dbos").setLevel(logging.WARNING)
 
 

@@ -1,16 +1,17 @@
-"""The learning recipes, as data. A run stores the whole recipe it was made with."""
+"""The learning recipes, as data. A run stores the whole recipe that it was made with."""
 
 from tril.recipes.ablations import ABLATIONS, Ablation
 from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
-from tril.recipes.changed import (
+from tril.recipes.changes import (
     FOR_PEOPLE,
+    FORMER_NAMES,
     changed_values,
     judged_where_trained,
+    recipe_from_dict,
     with_values,
 )
-from tril.recipes.stored import recipe_from_dict
 from tril.recipes.values import (
-    MOST_DAGGER_STEPS,
+    MAX_DAGGER_STEPS,
     CloningRecipe,
     DaggerRecipe,
     EvaluationRecipe,
@@ -25,9 +26,10 @@ __all__ = [
     "ABLATIONS",
     "DAGGER",
     "FAST",
+    "FORMER_NAMES",
     "FOR_PEOPLE",
     "GAIL",
-    "MOST_DAGGER_STEPS",
+    "MAX_DAGGER_STEPS",
     "PAPER",
     "RECIPES",
     "Ablation",

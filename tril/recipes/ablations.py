@@ -1,4 +1,4 @@
-"""What the fast recipe has of its own, factor by factor, to be tried without."""
+"""Ablations of the fast recipe: what it adds to the published one, factor by factor."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from tril.recipes.built_in import FAST
-from tril.recipes.changed import with_values
+from tril.recipes.changes import with_values
 from tril.recipes.values import Recipe
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """A factor of the fast recipe, and the recipe without it.
+    """The fast recipe without one of its factors.
 
     Attributes:
-        name: What is left out, in words that follow "without".
+        name: The factor, in words that follow "without".
         instead: What takes its place.
-        values: What changes, by dotted path as in with_values.
+        values: The changed values by dotted path, see with_values.
     """
 
     name: str
@@ -28,7 +28,7 @@ class Ablation:
     @property
     def recipe(self) -> Recipe:
         """The fast recipe without the factor."""
-        return with_values(FAST, dict(self.values))
+        return with_values(FAST, self.values)
 
 
 ABLATIONS: Sequence[Ablation] = (
@@ -54,7 +54,7 @@ ABLATIONS: Sequence[Ablation] = (
     ),
     Ablation(
         "head start by cloning",
-        "PPO starts from chance, with an entropy bonus of 0.01 and neither pull nor warm-up",
+        "PPO starts from random weights, with an ent_coef of 0.01 and neither KL term nor warm-up",
         {
             "policy.warm_start": False,
             "policy.kl_coef": 0.0,

@@ -1,4 +1,4 @@
-"""The recipes that come ready."""
+"""The built-in recipes."""
 
 from __future__ import annotations
 
@@ -103,7 +103,11 @@ RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DA
 
 
 def recipe_named(name: str) -> Recipe:
-    """Look a recipe up; raises Invalid naming the ones there are."""
+    """Return a built-in recipe.
+
+    Raises:
+        Invalid: There is none of this name; the message lists the names.
+    """
     try:
         return RECIPES[name]
     except KeyError:

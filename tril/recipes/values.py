@@ -1,16 +1,42 @@
-"""What a recipe is made of."""
+"""What a recipe is made of: names, types and ranges, which with_values checks."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, get_args
+from dataclasses import asdict, dataclass, replace
+from typing import Annotated, Any, Literal
 
-from tril.errors import Invalid
+from pydantic import BeforeValidator, Field, model_validator
 
-Method = Literal["ppo", "dagger", "gail"]
+from tril.game.starts import EVALUATION_START_COUNT
 
-MOST_DAGGER_STEPS = 60_000
+MAX_DAGGER_STEPS = 60_000
 """DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""
+
+
+def _split(value: object) -> object:
+    """Split text at its commas."""
+    return [part for part in value.split(",") if part] if isinstance(value, str) else value
+
+
+# The descriptions complete the sentence "policy.n_epochs must be ...".
+Count = Annotated[int, Field(ge=1, description="a whole number, at least 1")]
+CountOrNone = Annotated[int, Field(ge=0, description="a whole number, at least 0")]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, description="a number above 0")]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, description="a number, at least 0")]
+Share = Annotated[float, Field(ge=0, le=1, description="a number from 0 to 1")]
+Flag = Annotated[bool, Field(description="true or false")]
+StepNumbers = Annotated[
+    tuple[Count, ...],
+    BeforeValidator(_split),
+    Field(description="whole numbers with commas between, each at least 1"),
+]
+StartNumbers = Annotated[
+    tuple[Annotated[int, Field(ge=0, lt=EVALUATION_START_COUNT)], ...],
+    BeforeValidator(_split),
+    Field(description=f"numbers from 0 to {EVALUATION_START_COUNT - 1} with commas between"),
+]
+Network = Literal["nature", "small"]
+Method = Literal["ppo", "dagger", "gail"]
 
 
 @dataclass(frozen=True)
@@ -19,128 +45,140 @@ class RewardRecipe:
 
     Attributes:
         method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
-            and its published code); "fast" scores every demonstration frame once per update and
-            builds all fragment sums from prefix sums.
-        learning_rate: Adam's step size.
+            and its published code); "fast" scores every demonstration once per update and builds
+            all fragment sums from prefix sums.
+        learning_rate: Adam's learning rate.
         updates: Gradient updates.
-        fragment_pairs: Method "paper": fragment pairs, drawn once and gone through in as many
-            passes as the updates make; 0 draws new ones all the time.
-        pairs_per_update: Fragment pairs whose loss one update averages.
+        fragment_pairs: Method "paper": size of the fixed set of fragment pairs that the updates
+            pass over; 0 draws new pairs for every update.
+        pairs_per_update: Batch size, in fragment pairs.
         fragment_min_steps: Shortest fragment, in observations.
-        fragment_max_steps: Longest fragment, in observations, capped at the shorter game of a pair.
-        observation_stride: Every how many-th observation is scored.
+        fragment_max_steps: Longest fragment, in observations, capped at the shorter trajectory of
+            a pair.
+        observation_stride: Only every n-th observation is scored.
         aligned: Whether both fragments of a pair start at the same step. Otherwise the better one
             starts no earlier than the worse one (T-REX), which by itself makes the learned reward
             rise with time.
         free_share: Method "fast": share of the ranking's fragment pairs whose starts are drawn
-            independently of each other. Pairs that start at the same step leave open how R changes
-            with time alone; these don't.
-        perfect_share: Method "fast": share of all fragment pairs in which a perfect game is better
-            than one below the first tier.
-        perturbed_share: Method "fast": share of all fragment pairs in which a perfect game is
-            better than a perturbed copy of itself (after D-REX, Brown et al. 2020).
-        perturbed_copies: Copies made of each perfect game.
-        ensemble: Number of reward models whose standardised outputs are averaged.
-        folds: Cross-validation folds of demonstrations left out to measure the held-out accuracy;
-            0 leaves the measurement out.
-        fold_updates: Gradient updates of each fold's model.
-        fold_stride: As observation_stride, for the folds' models; 0 is as the final one's.
+            independently. Aligned pairs do not determine how R changes with time alone; these do.
+        perfect_share: Method "fast": share of the fragment pairs in which a perfect demonstration
+            is preferred to one below the first tier.
+        perturbed_share: Method "fast": share of the fragment pairs in which a perfect
+            demonstration is preferred to a perturbed copy of itself (after D-REX, Brown et al.
+            2020).
+        perturbed_copies: Perturbed copies of each perfect demonstration.
+        ensemble: Number of reward networks, whose standardised outputs are averaged.
+        folds: Cross-validation folds that measure the held-out accuracy; 0 skips the measurement.
+        fold_updates: Gradient updates of each fold's network.
+        fold_stride: ``observation_stride`` of the folds' networks; 0 means the same.
         weight_decay: L2 penalty.
     """
 
     method: Literal["paper", "fast"] = "paper"
-    learning_rate: float = 5e-5
-    updates: int = 30_000
-    fragment_pairs: int = 6_000
-    pairs_per_update: int = 1
-    fragment_min_steps: int = 50
-    fragment_max_steps: int = 100
-    observation_stride: int = 2
-    aligned: bool = False
-    free_share: float = 0.0
-    perfect_share: float = 0.0
-    perturbed_share: float = 0.0
-    perturbed_copies: int = 8
-    ensemble: int = 1
-    folds: int = 3
-    fold_updates: int = 6_000
-    fold_stride: int = 0
-    weight_decay: float = 0.0
+    learning_rate: Positive = 5e-5
+    updates: Count = 30_000
+    fragment_pairs: CountOrNone = 6_000
+    pairs_per_update: Count = 1
+    fragment_min_steps: Count = 50
+    fragment_max_steps: Count = 100
+    observation_stride: Count = 2
+    aligned: Flag = False
+    free_share: Share = 0.0
+    perfect_share: Share = 0.0
+    perturbed_share: Share = 0.0
+    perturbed_copies: Count = 8
+    ensemble: Count = 1
+    folds: CountOrNone = 3
+    fold_updates: Count = 6_000
+    fold_stride: CountOrNone = 0
+    weight_decay: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _check_shares(self) -> RewardRecipe:
+        if self.perfect_share + self.perturbed_share > 1.0:
+            raise ValueError("perfect_share and perturbed_share must not add up to more than 1")
+        return self
 
     @property
-    def of_a_fold(self) -> RewardRecipe:
-        """How the model of a cross-validation fold is learned."""
+    def of_fold(self) -> RewardRecipe:
+        """How the network of a cross-validation fold is learned."""
         stride = self.fold_stride or self.observation_stride
         return replace(self, updates=self.fold_updates, observation_stride=stride)
 
 
 @dataclass(frozen=True)
 class PolicyRecipe:
-    """How the imitator is trained by PPO (Schulman et al. 2017) on the learned reward.
+    """How PPO (Schulman et al. 2017) trains the imitator on the learned reward.
+
+    Names and meanings are those of stable-baselines3's PPO where it has the parameter.
 
     Attributes:
-        network: "nature" is the Atari network of stable-baselines3, "small" the same with half of
-            the channels and features.
-        reward: "sigmoid" pays sigmoid(R(s')) per step (thesis, section 5.1); "level" pays R(s')
-            scaled so that the demonstrations' beginnings pay 0 and the best ones' ends 1;
-            "difference" pays the change of that level, so that progress pays and waiting doesn't;
-            "softplus" pays log(1 + exp(R(s'))), which is GAIL's reward where R is the logit of
-            its discriminator.
+        network: "nature" is stable-baselines3's NatureCNN, "small" has half of its channels and
+            features.
+        reward: Shape of the reward, see trainer.policy.reward_shaping: "sigmoid" is sigmoid(R(s'))
+            (thesis, section 5.1); "level" is R(s') scaled to 0 at the demonstrations' beginnings
+            and 1 at the best ones' ends; "difference" is the change of that level; "softplus" is
+            log(1 + exp(R(s'))), GAIL's reward where R is the logit of its discriminator.
         death_penalty: Subtracted from the reward of the step in which the player is hit.
-        reward_scale: What all this is multiplied by, so that the critic's errors, which grow with
-            the rewards' squares, don't drown what the policy learns from.
-        n_envs: Games played side by side.
-        n_steps: Steps per game between updates.
-        n_minibatches: Minibatches per epoch.
-        n_epochs: Passes over each rollout.
-        learning_rate: Adam's step size.
-        anneal_lr: Whether the step size falls linearly to zero.
-        gamma: gamma.
-        gae_lambda: lambda of generalised advantage estimation.
-        clip_range: PPO's clip range.
-        ent_coef: Weight of the entropy bonus.
-        vf_coef: Weight of the value loss.
-        max_grad_norm: Bound of the gradient's norm.
-        best_share: Which demonstrations count as the best ones: the first tier, and further whole
-            tiers as long as they fit into this share of all ranked ones.
-        demonstration_share: Share of episodes begun from states of the best demonstrations and the
-            perfect ones.
-        warm_start: Whether the policy starts from the run's clone, whose network it then shares.
-        kl_coef: Initial weight of the KL divergence from the start policy; falls
-            linearly to zero over the training.
-        critic_warm_up_steps: Steps in which only the critic learns.
-        snapshot_steps: Steps after which the policy is kept for choosing the best one; the first
-            of the published work's snapshots comes after 500,000, then every 1,000,000.
-        snapshot_episodes: Games from training starts by which a snapshot's mean predicted return
-            is judged.
-        own_starts: Evaluation starts that take the place of the training starts, see
-            judged_where_trained.
+        reward_scale: Factor on the reward. The critic's loss grows with its square and shares a
+            network with the policy.
+        n_envs: Number of environments run in parallel.
+        n_steps: Steps per environment and rollout.
+        n_minibatches: Minibatches per epoch; the batch size is n_envs * n_steps / n_minibatches.
+        n_epochs: Epochs when optimising the surrogate loss.
+        learning_rate: Adam's learning rate.
+        anneal_lr: Whether the learning rate falls linearly to zero.
+        gamma: Discount factor.
+        gae_lambda: Trade-off of bias and variance in the generalised advantage estimator.
+        clip_range: Clipping of the probability ratio.
+        ent_coef: Entropy coefficient of the loss.
+        vf_coef: Value function coefficient of the loss.
+        max_grad_norm: Maximum norm of the gradient.
+        best_share: Which demonstrations count as the best: the first tier, and further whole tiers
+            as long as they fit into this share of the ranking.
+        demonstration_share: Share of the episodes that begin in a state of the best or perfect
+            demonstrations.
+        warm_start: Whether the policy starts from the run's clone, which has to use the same
+            network.
+        kl_coef: Initial coefficient of the KL divergence from the clone; it falls linearly to zero
+            over the training. Without a warm start there is none.
+        critic_warm_up_steps: Steps during which only the critic learns.
+        snapshot_steps: Steps after which a snapshot of the policy competes for the best one; the
+            published snapshots come after 500,000, then every 1,000,000.
+        snapshot_episodes: Games from training starts whose mean return decides between snapshots.
+        own_starts: Evaluation starts that replace the training starts, see judged_where_trained.
     """
 
-    network: Literal["nature", "small"] = "nature"
+    network: Network = "nature"
     reward: Literal["sigmoid", "level", "difference", "softplus"] = "sigmoid"
-    death_penalty: float = 0.0
-    reward_scale: float = 1.0
-    n_envs: int = 9
-    n_steps: int = 128
-    n_minibatches: int = 4
-    n_epochs: int = 4
-    learning_rate: float = 3e-4
-    anneal_lr: bool = False
-    gamma: float = 0.99
-    gae_lambda: float = 0.95
-    clip_range: float = 0.2
-    ent_coef: float = 0.01
-    vf_coef: float = 0.5
-    max_grad_norm: float = 0.5
-    best_share: float = 0.0
-    demonstration_share: float = 0.0
-    warm_start: bool = False
-    kl_coef: float = 0.0
-    critic_warm_up_steps: int = 0
-    snapshot_steps: tuple[int, ...] = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
-    snapshot_episodes: int = 12
-    own_starts: tuple[int, ...] = ()
+    death_penalty: NotNegative = 0.0
+    reward_scale: Positive = 1.0
+    n_envs: Count = 9
+    n_steps: Count = 128
+    n_minibatches: Count = 4
+    n_epochs: Count = 4
+    learning_rate: Positive = 3e-4
+    anneal_lr: Flag = False
+    gamma: Share = 0.99
+    gae_lambda: Share = 0.95
+    clip_range: Positive = 0.2
+    ent_coef: NotNegative = 0.01
+    vf_coef: NotNegative = 0.5
+    max_grad_norm: Positive = 0.5
+    best_share: Share = 0.0
+    demonstration_share: Share = 0.0
+    warm_start: Flag = False
+    kl_coef: NotNegative = 0.0
+    critic_warm_up_steps: CountOrNone = 0
+    snapshot_steps: StepNumbers = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
+    snapshot_episodes: Count = 12
+    own_starts: StartNumbers = ()
+
+    @model_validator(mode="after")
+    def _check_minibatches(self) -> PolicyRecipe:
+        if self.n_minibatches > self.n_envs * self.n_steps:
+            raise ValueError("n_minibatches must not be more than n_envs * n_steps")
+        return self
 
 
 @dataclass(frozen=True)
@@ -149,54 +187,53 @@ class CloningRecipe:
 
     Attributes:
         network: As in PolicyRecipe.
-        learning_rate: Adam's step size.
-        epochs: Most passes over the perfect demonstrations.
+        learning_rate: Adam's learning rate.
+        epochs: Maximum number of epochs.
         batch_size: Observations per update.
-        validation_share: Share of the demonstrations left out for early stopping; 0 turns it off.
+        validation_share: Share of the demonstrations held out for early stopping; 0 turns it off.
         patience: Epochs without improvement on those after which learning stops.
     """
 
-    network: Literal["nature", "small"] = "nature"
-    learning_rate: float = 3e-4
-    epochs: int = 60
-    batch_size: int = 64
-    validation_share: float = 0.17
-    patience: int = 8
+    network: Network = "nature"
+    learning_rate: Positive = 3e-4
+    epochs: Count = 60
+    batch_size: Count = 64
+    validation_share: Share = 0.17
+    patience: Count = 8
 
 
 @dataclass(frozen=True)
 class DaggerRecipe:
     """How the imitator is learned from an expert's corrections (DAgger, Ross et al. 2011).
 
-    The network and its learning rate are those of PolicyRecipe, how it is trained on what has been
-    collected is that of CloningRecipe.
+    Network and learning rate are those of PolicyRecipe, the supervised training is CloningRecipe's.
 
     Attributes:
-        steps_per_iteration: Steps played and labelled between two trainings of the policy, rounded
+        steps_per_iteration: Steps played and labelled before the policy is trained again, rounded
             up to whole games.
         expert_decay: p of beta_i = p^(i-1), the probability with which a step of iteration i is
             the expert's; in the first all are (Ross et al. 2011, section 3).
     """
 
-    steps_per_iteration: int = 1_500
-    expert_decay: float = 0.5
+    steps_per_iteration: Count = 1_500
+    expert_decay: Share = 0.5
 
 
 @dataclass(frozen=True)
 class GailRecipe:
-    """How GAIL's discriminator is learned (Ho and Ermon 2016); the policy is as PolicyRecipe says.
+    """How GAIL's discriminator is learned (Ho and Ermon 2016); PPO is as PolicyRecipe says.
 
     Attributes:
-        learning_rate: Adam's step size.
+        learning_rate: Adam's learning rate.
         updates: Gradient updates after each rollout.
-        batch_size: Observations of the policy in an update, and as many of the demonstrations.
+        batch_size: Observations per update from the policy, and as many from the demonstrations.
         weight_decay: L2 penalty.
     """
 
-    learning_rate: float = 1e-4
-    updates: int = 8
-    batch_size: int = 64
-    weight_decay: float = 1e-4
+    learning_rate: Positive = 1e-4
+    updates: Count = 8
+    batch_size: Count = 64
+    weight_decay: NotNegative = 1e-4
 
 
 @dataclass(frozen=True)
@@ -205,11 +242,11 @@ class EvaluationRecipe:
 
     Attributes:
         start_numbers: Evaluation starts of the headline table.
-        further_start_numbers: Evaluation starts of the means.
+        further_start_numbers: Further evaluation starts that the means are taken over.
     """
 
-    start_numbers: tuple[int, ...] = (0, 1, 2)
-    further_start_numbers: tuple[int, ...] = tuple(range(3, 23))
+    start_numbers: StartNumbers = (0, 1, 2)
+    further_start_numbers: StartNumbers = tuple(range(3, 23))
 
 
 @dataclass(frozen=True)
@@ -217,37 +254,33 @@ class Recipe:
     """A complete way of learning.
 
     Attributes:
-        name: One of RECIPES, or a name of its own.
+        name: A key of RECIPES, or another name.
         summary: One sentence for people.
-        default_steps: Steps of the imitator's training games offered on the page.
+        default_steps: Training steps of the imitator that the page proposes.
         ending: Which event ends a training or evaluation game, see tril.game.episode.Ending.
         method: What trains the imitator: "ppo" on the learned reward, "dagger" on the corrections
             of the scripted demonstrator, "gail" by PPO against a discriminator of the perfect
-            demonstrations. All else of a run is the same.
+            demonstrations. Nothing else of a run depends on it.
+        reward: The reward model.
+        policy: The imitator.
+        cloning: The clone.
+        evaluation: The evaluation games.
+        dagger: The imitator of method "dagger".
+        gail: The discriminator of method "gail".
     """
 
     name: str
     summary: str
-    default_steps: int
-    ending: str = "hit"
+    default_steps: Count
+    ending: Literal["hit", "life_counter"] = "hit"
     method: Method = "ppo"
-    reward: RewardRecipe = field(default_factory=RewardRecipe)
-    policy: PolicyRecipe = field(default_factory=PolicyRecipe)
-    cloning: CloningRecipe = field(default_factory=CloningRecipe)
-    evaluation: EvaluationRecipe = field(default_factory=EvaluationRecipe)
-    dagger: DaggerRecipe = field(default_factory=DaggerRecipe)
-    gail: GailRecipe = field(default_factory=GailRecipe)
-
-    def __post_init__(self) -> None:
-        """Check the method.
-
-        Raises:
-            Invalid: There is no such method.
-        """
-        if self.method not in get_args(Method):
-            methods = ", ".join(get_args(Method))
-            raise Invalid(f"There is no method {self.method!r}; choose one of {methods}.")
+    reward: RewardRecipe = RewardRecipe()
+    policy: PolicyRecipe = PolicyRecipe()
+    cloning: CloningRecipe = CloningRecipe()
+    evaluation: EvaluationRecipe = EvaluationRecipe()
+    dagger: DaggerRecipe = DaggerRecipe()
+    gail: GailRecipe = GailRecipe()
 
     def to_dict(self) -> dict[str, Any]:
-        """The recipe as JSON-ready data; ``from_dict`` gives it back."""
+        """Return the recipe as JSON-ready data; ``recipe_from_dict`` gives it back."""
         return asdict(self)

@@ -14,23 +14,23 @@ from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store.changes import note_change
 from tril.store.models import (
+    NOT_OVER,
     BehaviourRow,
     RankingRow,
     RecordingRow,
     RecordingState,
     RunRow,
-    RunStatus,
     Source,
     now,
 )
 
 MAX_BEHAVIOURS = 500
-"""Most behaviours that are kept at the same time."""
+"""Most behaviours that can exist at the same time."""
 
 
 @dataclass(frozen=True)
 class Counts:
-    """What there is of a behaviour.
+    """How much of a behaviour is stored.
 
     Attributes:
         n_recordings: Recordings in the library.
@@ -73,13 +73,13 @@ def by_slug(session: Session, slug: str) -> BehaviourRow:
 
 
 def listing(session: Session) -> list[BehaviourRow]:
-    """Return all behaviours, those that come ready first, then by age."""
+    """Return all behaviours, built-in ones first, then by age."""
     query = select(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
     return list(session.scalars(query.order_by(BehaviourRow.built_in.desc(), BehaviourRow.id)))
 
 
 def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Counts]:
-    """Return what there is of each behaviour, or of one; those with nothing are left out."""
+    """Return the counts of each behaviour, or of one; those with nothing are left out."""
     found: dict[int, Counts] = {}
 
     def note(key: int, **values: int | bool) -> None:
@@ -131,8 +131,8 @@ def create(
     """Add a person's own behaviour.
 
     Raises:
-        Invalid: The name is empty or the target makes no sense.
-        Conflict: There are very many already.
+        Invalid: The name is empty or the target is not valid.
+        Conflict: There are MAX_BEHAVIOURS already.
     """
     n = session.scalar(
         select(func.count()).select_from(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
@@ -154,22 +154,22 @@ def update(
     """Change a behaviour.
 
     Raises:
-        Invalid: The name is empty or the target makes no sense.
-        Conflict: The target would change under trainings that were judged by it, or the behaviour
-            is one of those that come ready.
+        Invalid: The name is empty or the target is not valid.
+        Conflict: The target would change although the behaviour is built-in or trainings were
+            judged by it.
     """
     changed = Behaviour(row.slug, name.strip(), description, target, ordered)
     before = as_behaviour(row)
     if (changed.target, changed.ordered) != (before.target, before.ordered):
         if row.built_in:
             raise Conflict(
-                "The target of a behaviour that comes ready stays as published; add a behaviour of "
-                "your own instead."
+                "The target of a built-in behaviour can't be changed; add a behaviour of your own "
+                "instead."
             )
         has_runs = select(RunRow.id).where(RunRow.behaviour_id == row.id).limit(1)
         if session.scalar(has_runs) is not None:
             raise Conflict(
-                "The target can't change any more: trainings were judged by it. Add another "
+                "The target can't be changed any more: trainings were judged by it. Add another "
                 "behaviour instead."
             )
     row.name, row.description = changed.name, changed.description
@@ -178,15 +178,14 @@ def update(
 
 
 def delete(session: Session, row: BehaviourRow) -> None:
-    """Take a behaviour out of the lists; what was recorded and trained of it stays stored.
+    """Take a behaviour out of the lists; its recordings and trainings stay stored.
 
     Raises:
-        Conflict: It comes ready, or a training of it is under way.
+        Conflict: It is built-in, or a training of it is under way.
     """
     if row.built_in:
-        raise Conflict(f"{row.name} comes with Tril and can't be deleted.")
-    active = (RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING)
-    under_way = select(RunRow.id).where(RunRow.behaviour_id == row.id, RunRow.status.in_(active))
+        raise Conflict(f"{row.name} is built-in and can't be deleted.")
+    under_way = select(RunRow.id).where(RunRow.behaviour_id == row.id, RunRow.status.in_(NOT_OVER))
     if session.scalar(under_way.limit(1)) is not None:
         raise Conflict(f"A training of {row.name} is under way; cancel it first.")
     row.deleted_at = now()
@@ -194,7 +193,7 @@ def delete(session: Session, row: BehaviourRow) -> None:
 
 
 def seed_built_in(session: Session) -> None:
-    """Add the behaviours that come ready where they are missing."""
+    """Add the built-in behaviours that are missing."""
     known = Counter(session.scalars(select(BehaviourRow.slug)))
     for behaviour in BUILT_IN:
         if behaviour.slug not in known:

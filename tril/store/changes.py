@@ -1,13 +1,19 @@
-"""What changed, in order: the source of every event stream."""
+"""The table of changes: the source of every event stream."""
 
 from __future__ import annotations
 
+import time
 from datetime import timedelta
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import delete, func, or_, select
 from sqlalchemy.orm import Session
 
 from tril.store.models import ChangeRow, now
+
+LATE_COMMIT_S = 120.0
+"""Longest that a transaction is expected to take from noting a change to its commit."""
+MAX_GAPS = 1000
+"""Most ids that are waited for: what one transaction may note while others commit."""
 
 
 def note_change(session: Session, topic: str, key: str | int) -> None:
@@ -21,21 +27,53 @@ def note_change(session: Session, topic: str, key: str | int) -> None:
     session.add(ChangeRow(topic=topic, key=str(key)))
 
 
-def last_change(session: Session) -> int:
-    """Return the id of the newest change, 0 if there is none."""
-    return session.scalar(select(func.max(ChangeRow.id))) or 0
+class ChangeReader:
+    """Reads every change once, from the time at which it is made.
 
+    Ids are given out when a change is noted, not when it is committed: in PostgreSQL a change may
+    appear after others with a higher id. Ids that are missing are therefore looked for until they
+    appear or are too old, as those of transactions that were rolled back.
 
-def changes_after(session: Session, change_id: int, limit: int = 1000) -> list[ChangeRow]:
-    """Return the changes that came after one, oldest first."""
-    query = select(ChangeRow).where(ChangeRow.id > change_id).order_by(ChangeRow.id).limit(limit)
-    return list(session.scalars(query))
+    Args:
+        session: Sees the changes that are not read any more.
+        late_commit_s: For how long a missing id is looked for.
+    """
+
+    def __init__(self, session: Session, late_commit_s: float = LATE_COMMIT_S) -> None:
+        self._late_commit_s = late_commit_s
+        self._missing: dict[int, float] = {}
+        self._last = _last_id(session)
+        first = max(0, self._last - MAX_GAPS)
+        seen = set(session.scalars(select(ChangeRow.id).where(ChangeRow.id > first)))
+        self._note_missing(set(range(first + 1, self._last)) - seen)
+
+    def read(self, session: Session, limit: int = MAX_GAPS) -> list[ChangeRow]:
+        """Return at most so many changes that were not read yet, in the order of their ids."""
+        time_s = time.monotonic()
+        self._missing = {key: until for key, until in self._missing.items() if until > time_s}
+        is_new = or_(ChangeRow.id > self._last, ChangeRow.id.in_(self._missing))
+        query = select(ChangeRow).where(is_new).order_by(ChangeRow.id).limit(limit)
+        found = list(session.scalars(query))
+        seen = {row.id for row in found}
+        last = max(seen | {self._last})
+        for key in seen & self._missing.keys():
+            del self._missing[key]
+        self._note_missing(set(range(max(self._last + 1, last - MAX_GAPS), last)) - seen)
+        self._last = last
+        return found
+
+    def _note_missing(self, ids: set[int]) -> None:
+        self._missing |= dict.fromkeys(ids, time.monotonic() + self._late_commit_s)
 
 
 def prune(session: Session, keep: timedelta = timedelta(hours=1)) -> None:
-    """Forget changes that every stream has long passed on.
+    """Delete changes that every stream has passed on long ago.
 
     The newest stays, because SQLite gives ids again once the highest is gone.
     """
     old = ChangeRow.created_at < now() - keep
-    session.execute(delete(ChangeRow).where(old, ChangeRow.id < last_change(session)))
+    session.execute(delete(ChangeRow).where(old, ChangeRow.id < _last_id(session)))
+
+
+def _last_id(session: Session) -> int:
+    return session.scalar(select(func.max(ChangeRow.id))) or 0

@@ -6,18 +6,27 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event, make_url
+from sqlalchemy import Engine, create_engine, event, make_url, text
 from sqlalchemy.orm import Session, sessionmaker
+
+from tril.store.models import UTCDateTime
+
+_SQLITE_NOW = text("SELECT strftime('%Y-%m-%d %H:%M:%f000', 'now') AS moment").columns(
+    moment=UTCDateTime()
+)
+# Not now(), which is when the transaction began, perhaps before it waited for a lock.
+_POSTGRESQL_NOW = text("SELECT clock_timestamp() AS moment").columns(moment=UTCDateTime())
 
 BUSY_TIMEOUT_MS = 15_000
 WAL_RETRY_S = 0.01
 
 
 def create_database(url: str) -> Database:
-    """Open the database at an SQLAlchemy URL. Nothing is created but SQLite's folder."""
+    """Open the database at an SQLAlchemy URL; creates nothing but SQLite's folder."""
     parsed = make_url(url)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
@@ -30,9 +39,9 @@ def create_database(url: str) -> Database:
 class Database:
     """Transactions on one database.
 
-    ``reading`` gives a session that sees one consistent state and never writes; ``writing`` gives
-    one that holds the write lock from its first statement (BEGIN IMMEDIATE on SQLite, where an
-    upgrade of a read transaction would fail at once) and commits when the block ends well.
+    ``reading`` opens a session that sees one consistent state and never writes; ``writing`` opens
+    one that holds the write lock from its first statement (BEGIN IMMEDIATE on SQLite, where
+    upgrading a read transaction would fail at once) and commits at the end of the block.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -44,10 +53,7 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """Open a session for reading; whatever it changed is thrown away.
-
-        Rows that were read stay readable after the block.
-        """
+        """Open a session for reading; its rows stay readable after the block."""
         with self._reading() as session:
             try:
                 yield session
@@ -67,11 +73,22 @@ class Database:
         self.engine.dispose()
 
 
+def database_now(session: Session) -> datetime:
+    """Return the present moment, in UTC, by the database's clock.
+
+    It is the one clock that processes of several machines share: heartbeats and leases are written
+    and compared by it.
+    """
+    is_sqlite = session.get_bind().dialect.name == "sqlite"
+    moment: datetime = session.execute(_SQLITE_NOW if is_sqlite else _POSTGRESQL_NOW).scalar_one()
+    return moment
+
+
 def use_wal(cursor: sqlite3.Cursor) -> None:
     """Switch an SQLite file to write-ahead logging, waiting for others that do the same.
 
-    SQLite's own timeout does not cover this: of two processes that switch a fresh file at once, one
-    is told at once that the file is locked.
+    SQLite's busy timeout does not cover this: of two processes that switch a fresh file at the
+    same time, one fails at once because the file is locked.
 
     Raises:
         sqlite3.OperationalError: The file stayed locked, or can't be written.
@@ -90,7 +107,7 @@ def use_wal(cursor: sqlite3.Cursor) -> None:
 
 
 def _set_up_sqlite(engine: Engine) -> None:
-    """Durable WAL, foreign keys, waiting writers; transactions begin where SQLAlchemy says."""
+    """Turn on durable WAL, foreign keys and waiting writers; SQLAlchemy begins transactions."""
 
     @event.listens_for(engine, "connect")
     def _on_connect(connection: Any, _record: Any) -> None:

@@ -1,7 +1,7 @@
-"""Games being played: who owns them, and what of them is safe on disk.
+"""Games being played: their owners, and what is saved of them.
 
-A game has one owner at a time, a process and a tab. Every change of owner raises the game's epoch,
-and every write carries the epoch of its owner; a write with an older one is refused.
+A game has one owner at a time, a process and a tab, which hold a lease. Every change of owner
+raises the game's epoch, and every write carries the epoch of its owner; an older one is refused.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from tril.game.episode import Start
 from tril.game.space_invaders import rom_md5
 from tril.recording import Recording, Replay
 from tril.store.changes import note_change
+from tril.store.database import database_now
 from tril.store.models import (
     GameRow,
     RecordingRow,
@@ -30,15 +31,15 @@ from tril.store.models import (
 from tril.store.recordings import as_recording, columns_of, fill
 
 LEASE = timedelta(seconds=30)
-"""How long an owner keeps a game without being heard of."""
+"""How long an owner keeps a game without renewing its lease."""
 
 OPEN_FOR = timedelta(minutes=1)
-"""How long after its lease a game still counts as open: one that stands still before its page lets
-go of its lease every half minute."""
+"""How long after its lease a game still counts as open: while a paused game's page is connected,
+its lease lapses every half minute."""
 
 
-# Games are saved all the time while others play: built once and without objects for their rows,
-# these take a seventh of the processor time.
+# Games are saved while others are played: prepared once, and without ORM objects, these statements
+# take a seventh of the processor time.
 _GAME_OF_OWNER = update(GameRow).where(
     GameRow.id == bindparam("of_game"),
     GameRow.epoch == bindparam("of_epoch"),
@@ -51,19 +52,19 @@ _RECORDING_OF_GAME = update(RecordingRow).where(
 
 
 class GameOver(Conflict):
-    """The game has ended; its recording is what is left of it."""
+    """The game has ended; only its recording is left."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a game is, as its owner saves it.
+    """The state of a game as its owner saves it.
 
     Attributes:
         game_id: The game.
         epoch: The owner's epoch.
         recording: What was played so far.
         played: What happened in it.
-        conditions: All that is known of how it was played so far.
+        conditions: How it was played so far.
     """
 
     game_id: str
@@ -74,7 +75,7 @@ class Progress:
 
 
 def create(session: Session, behaviour_id: int, start: Start, player_id: int | None) -> GameRow:
-    """Begin a game that nobody owns yet, and its recording."""
+    """Begin a game without an owner, and its recording."""
     return _create(session, _playing(behaviour_id, start, player_id))
 
 
@@ -85,29 +86,31 @@ def create_from(
     player_id: int | None,
     conditions: dict[str, Any] | None = None,
 ) -> GameRow:
-    """Begin a game that goes on from a frame of a recording, which stays as it is.
+    """Begin a game that continues a recording from one of its frames; the recording is kept.
 
     Args:
         session: The transaction.
         parent: A person's game.
-        frame: The frame after which it goes on.
-        player_id: Who plays on.
+        frame: The frame after which it continues.
+        player_id: Who plays.
         conditions: How the game was played until then.
 
     Raises:
         Invalid: The recording has no such frame, or nothing can be played after it.
-        Conflict: The recording is still being played, a replay of it gave something else, or no
-            person played it, so that what goes on from it would be half a person's game.
+        Conflict: The recording is still being played, its verification failed, or it is not a
+            person's game.
     """
     if parent.source != Source.PERSON:
-        raise Conflict(f"Recording {parent.id} is no person's game; only those can be played on.")
+        raise Conflict(f"Recording {parent.id} is no person's game; only those can be continued.")
     if parent.state == RecordingState.PLAYING:
         raise Conflict(f"Recording {parent.id} is still being played; end the game first.")
     if parent.verification == Verification.FAILED:
-        raise Conflict(f"Recording {parent.id} can't go on, because it does not replay.")
+        raise Conflict(f"Recording {parent.id} can't be continued, because it does not replay.")
     last = parent.n_frames if parent.end is None else parent.n_frames - 1
     if not 0 <= frame <= last:
-        raise Invalid(f"Recording {parent.id} can go on from frames 0 to {last}, got {frame}.")
+        raise Invalid(
+            f"Recording {parent.id} can be continued from frames 0 to {last}, got {frame}."
+        )
     until = as_recording(parent).until(frame)
     row = _playing(parent.behaviour_id, until.start, player_id)
     row.parent_id, row.parent_frame = parent.id, frame
@@ -136,7 +139,7 @@ def _create(session: Session, recording: RecordingRow) -> GameRow:
     session.flush()
     row = GameRow(id=str(uuid.uuid4()), recording_id=recording.id)
     row.recording = recording
-    row.lease_expires_at = now() + LEASE
+    row.lease_expires_at = database_now(session) + LEASE
     session.add(row)
     session.flush()
     return row
@@ -153,7 +156,7 @@ def get(session: Session, game_id: str) -> GameRow:
 
 
 def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
-    """Make a process and a tab the owner of a game; whoever had it before has lost it.
+    """Make a process and a tab the owner of a game, whoever owns it.
 
     Raises:
         NotFound: There is no such game.
@@ -165,35 +168,31 @@ def claim(session: Session, game_id: str, owner: str, tab: str) -> GameRow:
         raise GameOver("This game is over.")
     row.epoch += 1
     row.owner, row.tab = owner, tab
-    row.lease_expires_at = now() + LEASE
+    row.lease_expires_at = database_now(session) + LEASE
     return row
 
 
 def claim_abandoned(session: Session, game_id: str, owner: str, after: timedelta) -> GameRow | None:
-    """Lease a game if nobody has owned it for some time; None if somebody has by now."""
+    """Take over a game if its lease ended some time ago; returns None otherwise."""
     session.execute(select(GameRow.id).where(GameRow.id == game_id).with_for_update())
     row = get(session, game_id)
-    if row.ended_at is not None or _lease_end(row) >= now() - after:
+    if row.ended_at is not None or _lease_end(row) >= database_now(session) - after:
         return None
     return claim(session, game_id, owner, "")
 
 
 def hold(session: Session, game_id: str, epoch: int) -> bool:
-    """Renew an owner's lease; returns whether it still is the owner."""
+    """Renew an owner's lease; returns whether it is still the owner."""
     return _as_owner(session, game_id, epoch, LEASE)
 
 
 def release(session: Session, game_id: str, epoch: int) -> None:
-    """Let go of a game, so that it counts as left alone from now on."""
+    """End an owner's lease now."""
     _as_owner(session, game_id, epoch, timedelta(0))
 
 
 def save(session: Session, progress: Progress) -> bool:
-    """Save how far a game is and renew its lease.
-
-    Returns:
-        Whether it was saved: an owner that has lost the game can't write to it any more.
-    """
+    """Save a game and renew its lease; returns whether the owner is still its owner."""
     if not hold(session, progress.game_id, progress.epoch):
         return False
     columns = columns_of(progress.recording, progress.played)
@@ -206,19 +205,19 @@ def save(session: Session, progress: Progress) -> bool:
 def branch(
     session: Session, before: Progress, after: Progress, refusal: str | None
 ) -> RecordingRow | None:
-    """Keep a game as it was played and let it go on from an earlier frame, in one.
+    """Keep a game as a recording of its own and let it continue from an earlier frame.
 
-    The game as it was becomes a recording of its own in the library, unless nothing was played
-    since it went on from another one. The game's own recording names it as its parent.
+    Nothing is kept if nothing was played since the game continued from another recording. The
+    game's own recording names what is kept as its parent.
 
     Args:
         session: The transaction.
         before: The game as it was played.
-        after: The same game up to the frame from which it goes on.
-        refusal: Why a replay of the game did not give what was recorded; None if it did.
+        after: The same game up to the frame from which it continues.
+        refusal: Why verification failed; None if it passed.
 
     Returns:
-        The recording that the game goes on from; None if the game is another owner's by now.
+        The recording that the game continues; None if the game has another owner by now.
     """
     if not hold(session, before.game_id, before.epoch):
         return None
@@ -260,10 +259,10 @@ def end(
         game_id: The game.
         epoch: The owner's epoch.
         state: FINISHED if it was played to its end, UNFINISHED if it was abandoned.
-        refusal: Why a replay did not give what was recorded; None if it did.
+        refusal: Why verification failed; None if it passed.
 
     Returns:
-        Whether it was ended: an owner that has lost the game can't end it any more.
+        Whether it was ended, which only its owner can.
     """
     if not hold(session, game_id, epoch):
         return False
@@ -273,7 +272,7 @@ def end(
     recording.state = state
     recording.finished_at = now()
     _judge(recording, refusal)
-    # Of a game that was abandoned where it went on from another one, nothing new is left.
+    # An abandoned game in which nothing was played since it continued another one is dropped.
     was_abandoned = state == RecordingState.UNFINISHED
     if recording.n_frames == 0 or (was_abandoned and recording.n_frames == recording.parent_frame):
         recording.deleted_at = now()
@@ -287,10 +286,10 @@ def _judge(recording: RecordingRow, refusal: str | None) -> None:
 
 
 def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[GameRow]:
-    """Return games that nobody has owned for some time, with their recordings, oldest first."""
+    """Return games whose lease ended some time ago, with their recordings, oldest first."""
     query = (
         select(GameRow)
-        .where(GameRow.ended_at.is_(None), GameRow.lease_expires_at < now() - after)
+        .where(GameRow.ended_at.is_(None), GameRow.lease_expires_at < database_now(session) - after)
         .options(joinedload(GameRow.recording))
         .order_by(GameRow.created_at)
         .limit(limit)
@@ -299,19 +298,19 @@ def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[Game
 
 
 def is_play_on(session: Session) -> bool:
-    """Whether somebody plays at the moment: training then makes way."""
-    live = (GameRow.ended_at.is_(None), GameRow.lease_expires_at > now())
+    """Whether somebody plays at the moment, so that learning is throttled."""
+    live = (GameRow.ended_at.is_(None), GameRow.lease_expires_at > database_now(session))
     return session.scalar(select(GameRow.id).where(*live).limit(1)) is not None
 
 
 def is_open(session: Session, game_id: str) -> bool:
-    """Whether a game has a place among those that are played or about to be."""
-    return bool(session.scalar(_open().where(GameRow.id == game_id)))
+    """Whether a game is played or about to be."""
+    return bool(session.scalar(_open(session).where(GameRow.id == game_id)))
 
 
 def count_open(session: Session, player_id: int | None = None) -> int:
-    """Count the games that are played or about to be, of one player or of all."""
-    query = _open()
+    """Count the games that are played or about to be, of a player or of all."""
+    query = _open(session)
     if player_id is not None:
         query = query.join(RecordingRow, GameRow.recording_id == RecordingRow.id).where(
             RecordingRow.player_id == player_id
@@ -319,14 +318,14 @@ def count_open(session: Session, player_id: int | None = None) -> int:
     return session.scalar(query) or 0
 
 
-def _open() -> Select[int]:
+def _open(session: Session) -> Select[int]:
     return select(func.count(GameRow.id)).where(
-        GameRow.ended_at.is_(None), GameRow.lease_expires_at > now() - OPEN_FOR
+        GameRow.ended_at.is_(None), GameRow.lease_expires_at > database_now(session) - OPEN_FOR
     )
 
 
 def keep_undecided(session: Session, after: timedelta) -> None:
-    """Keep finished games that nobody decided about for some time, so that none is lost."""
+    """Keep games that were neither kept nor discarded for some time after they finished."""
     query = select(RecordingRow).where(
         RecordingRow.state == RecordingState.FINISHED,
         RecordingRow.deleted_at.is_(None),
@@ -345,6 +344,10 @@ def _as_owner(session: Session, game_id: str, epoch: int, lease: timedelta) -> b
     session.flush()
     result = session.connection().execute(
         _GAME_OF_OWNER,
-        {"of_game": game_id, "of_epoch": epoch, "lease_expires_at": now() + lease},
+        {
+            "of_game": game_id,
+            "of_epoch": epoch,
+            "lease_expires_at": database_now(session) + lease,
+        },
     )
     return result.rowcount > 0

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 from enum import StrEnum
-from typing import Any
+from typing import Any, Generic, TypeVar
 
+from pydantic import BaseModel
 from sqlalchemy import (
     JSON,
     Boolean,
@@ -23,15 +24,39 @@ from sqlalchemy import (
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
 
+from tril.analysis.outcome import RunOutcome, RunSnapshot
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class ModelJSON(TypeDecorator[Model], Generic[Model]):
+    """A Pydantic model as JSON: validated where it is read, without members that were not set."""
+
+    impl = JSON(none_as_null=True)
+    cache_ok = True
+
+    def __init__(self, model: type[Model]) -> None:
+        """Store models of this class."""
+        super().__init__()
+        self.model = model
+
+    def process_bind_param(self, value: Model | None, dialect: Any) -> dict[str, Any] | None:
+        """Return a model as plain data."""
+        return None if value is None else value.model_dump(mode="json", exclude_unset=True)
+
+    def process_result_value(self, value: Any, dialect: Any) -> Model | None:
+        """Return stored data as a model."""
+        return None if value is None else self.model.model_validate(value)
+
 
 class UTCDateTime(TypeDecorator[datetime]):
-    """A timezone-aware UTC time, also on databases that forget the zone."""
+    """A timezone-aware UTC time, also on databases that do not store the zone."""
 
     impl = DateTime(timezone=True)
     cache_ok = True
 
     def process_bind_param(self, value: datetime | None, dialect: Any) -> datetime | None:
-        """Return a time as it is stored; one without a zone is a mistake."""
+        """Return a time as it is stored; raises ValueError for one without a zone."""
         if value is None:
             return None
         if value.tzinfo is None:
@@ -51,7 +76,7 @@ def now() -> datetime:
 
 
 class Base(DeclarativeBase):
-    """Base of all tables, with constraint names that migrations can refer to."""
+    """Base of all tables; names constraints so that migrations can refer to them."""
 
     metadata = MetaData(
         naming_convention={
@@ -65,7 +90,7 @@ class Base(DeclarativeBase):
 
 
 class Role(StrEnum):
-    """What a player may do; today there is one owner, invited participants come later."""
+    """What a player may do; there is one owner so far."""
 
     OWNER = "owner"
     RESEARCHER = "researcher"
@@ -81,10 +106,10 @@ class Source(StrEnum):
 
 
 class RecordingState(StrEnum):
-    """Where a recording stands.
+    """State of a recording.
 
-    PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, the person has not
-    decided; KEPT: in the library.
+    PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, but neither kept
+    nor discarded yet; KEPT: in the library.
     """
 
     PLAYING = "playing"
@@ -102,7 +127,7 @@ class Verification(StrEnum):
 
 
 class RunStatus(StrEnum):
-    """Where a run stands. STOPPED: the check of the ranking failed and the run ended there."""
+    """State of a run. STOPPED: it ended because the check of the ranking failed."""
 
     QUEUED = "queued"
     RUNNING = "running"
@@ -115,7 +140,10 @@ class RunStatus(StrEnum):
     @property
     def is_over(self) -> bool:
         """Whether nothing more happens unless the run is resumed."""
-        return self in {RunStatus.CANCELLED, RunStatus.STOPPED, RunStatus.FAILED, RunStatus.DONE}
+        return self not in NOT_OVER
+
+
+NOT_OVER = frozenset({RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING})
 
 
 class PlayerRow(Base):
@@ -146,11 +174,10 @@ class BehaviourRow(Base):
 
 
 class RecordingRow(Base):
-    """One played episode: its start and the action executed at every frame.
+    """One played episode: its start, its ending rule and the action executed at every frame.
 
     ``hits`` is a list of [row, column, frame] in order of time; ``ram_hashes`` one digest after
-    every 60th frame; ``n_frames`` the number of actions. Rows are never removed while something
-    names them: deletion sets ``deleted_at``.
+    every 60th frame; ``n_frames`` the number of actions. Deletion only sets ``deleted_at``.
     """
 
     __tablename__ = "recordings"
@@ -168,6 +195,7 @@ class RecordingRow(Base):
     idle_frames: Mapped[int] = mapped_column(Integer)
     mode: Mapped[int] = mapped_column(Integer, default=0)
     difficulty: Mapped[int] = mapped_column(Integer, default=0)
+    ending: Mapped[str] = mapped_column(String(16), default="hit", server_default="hit")
     actions: Mapped[bytes] = mapped_column(LargeBinary, default=b"")
     n_frames: Mapped[int] = mapped_column(Integer, default=0)
     ram_hashes: Mapped[list[str]] = mapped_column(JSON, default=list)
@@ -205,7 +233,7 @@ class GameRow(Base):
 
 
 class RankingRow(Base):
-    """One revision of a behaviour's ranking, kept as it was done.
+    """One revision of a behaviour's ranking.
 
     ``tiers`` is a list of lists of recording ids, best tier first. ``undo_to`` and ``redo_to``
     name the revisions whose tiers an undo or redo from here brings back.
@@ -228,12 +256,11 @@ class RankingRow(Base):
 class RunRow(Base):
     """One training of a behaviour. The id is also the job's id.
 
-    ``snapshot`` is {"ranking_revision", "tiers": [[recording ids]], "perfect": [recording ids]},
-    frozen when the run is made (or, with ``example``, once its demonstrations exist).
+    ``snapshot`` is frozen when the run is made (with ``example``, once its demonstrations exist).
     ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
-    is the full recipe as data. ``outcome`` collects what the pages show when it is done.
-    ``finished_stages`` maps each finished stage to the seconds of work it took. ``epoch`` grows
-    with every claim by a worker; what a worker with an older epoch writes is refused.
+    is the full recipe as data. ``finished_stages`` maps each finished stage to the seconds of work
+    it took. ``epoch`` grows with every lease of the run to a worker; what a worker with an older
+    epoch writes is refused.
     """
 
     __tablename__ = "runs"
@@ -250,7 +277,7 @@ class RunRow(Base):
     training_seed: Mapped[int] = mapped_column(Integer)
     steps: Mapped[int] = mapped_column(Integer)
     go_on_anyway: Mapped[bool] = mapped_column(Boolean, default=False)
-    snapshot: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+    snapshot: Mapped[RunSnapshot | None] = mapped_column(ModelJSON(RunSnapshot))
     versions: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
     status: Mapped[str] = mapped_column(String(16), index=True)
     stage: Mapped[str] = mapped_column(String(24), default="")
@@ -261,7 +288,7 @@ class RunRow(Base):
     epoch: Mapped[int] = mapped_column(Integer, default=0)
     worker: Mapped[str] = mapped_column(String(80), default="")
     heartbeat_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
-    outcome: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    outcome: Mapped[RunOutcome] = mapped_column(ModelJSON(RunOutcome), default=RunOutcome)
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     started_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
     finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
@@ -271,8 +298,8 @@ class RunRow(Base):
 class MetricRow(Base):
     """One point of a run's curves: ``values`` by series name at ``step`` of ``stage``.
 
-    Ids are never used twice, so that a page that asks for what came after an id also gets the
-    points that replace those dropped when a run went on from its checkpoint.
+    Ids are never reused, so that a page which asks for points after an id also gets those that
+    replace the ones dropped when a run went on from its checkpoint.
     """
 
     __tablename__ = "metrics"
@@ -290,7 +317,7 @@ class MetricRow(Base):
 
 
 class EvaluationRow(Base):
-    """One evaluation game of a run: which policy, from where, and the recording it left."""
+    """One evaluation game of a run: policy, start and recording."""
 
     __tablename__ = "evaluations"
     __table_args__ = (UniqueConstraint("run_id", "policy", "start_number", "action_selection"),)
@@ -311,7 +338,7 @@ class EvaluationRow(Base):
 
 
 class ArtifactRow(Base):
-    """A file of a run in the artifact store. ``details`` says what the file shows."""
+    """A file of a run in the artifact store; ``details`` describes it."""
 
     __tablename__ = "artifacts"
     __table_args__ = (UniqueConstraint("run_id", "name"),)
@@ -328,7 +355,7 @@ class ArtifactRow(Base):
 
 
 class ChangeRow(Base):
-    """Something changed; written in the transaction that changed it and read by event streams.
+    """A change, written in the transaction that made it and read by event streams.
 
     ``topic`` is the kind of thing ("run", "recording", "ranking", "behaviour", "system"), ``key``
     its id.
@@ -343,7 +370,10 @@ class ChangeRow(Base):
 
 
 class ProcessRow(Base):
-    """A live process (server, worker, inference) and when it was last heard of."""
+    """A process (server, worker, inference) and its last heartbeat, by the database's clock.
+
+    ``machine``, ``pid`` and ``started`` identify it, see tril.store.processes.
+    """
 
     __tablename__ = "processes"
 
@@ -351,3 +381,6 @@ class ProcessRow(Base):
     kind: Mapped[str] = mapped_column(String(16))
     details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     heartbeat_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    machine: Mapped[str | None] = mapped_column(String(80))
+    pid: Mapped[int | None] = mapped_column(Integer)
+    started: Mapped[str | None] = mapped_column(String(32))

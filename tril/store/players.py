@@ -1,4 +1,4 @@
-"""The people who play and rank: the owner, and those whose games were brought here."""
+"""The people who play and rank: the owner, and those whose games were imported."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from tril.store.changes import note_change
 from tril.store.models import PlayerRow, Role
 
 OWNER_NAME = "Player"
-"""Name of the owner until a person gives another one."""
+"""Name of the owner until it is changed."""
 
 
 def owner(session: Session) -> PlayerRow:
-    """Return the owner; raises NotFound in a database that was never upgraded."""
+    """Return the owner; raises NotFound in a database without one."""
     row = session.scalar(
         select(PlayerRow).where(PlayerRow.role == Role.OWNER).order_by(PlayerRow.id).limit(1)
     )
@@ -24,7 +24,7 @@ def owner(session: Session) -> PlayerRow:
 
 
 def lock(session: Session, player_id: int) -> None:
-    """Let other transactions that lock this player wait until this one is over."""
+    """Make other transactions that lock this player wait until this one is over."""
     session.execute(select(PlayerRow.id).where(PlayerRow.id == player_id).with_for_update())
 
 
@@ -44,7 +44,7 @@ def rename(session: Session, player: PlayerRow, name: str) -> None:
 
 
 def named(session: Session, name: str) -> PlayerRow:
-    """Return the player of this name, the oldest of several; a participant is added if none is."""
+    """Return the oldest player of this name; without one a participant is added."""
     row = session.scalar(
         select(PlayerRow).where(PlayerRow.name == name).order_by(PlayerRow.id).limit(1)
     )

@@ -1,21 +1,77 @@
-"""Which processes of Tril live."""
+"""Which processes of Tril are alive."""
 
 from __future__ import annotations
 
+import os
+import platform
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from tril.store.changes import note_change
-from tril.store.models import ProcessRow, now
+from tril.store.database import database_now
+from tril.store.models import ProcessRow
 
 ALIVE_FOR = timedelta(seconds=15)
-"""A process that was not heard of for this long is not alive."""
+"""A process whose heartbeat is older is not alive."""
 
 FORGOTTEN_AFTER = timedelta(days=1)
+
+
+@dataclass(frozen=True)
+class ProcessIdentity:
+    """Tells a process from every other one, also from a later one with the same id.
+
+    Attributes:
+        machine: The boot of the machine and the namespace of its process ids; the host's name
+            where the system tells neither.
+        pid: The process's id.
+        started: Clock ticks from the boot to the process's start; empty where that is not told.
+    """
+
+    machine: str
+    pid: int
+    started: str
+
+    @classmethod
+    def of(cls, pid: int) -> ProcessIdentity:
+        """Return the identity of a process of this machine that is alive."""
+        return cls(_machine(), pid, _started(pid) or "")
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process is known to have ended; of other machines nothing is known."""
+        return self.machine == _machine() and _started(self.pid) != self.started
+
+
+@cache
+def _machine() -> str:
+    try:
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        return f"{boot} {Path('/proc/self/ns/pid').readlink()}"
+    except OSError:
+        return platform.node()
+
+
+def _started(pid: int) -> str | None:
+    """Return when a process started, empty where that is not told; None if it has ended."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return None
+    except PermissionError:
+        pass
+    try:
+        # The name before the closing bracket may hold anything, see proc_pid_stat(5).
+        state, *fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return ""
+    return None if state in "ZX" else fields[18]
 
 
 @dataclass(frozen=True)
@@ -25,8 +81,8 @@ class ProcessStatus:
     Attributes:
         name: Unique name, e.g. "worker-0-3f9a2c1d".
         kind: "server", "worker" or "inference".
-        alive: Whether it was heard of in the last 15 s.
-        details: What it said about itself.
+        alive: Whether its heartbeat is fresh and it is not known to have ended.
+        details: What it says about itself.
     """
 
     name: str
@@ -35,45 +91,82 @@ class ProcessStatus:
     details: dict[str, Any]
 
 
-def is_fresh(heartbeat_at: datetime | None) -> bool:
-    """Whether a heartbeat is recent enough to count as a sign of life."""
-    return heartbeat_at is not None and now() - heartbeat_at < ALIVE_FOR
+def is_fresh(session: Session, heartbeat_at: datetime | None) -> bool:
+    """Whether a heartbeat, written by the database's clock, is recent enough to count."""
+    return heartbeat_at is not None and database_now(session) - heartbeat_at < ALIVE_FOR
 
 
-def beat(session: Session, name: str, kind: str, details: dict[str, Any]) -> None:
-    """Note that a process lives; tells the pages when it is new or says something new."""
+def beat(
+    session: Session,
+    name: str,
+    kind: str,
+    details: dict[str, Any],
+    identity: ProcessIdentity | None = None,
+) -> None:
+    """Write a process's heartbeat; tells the pages when it is new or says something new.
+
+    Args:
+        session: The transaction.
+        name: Unique name of the process.
+        kind: "server", "worker" or "inference".
+        details: What it says about itself.
+        identity: Tells when it has ended without a word; this process by default.
+    """
+    identity = identity or ProcessIdentity.of(os.getpid())
     row = session.get(ProcessRow, name, with_for_update=True)
     if row is None:
-        session.add(ProcessRow(name=name, kind=kind, details=details, heartbeat_at=now()))
+        row = ProcessRow(name=name, kind=kind)
+        session.add(row)
         note_change(session, "system", name)
-        return
-    if row.details != details or not is_fresh(row.heartbeat_at):
+    elif row.details != details or not is_fresh(session, row.heartbeat_at):
         note_change(session, "system", name)
-    row.kind, row.details, row.heartbeat_at = kind, details, now()
+    row.kind, row.details, row.heartbeat_at = kind, details, database_now(session)
+    row.machine, row.pid, row.started = identity.machine, identity.pid, identity.started
 
 
 def leave(session: Session, name: str) -> None:
     """Note that a process has ended in good order, and forget those long gone."""
     session.execute(
         delete(ProcessRow).where(
-            (ProcessRow.name == name) | (ProcessRow.heartbeat_at < now() - FORGOTTEN_AFTER)
+            (ProcessRow.name == name)
+            | (ProcessRow.heartbeat_at < database_now(session) - FORGOTTEN_AFTER)
         )
     )
     note_change(session, "system", name)
 
 
 def statuses(session: Session) -> list[ProcessStatus]:
-    """Return every process that was heard of lately, by name."""
+    """Return every process with a heartbeat of the last day, by name."""
+    moment = database_now(session)
     rows = session.scalars(
         select(ProcessRow)
-        .where(ProcessRow.heartbeat_at > now() - FORGOTTEN_AFTER)
+        .where(ProcessRow.heartbeat_at > moment - FORGOTTEN_AFTER)
         .order_by(ProcessRow.name)
     )
     return [
-        ProcessStatus(row.name, row.kind, is_fresh(row.heartbeat_at), row.details) for row in rows
+        ProcessStatus(
+            row.name,
+            row.kind,
+            moment - row.heartbeat_at < ALIVE_FOR and not _has_ended(row),
+            row.details,
+        )
+        for row in rows
     ]
 
 
 def is_kind_alive(session: Session, kind: str) -> bool:
-    """Whether a process of this kind was heard of in the last 15 s."""
+    """Whether a process of this kind is alive."""
     return any(status.alive for status in statuses(session) if status.kind == kind)
+
+
+def has_ended(session: Session, name: str) -> bool:
+    """Whether a process is known to have ended; one that was never heard of is not."""
+    row = session.get(ProcessRow, name, populate_existing=True)
+    return row is not None and _has_ended(row)
+
+
+def _has_ended(row: ProcessRow) -> bool:
+    if row.machine is None or row.pid is None or row.started is None:
+        # Of an earlier version.
+        return False
+    return ProcessIdentity(row.machine, row.pid, row.started).has_ended

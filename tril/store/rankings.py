@@ -1,8 +1,8 @@
-"""The rankings, every revision kept as it was done.
+"""The rankings, with every revision in the order in which it was made.
 
 Revision 0 is the empty ranking that every behaviour begins with; it has no row. ``undo_to`` names
 the revision whose tiers an undo brings back, ``redo_to`` the revision that was undone. Undo and
-redo write new revisions, so that what was done stays readable in the order in which it was done.
+redo write new revisions.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ Tiers = Sequence[Sequence[int]]
 
 
 class RankingConflict(Conflict):
-    """Somebody saved another order first.
+    """Another order was saved first.
 
     Attributes:
         behaviour_id: The behaviour whose ranking it is.
-        yours: The tiers that were to be saved; None for an undo or redo.
+        yours: The tiers that were not saved; None for an undo or redo.
     """
 
     def __init__(self, behaviour_id: int, yours: Tiers | None) -> None:
@@ -44,16 +44,14 @@ class RankingConflict(Conflict):
 
 
 def current(session: Session, behaviour_id: int) -> RankingRow:
-    """Return the newest revision; a row that is not stored, of revision 0, if there is none."""
+    """Return the newest revision; if there is none, revision 0, which is not stored."""
     row = session.scalar(
         select(RankingRow)
         .where(RankingRow.behaviour_id == behaviour_id)
         .order_by(RankingRow.revision.desc())
         .limit(1)
     )
-    if row is None:
-        return RankingRow(behaviour_id=behaviour_id, revision=0, tiers=[], change="edit")
-    return row
+    return row or _empty(behaviour_id)
 
 
 def revisions(session: Session, behaviour_id: int, limit: int = 500) -> list[RankingRow]:
@@ -69,7 +67,7 @@ def history(session: Session, behaviour_id: int) -> list[RankingRow]:
 
 
 def restore_history(session: Session, behaviour_id: int, rows: Sequence[RankingRow]) -> None:
-    """Write every revision of a behaviour that has none yet, oldest first, as they were saved.
+    """Add the revisions, oldest first, of a behaviour that has none yet.
 
     Raises:
         Conflict: The behaviour has revisions already.
@@ -91,7 +89,7 @@ def as_ranking(row: RankingRow) -> Ranking:
 
 
 def unranked(session: Session, row: RankingRow) -> list[int]:
-    """Return the recordings that could be ranked and are in no tier, newest first."""
+    """Return the rankable recordings that are in no tier, newest first."""
     inside = set(as_ranking(row).items)
     rankable = _rankable(session, row.behaviour_id)
     return sorted(rankable - inside, reverse=True)
@@ -105,15 +103,15 @@ def save(
     player_id: int | None = None,
     change: str = "edit",
 ) -> RankingRow:
-    """Save an order; one that equals the newest revision's is not saved again.
+    """Save an order as a new revision, unless it equals the newest one's.
 
     Args:
         session: The transaction.
         behaviour_id: Whose ranking.
         base_revision: The revision that was changed into this order.
         tiers: Recordings, best tier first.
-        player_id: Who did it.
-        change: What was done: "edit", "import" or "example".
+        player_id: Who saves it.
+        change: "edit", "import" or "example".
 
     Raises:
         RankingConflict: ``base_revision`` is not the newest any more.
@@ -138,18 +136,9 @@ def undo(
         Invalid: There is nothing to undo.
     """
     newest = _lock(session, behaviour_id, base_revision, None)
-    if newest.undo_to is None:
-        raise Invalid("There is nothing to undo.")
-    earlier = _revision(session, behaviour_id, newest.undo_to)
-    return _add(
-        session,
-        newest,
-        _still_rankable(session, earlier),
-        player_id,
-        "undo",
-        undo_to=earlier.undo_to,
-        redo_to=newest.revision,
-    )
+    earlier = _revision(session, newest, newest.undo_to, "undo")
+    links = {"undo_to": earlier.undo_to, "redo_to": newest.revision}
+    return _add(session, newest, _still_rankable(session, earlier), player_id, "undo", **links)
 
 
 def redo(
@@ -162,18 +151,9 @@ def redo(
         Invalid: There is nothing to redo.
     """
     newest = _lock(session, behaviour_id, base_revision, None)
-    if newest.redo_to is None:
-        raise Invalid("There is nothing to redo.")
-    undone = _revision(session, behaviour_id, newest.redo_to)
-    return _add(
-        session,
-        newest,
-        _still_rankable(session, undone),
-        player_id,
-        "redo",
-        undo_to=undone.undo_to,
-        redo_to=undone.redo_to,
-    )
+    undone = _revision(session, newest, newest.redo_to, "redo")
+    links = {"undo_to": undone.undo_to, "redo_to": undone.redo_to}
+    return _add(session, newest, _still_rankable(session, undone), player_id, "redo", **links)
 
 
 def take_out(
@@ -182,9 +162,9 @@ def take_out(
     recording_ids: Collection[int],
     player_id: int | None = None,
 ) -> None:
-    """Write a revision without recordings that have been deleted, if any of them is ranked.
+    """Save a revision without deleted recordings, if any of them is ranked.
 
-    What undo and redo bring back stays as it was: a deletion is undone by restoring recordings.
+    Undo and redo pass over it: a deletion is undone by restoring the recordings.
     """
     newest = _lock(session, behaviour_id, None, None)
     ranking = as_ranking(newest)
@@ -203,7 +183,7 @@ def take_out(
 def _lock(
     session: Session, behaviour_id: int, base_revision: int | None, yours: Tiers | None
 ) -> RankingRow:
-    """Return the newest revision and keep others from writing one until the transaction ends."""
+    """Lock the ranking until the transaction ends; return its newest revision."""
     session.execute(
         select(BehaviourRow.id).where(BehaviourRow.id == behaviour_id).with_for_update()
     )
@@ -213,14 +193,20 @@ def _lock(
     return newest
 
 
-def _revision(session: Session, behaviour_id: int, revision: int) -> RankingRow:
+def _revision(session: Session, newest: RankingRow, revision: int | None, what: str) -> RankingRow:
+    if revision is None:
+        raise Invalid(f"There is nothing to {what}.")
     if revision == 0:
-        return RankingRow(behaviour_id=behaviour_id, revision=0, tiers=[], change="edit")
+        return _empty(newest.behaviour_id)
     return session.scalars(
         select(RankingRow).where(
-            RankingRow.behaviour_id == behaviour_id, RankingRow.revision == revision
+            RankingRow.behaviour_id == newest.behaviour_id, RankingRow.revision == revision
         )
     ).one()
+
+
+def _empty(behaviour_id: int) -> RankingRow:
+    return RankingRow(behaviour_id=behaviour_id, revision=0, tiers=[], change="edit")
 
 
 def _add(

@@ -1,4 +1,4 @@
-"""The recordings: library, games under way, and the games that policies played."""
+"""The recordings: library, games being played, and the games of policies."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.game.episode import Hit, Start
+from tril.game.episode import Ending, Hit, Start
 from tril.recording import Recording, Replay
 from tril.store import rankings
 from tril.store.changes import note_change
@@ -25,6 +25,7 @@ def as_recording(row: RecordingRow) -> Recording:
         actions=row.actions,
         ram_hashes=tuple(row.ram_hashes),
         rom_md5=row.rom_md5,
+        ending=Ending(row.ending),
     )
 
 
@@ -46,6 +47,7 @@ def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
         "idle_frames": recording.start.idle_frames,
         "mode": recording.start.mode,
         "difficulty": recording.start.difficulty,
+        "ending": recording.ending,
         "actions": recording.actions,
         "n_frames": recording.n_frames,
         "ram_hashes": list(recording.ram_hashes),
@@ -68,17 +70,17 @@ def add(
     notes: str = "",
     conditions: dict[str, Any] | None = None,
 ) -> RecordingRow:
-    """Add a verified recording to what is kept.
+    """Add a verified recording.
 
     Args:
         session: The transaction.
         behaviour_id: What it is a game of.
-        recording: A recording that a replay has confirmed (tril.recording.verify).
-        played: What happened in that replay.
+        recording: A verified recording (tril.recording.verify).
+        played: What happened in its replay.
         source: Who played it.
-        player_id: Which person, for games of persons.
-        run_id: Which run's policy, for games of policies.
-        perfect: Whether it may be cloned.
+        player_id: Which person played it, if one did.
+        run_id: Which run's policy played it, if one did.
+        perfect: Whether the clone learns from it.
         notes: A person's remarks.
         conditions: How it was played.
     """
@@ -102,7 +104,7 @@ def add(
 
 
 def get(session: Session, recording_id: int) -> RecordingRow:
-    """Return a recording, a deleted one too; raises NotFound if there is none."""
+    """Return a recording, even a deleted one; raises NotFound if there is none."""
     row = session.get(RecordingRow, recording_id)
     if row is None:
         raise NotFound(f"There is no recording {recording_id}.")
@@ -110,7 +112,7 @@ def get(session: Session, recording_id: int) -> RecordingRow:
 
 
 def by_ids(session: Session, ids: Iterable[int]) -> dict[int, RecordingRow]:
-    """Return recordings by id, deleted ones too; ids that nothing has are left out."""
+    """Return recordings by id, even deleted ones; unknown ids are left out."""
     query = select(RecordingRow).where(RecordingRow.id.in_(set(ids)))
     return {row.id: row for row in session.scalars(query)}
 
@@ -127,8 +129,8 @@ def listing(
     Args:
         session: The transaction.
         behaviour_id: The behaviour.
-        with_deleted: Whether deleted recordings are listed too, so that they can be restored.
-        with_policies: Whether the games of trained policies are listed too.
+        with_deleted: Whether to list deleted recordings, too.
+        with_policies: Whether to list the recordings of runs, too.
     """
     query = _library(behaviour_id)
     if not with_deleted:
@@ -139,15 +141,15 @@ def listing(
 
 
 def has_any(session: Session, behaviour_id: int) -> bool:
-    """Whether anything was ever played of a behaviour, deleted games and policies' ones too."""
+    """Whether a behaviour has any recordings, including deleted ones and those of runs."""
     query = select(RecordingRow.id).where(RecordingRow.behaviour_id == behaviour_id).limit(1)
     return session.scalar(query) is not None
 
 
 def branches(session: Session, recording_id: int) -> list[RecordingRow]:
-    """Return the recordings that go on from a frame of this one, oldest first.
+    """Return the recordings that continue this one, oldest first.
 
-    Deleted ones and games that are still being played are left out.
+    Deleted ones and games being played are left out.
     """
     query = select(RecordingRow).where(
         RecordingRow.parent_id == recording_id,
@@ -180,18 +182,15 @@ def keep(session: Session, row: RecordingRow) -> None:
 
 
 def delete(session: Session, row: RecordingRow, player_id: int | None) -> None:
-    """Take a recording out of the lists and the ranking; ``restore`` brings it back.
-
-    Trainings that used it keep it. Nothing happens if it is deleted already.
-
-    Raises:
-        Conflict: It is still being played, or it is a result of a training.
-    """
+    """Delete a recording as ``delete_all`` does."""
     delete_all(session, [row], player_id)
 
 
 def delete_all(session: Session, rows: Sequence[RecordingRow], player_id: int | None) -> None:
-    """Delete recordings as ``delete`` does, with one revision of each ranking they were in.
+    """Take recordings out of the lists and the rankings; ``restore`` brings them back.
+
+    Trainings that used them keep them. Each ranking they were in gets one new revision. Those that
+    are deleted already are passed over.
 
     Raises:
         Conflict: One is still being played, or is a result of a training.
@@ -214,7 +213,7 @@ def delete_all(session: Session, rows: Sequence[RecordingRow], player_id: int | 
 
 
 def restore(session: Session, row: RecordingRow) -> None:
-    """Bring a deleted recording back, unranked; a discarded game goes into the library."""
+    """Restore a deleted recording, unranked; a discarded game goes into the library."""
     if row.deleted_at is None:
         return
     row.deleted_at = None
@@ -226,14 +225,14 @@ def restore(session: Session, row: RecordingRow) -> None:
 def update(
     session: Session, row: RecordingRow, perfect: bool | None = None, notes: str | None = None
 ) -> None:
-    """Mark a recording as perfect or not, or change its notes; None leaves them.
+    """Change whether a recording is perfect, or its notes; None leaves them as they are.
 
     Raises:
         Invalid: It is to be perfect but is not verified, or the notes are too long.
     """
     if perfect and row.verification != Verification.VERIFIED:
         raise Invalid(
-            "Only a verified recording can be perfect, because learning replays it: "
+            "Only a verified recording can be marked as perfect, because learning replays it: "
             f"{row.verification_note or 'its replay is not done yet.'}"
         )
     if notes is not None and len(notes) > MAX_NOTES_LENGTH:

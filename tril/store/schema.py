@@ -1,4 +1,4 @@
-"""The database's shape: brings it up to this version, and refuses to work on another one."""
+"""The database's schema: upgraded to this version, refused if it is of another one."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _MIGRATIONS = Path(__file__).resolve().parents[2] / "migrations"
 
 
 def upgrade(database: Database) -> None:
-    """Bring a database to this version and add what comes ready; harmless when repeated.
+    """Upgrade a database to this version and add what is built-in; harmless when repeated.
 
-    Everything happens in one transaction, so a failed upgrade leaves what was there.
+    The schema changes in one transaction, so a failed upgrade leaves the database as it was.
 
     Raises:
         Unavailable: The database is of a newer version of Tril.
@@ -40,7 +40,7 @@ def check_schema(database: Database) -> None:
     """Refuse a database of another version.
 
     Raises:
-        Unavailable: It is older, newer, empty, or can't be reached; says what to do.
+        Unavailable: It is older, newer, empty, or can't be reached.
     """
     config = alembic_config()
     try:
@@ -58,8 +58,8 @@ def check_schema(database: Database) -> None:
 
 
 def alembic_config() -> Config:
-    """Return the configuration that Alembic works with."""
-    # It announces at every look that nothing is to be done.
+    """Return Alembic's configuration."""
+    # Otherwise it logs two lines each time, even if nothing is to be done.
     logging.getLogger("alembic.runtime.migration").setLevel(logging.WARNING)
     config = Config()
     config.set_main_option("script_location", str(_MIGRATIONS))

@@ -1,6 +1,6 @@
-"""Players in a process of their own: ``python -m benchmarks.play.support.crowd``, or Crowd.
+"""Players in their own processes: ``python -m benchmarks.play.support.crowd``, or Crowd.
 
-For each line on its standard input it prints what its players saw so far; at the end of it they go.
+A process prints its players' counts for each line on its standard input, and ends with it.
 """
 
 from __future__ import annotations
@@ -22,23 +22,19 @@ from benchmarks.play.support.pages import Counts, play_on_and_on
 from tril.settings import Settings
 
 NICENESS = 5
-"""Players sit at machines of their own; on this one they shall not push the server aside."""
+"""Players have machines of their own; on this one they must not starve the server."""
 
 ARRIVE_WITHIN_S = 2.0
 
 
 class Crowd:
-    """Players in processes of their own.
-
-    Args:
-        processes: The processes.
-    """
+    """Players in their own processes."""
 
     def __init__(self, processes: list[subprocess.Popen[str]]) -> None:
         self._processes = processes
 
     def counts(self) -> Counts:
-        """Return what all players saw so far."""
+        """Return the sum of all players' counts."""
         for process in self._processes:
             assert process.stdin is not None
             process.stdin.write("\n")
@@ -54,7 +50,7 @@ class Crowd:
 def running_crowd(
     settings: Settings, n_players: int, n_processes: int, stream: str = "stream"
 ) -> Iterator[Crowd]:
-    """Let players play, spread over processes."""
+    """Run players, spread over processes, for the block."""
     processes = []
     with ExitStack() as stack:
         for number in range(n_processes):
@@ -104,7 +100,7 @@ async def _play(settings: Settings, n_players: int, stream: str, seed: int) -> N
     asking = asyncio.create_task(_answer(counts))
     done, _ = await asyncio.wait([*players, asking], return_when=asyncio.FIRST_COMPLETED)
     for task in done:
-        task.result()  # a player goes on for ever, unless something is wrong
+        task.result()  # players never end by themselves: raise their error
     for player in players:
         player.cancel()
     await asyncio.gather(*players, return_exceptions=True)
@@ -116,7 +112,7 @@ async def _answer(counts: Counts) -> None:
 
 
 def main() -> None:
-    """Play until nobody asks any more."""
+    """Play until standard input closes."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--port", type=int, required=True)

@@ -1,4 +1,4 @@
-"""Measured server processes behind one port, and what they did within a window of time."""
+"""Measured server processes behind one port."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ import psutil
 from server.main import take_port
 from server.play.hub import N_SPARE_CONSOLES
 from server.play.lateness import Lateness
-from tests.waiting import wait_until
+from testsupport.waiting import wait_until
 from tril.settings import Settings
 
 START_TIMEOUT_S = 120.0
@@ -26,12 +26,12 @@ START_TIMEOUT_S = 120.0
 
 @dataclass(frozen=True)
 class Sample:
-    """What the servers had done by a moment.
+    """Totals of all servers since their start.
 
     Attributes:
-        lateness: How late all their games' frames began.
-        cpu_s: Processor time used.
-        rss_bytes: Memory held.
+        lateness: Lateness of all games' frames.
+        cpu_s: CPU time.
+        rss_bytes: Resident memory at present.
     """
 
     lateness: Lateness
@@ -46,7 +46,7 @@ class Fleet:
     Attributes:
         settings: Their settings, with the port.
         processes: The processes.
-        measures: Where each of them writes.
+        measures: The file that each of them writes.
     """
 
     settings: Settings
@@ -54,7 +54,7 @@ class Fleet:
     measures: list[Path]
 
     def sample(self) -> Sample:
-        """Return what was done by now."""
+        """Return the present totals."""
         lateness, cpu_s, rss_bytes = Lateness(), 0.0, 0
         for process, written in zip(self.processes, self._ask(), strict=True):
             times = process.cpu_times()
@@ -64,7 +64,7 @@ class Fleet:
         return Sample(lateness, cpu_s, rss_bytes)
 
     def has_consoles(self, n_each: int) -> bool:
-        """Whether every process has loaded so many consoles."""
+        """Return whether every process has loaded at least so many consoles."""
         return all(written["consoles"] >= n_each for written in self._ask())
 
     def _ask(self) -> list[dict[str, Any]]:
@@ -78,12 +78,12 @@ class Fleet:
 
 @contextmanager
 def running_fleet(data: Path, n_processes: int, games_each: int) -> Iterator[Fleet]:
-    """Run server processes with all their consoles loaded.
+    """Run server processes for the block, with all their consoles loaded.
 
     Args:
         data: A migrated data folder.
-        n_processes: How many.
-        games_each: The most games that each can play.
+        n_processes: Number of processes.
+        games_each: Most games in each.
     """
     with ExitStack() as stack:
         held = stack.enter_context(take_port(Settings(data=data, port=0), shares_port=True))

@@ -1,4 +1,4 @@
-"""A game streamed as CrowdPlay does: every frame as JPEG, base64, in a JSON message."""
+"""Streaming as CrowdPlay does: every frame as JPEG, base64, in a JSON message."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def _blue_green_red() -> npt.NDArray[np.uint8]:
 
 
 class JpegConnection(Connection):
-    """A connection that differs only in how a frame is written."""
+    """A connection that encodes frames as JPEG."""
 
-    def _written(self, scene: Scene, sequence: int) -> str:
+    def _encode(self, scene: Scene, sequence: int) -> str:
         image = base64.b64encode(jpeg(scene.screen)).decode()
         return json.dumps({"frame": scene.frame, "sequence": sequence, "image": image})
 

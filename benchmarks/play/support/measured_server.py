@@ -1,6 +1,6 @@
-"""A server process that says how it does: ``python -m benchmarks.play.support.measured_server``.
+"""A server process with measurements: ``python -m benchmarks.play.support.measured_server``.
 
-It is the server itself, with one route more and a signal: at SIGUSR1 it writes what it counted.
+The server itself with one more route; at SIGUSR1 it writes its measurements to a file.
 """
 
 from __future__ import annotations
@@ -25,17 +25,11 @@ from tril.files.artifact_store import write_whole
 from tril.settings import Settings
 
 COUNTDOWN_SECOND_S = 0.2
-"""A short countdown, so that nearly all players play nearly all the time."""
+"""Short, so that nearly all players play nearly all the time."""
 
 
 class MeasuredServer(Server):
-    """The server, writing its measures to a file when asked to.
-
-    Args:
-        app: The application.
-        settings: Its settings.
-        measures: The file.
-    """
+    """The server, which writes its measurements to a file at SIGUSR1."""
 
     def __init__(self, app: FastAPI, settings: Settings, measures: Path) -> None:
         super().__init__(server_config(app, settings))
@@ -43,7 +37,7 @@ class MeasuredServer(Server):
         self._measures = measures
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start; whoever reads in the log that this is done may send the signal."""
+        """Start; the signal may be sent once the log says that this is done."""
         asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, self._write)
         await super().startup(sockets)
 

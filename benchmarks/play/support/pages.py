@@ -1,7 +1,7 @@
-"""Pages without a person: they speak the protocol, acknowledge every frame and hold random keys.
+"""Simulated pages, which speak the protocol, acknowledge every frame and hold random keys.
 
-Written for little processor time, so that many of them leave the machine to the server: WebSocket
-frames are read and written here, and pictures are not decoded.
+They parse WebSocket frames themselves and do not decode pictures, so that many of them take little
+CPU time from the server.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import httpx2
 import numpy as np
 
 from server.play.wire.protocol import InputMessage, client_bytes
-from tests.server.live import TIMEOUT_S, cookie
+from testsupport.live import TIMEOUT_S, cookie
 from tril.game.controls import Keys
 from tril.settings import Settings
 
@@ -34,7 +34,7 @@ _JPEG_SEQUENCE = re.compile(rb'"sequence": (\d+)')
 
 @dataclass
 class Counts:
-    """What pages saw.
+    """Counts of what pages received and sent.
 
     Attributes:
         frames: Frames received.
@@ -67,8 +67,8 @@ class Page(asyncio.Protocol):
     Args:
         settings: Whose cookie to send.
         path: The stream's path.
-        counts: Where to count.
-        rng: What chooses keys.
+        counts: The counts to add to.
+        rng: Chooses keys.
         on_frame: Called with every frame's sequence.
 
     Attributes:
@@ -100,7 +100,7 @@ class Page(asyncio.Protocol):
         self.transport: asyncio.Transport
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Ask for the WebSocket."""
+        """Request the upgrade to a WebSocket."""
         assert isinstance(transport, asyncio.Transport)
         self.transport = transport
         key = base64.b64encode(secrets.token_bytes(16)).decode()
@@ -111,14 +111,14 @@ class Page(asyncio.Protocol):
         )
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Note that it is over."""
+        """Resolve ``over``."""
         if not self._ended:
             self._counts.broken += 1
         if not self.over.done():
             self.over.set_result(self._ended)
 
     def data_received(self, data: bytes) -> None:
-        """Take in what came."""
+        """Parse what was received."""
         self._buffer += data
         if not self._is_open:
             end = self._buffer.find(b"\r\n\r\n")
@@ -187,7 +187,7 @@ class Page(asyncio.Protocol):
             self._counts.games += 1
 
     def _send(self, kind: int, data: bytes) -> None:
-        # A mask of zeros is a mask, and spares the work of applying it.
+        # A mask of zeros is valid and needs not be applied.
         assert len(data) < 126
         message = bytes((0x80 | kind, 0x80 | len(data), 0, 0, 0, 0)) + data
         self._counts.bytes_up += len(message)
@@ -195,7 +195,7 @@ class Page(asyncio.Protocol):
 
 
 async def new_game(http: httpx2.AsyncClient, counts: Counts) -> str | None:
-    """Begin a game; returns its stream's path, None if there is no place."""
+    """Create a game; returns its stream's path, None if there is no place."""
     answer = await http.post("/api/games", json={"behaviour_id": 1})
     if answer.status_code == 503:
         counts.refused += 1
@@ -206,7 +206,7 @@ async def new_game(http: httpx2.AsyncClient, counts: Counts) -> str | None:
 
 
 def client_of(settings: Settings) -> httpx2.AsyncClient:
-    """Return a client that is signed in and opens a connection for each request."""
+    """Return a signed-in client that opens a connection for each request."""
     return httpx2.AsyncClient(
         base_url=f"http://{HOST}:{settings.port}",
         headers={"Cookie": cookie(settings), "Connection": "close"},
@@ -227,10 +227,10 @@ async def play_on_and_on(
     """Play one game after the other.
 
     Args:
-        settings: Where.
-        counts: Where to count.
-        rng: What chooses keys.
-        stream: "stream" for Tril's own, "jpeg" for the other.
+        settings: The server's settings.
+        counts: The counts to add to.
+        rng: Chooses keys.
+        stream: "stream" for Tril's protocol, "jpeg" for CrowdPlay's.
     """
     async with client_of(settings) as http:
         while True:

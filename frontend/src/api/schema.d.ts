@@ -33,13 +33,13 @@ export interface paths {
         };
         /**
          * List Behaviours
-         * @description Return all behaviours, those that come ready first.
+         * @description Return all behaviours, the built-in ones first.
          */
         get: operations["list_behaviours"];
         put?: never;
         /**
          * Create Behaviour
-         * @description Add a behaviour of one's own.
+         * @description Add a behaviour.
          */
         post: operations["create_behaviour"];
         delete?: never;
@@ -64,14 +64,14 @@ export interface paths {
         post?: never;
         /**
          * Delete Behaviour
-         * @description Take a behaviour out of the lists.
+         * @description Delete a behaviour; its trainings remain.
          */
         delete: operations["delete_behaviour"];
         options?: never;
         head?: never;
         /**
          * Update Behaviour
-         * @description Change a behaviour; fields that are left out stay.
+         * @description Change a behaviour; omitted fields stay.
          */
         patch: operations["update_behaviour"];
         trace?: never;
@@ -85,10 +85,10 @@ export interface paths {
         };
         /**
          * Get Checklist
-         * @description Return the demonstrations that exemplify a behaviour, and which of them were played.
+         * @description Return the demonstrations that exemplify a behaviour, and which of them exist.
          *
-         *     The rules are the demonstrator's; of the library's verified recordings, whoever played them,
-         *     it counts what they hit, and that they were survived to their end.
+         *     The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
+         *     what a plan asks for and ends without the player's death.
          */
         get: operations["get_checklist"];
         put?: never;
@@ -131,12 +131,12 @@ export interface paths {
         };
         /**
          * Get Ranking
-         * @description Return the ranking as it stands.
+         * @description Return the current ranking.
          */
         get: operations["get_ranking"];
         /**
          * Save Ranking
-         * @description Save an order.
+         * @description Save a ranking.
          */
         put: operations["save_ranking"];
         post?: never;
@@ -157,7 +157,7 @@ export interface paths {
         put?: never;
         /**
          * Redo Ranking
-         * @description Bring back the order that was undone last.
+         * @description Redo the change that was undone last.
          */
         post: operations["redo_ranking"];
         delete?: never;
@@ -175,7 +175,7 @@ export interface paths {
         };
         /**
          * List Ranking Revisions
-         * @description Return what was done to the ranking, newest first.
+         * @description Return the revisions of the ranking, newest first.
          */
         get: operations["list_ranking_revisions"];
         put?: never;
@@ -197,7 +197,7 @@ export interface paths {
         put?: never;
         /**
          * Undo Ranking
-         * @description Bring back the order before the last change.
+         * @description Undo the last change.
          */
         post: operations["undo_ranking"];
         delete?: never;
@@ -295,7 +295,7 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream what changes, from now on.
+         * @description Stream changes from now on.
          */
         get: operations["stream_events"];
         put?: never;
@@ -317,7 +317,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game
-         * @description Begin a game; it waits for a player at its stream. 503 if too many games are open.
+         * @description Create a game, which begins when a player joins its stream. 503 if too many are open.
          */
         post: operations["create_game"];
         delete?: never;
@@ -335,7 +335,7 @@ export interface paths {
         };
         /**
          * Get Game
-         * @description Return a game as it was saved last.
+         * @description Return a game as last saved.
          */
         get: operations["get_game"];
         put?: never;
@@ -357,7 +357,7 @@ export interface paths {
         put?: never;
         /**
          * Create Game From
-         * @description Begin a game that goes on from a frame of a recording, which stays as it is.
+         * @description Create a game that continues from a frame of a recording, which stays unchanged.
          *
          *     503 if too many games are open.
          */
@@ -377,7 +377,9 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Say that the server answers and reaches its database. Needs no cookie.
+         * @description Answer that the server runs, and which of its background tasks fail.
+         *
+         *     Asks no database and needs no cookie.
          */
         get: operations["get_health"];
         put?: never;
@@ -397,7 +399,7 @@ export interface paths {
         };
         /**
          * Get Player
-         * @description Return who plays here.
+         * @description Return the player.
          */
         get: operations["get_player"];
         put?: never;
@@ -421,7 +423,7 @@ export interface paths {
         };
         /**
          * List Recipes
-         * @description Return the ways of learning, the one proposed first.
+         * @description Return the recipes, the proposed one first.
          */
         get: operations["list_recipes"];
         put?: never;
@@ -441,7 +443,7 @@ export interface paths {
         };
         /**
          * Get Recording
-         * @description Return one recording, a deleted one too.
+         * @description Return a recording, even a deleted one.
          */
         get: operations["get_recording"];
         put?: never;
@@ -489,7 +491,7 @@ export interface paths {
         };
         /**
          * Get Recording Course
-         * @description Return what was done in every frame, and which recordings this one is related to.
+         * @description Return the action of every frame, and the recordings that this one is related to.
          */
         get: operations["get_recording_course"];
         put?: never;
@@ -511,7 +513,7 @@ export interface paths {
         put?: never;
         /**
          * Discard Recording
-         * @description Delete a recording as DELETE does, and return it; it can be restored.
+         * @description Delete a recording and return it; it can be restored.
          */
         post: operations["discard_recording"];
         delete?: never;
@@ -529,7 +531,7 @@ export interface paths {
         };
         /**
          * Export Recording
-         * @description Return one recording in the exchange format.
+         * @description Return a recording in the exchange format.
          */
         get: operations["export_recording"];
         put?: never;
@@ -611,7 +613,7 @@ export interface paths {
         put?: never;
         /**
          * Restore Recording
-         * @description Bring a deleted recording back, unranked.
+         * @description Restore a deleted recording, unranked.
          */
         post: operations["restore_recording"];
         delete?: never;
@@ -655,7 +657,7 @@ export interface paths {
         put?: never;
         /**
          * Create Run
-         * @description Start a training from the ranking as it stands; a worker takes it from the queue.
+         * @description Start a training from the current ranking; a worker takes it from the queue.
          */
         post: operations["create_run"];
         delete?: never;
@@ -673,14 +675,14 @@ export interface paths {
         };
         /**
          * Get Run
-         * @description Return a training as it stands.
+         * @description Return a training.
          */
         get: operations["get_run"];
         put?: never;
         post?: never;
         /**
          * Delete Run
-         * @description Take a training that is over out of the lists.
+         * @description Delete a training that has ended.
          */
         delete: operations["delete_run"];
         options?: never;
@@ -699,7 +701,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Run
-         * @description Cancel a training; its worker stops within seconds and it can be resumed.
+         * @description Cancel a training; its worker stops within seconds. It can be resumed.
          */
         post: operations["cancel_run"];
         delete?: never;
@@ -717,7 +719,7 @@ export interface paths {
         };
         /**
          * Get Run Metrics
-         * @description Return the points of a training's curves that came after an earlier answer's ``last``.
+         * @description Return the points of a training's curves that are newer than an earlier answer's ``last``.
          */
         get: operations["get_run_metrics"];
         put?: never;
@@ -737,7 +739,7 @@ export interface paths {
         };
         /**
          * Get Run Results
-         * @description Return everything that a training has found so far.
+         * @description Return the results of a training so far.
          */
         get: operations["get_run_results"];
         put?: never;
@@ -759,7 +761,7 @@ export interface paths {
         put?: never;
         /**
          * Resume Run
-         * @description Go on with a training that was cancelled, stopped or failed.
+         * @description Resume a training that was cancelled, stopped or failed.
          */
         post: operations["resume_run"];
         delete?: never;
@@ -797,7 +799,7 @@ export interface paths {
         };
         /**
          * Get System
-         * @description Return which processes live and how much room there is.
+         * @description Return the state of the processes and the disk usage.
          */
         get: operations["get_system"];
         put?: never;
@@ -845,17 +847,19 @@ export interface components {
             red_blue_url: string;
             /** Reward */
             reward: number;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "minimum" | "90th percentile" | "95th percentile" | "maximum";
+            state: components["schemas"]["AttentionState"];
             /** Step */
             step: number;
         };
         /**
+         * AttentionState
+         * @description A state of the demonstrations that an attention map is drawn of (thesis, section 6.1).
+         * @enum {string}
+         */
+        AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
+        /**
          * Behaviour
-         * @description What is being taught. ``target`` is None where hits do not describe it.
+         * @description A behaviour. ``target`` is None if hits do not describe it.
          */
         Behaviour: {
             /** Built In */
@@ -888,7 +892,7 @@ export interface components {
         };
         /**
          * BehaviourNew
-         * @description A behaviour of one's own.
+         * @description A behaviour to add.
          */
         BehaviourNew: {
             /**
@@ -911,7 +915,7 @@ export interface components {
         };
         /**
          * BehaviourUpdate
-         * @description Fields left out stay. A target can't change once runs exist (409).
+         * @description Omitted fields stay. A target can't change once runs exist (409).
          */
         BehaviourUpdate: {
             /** Description */
@@ -928,7 +932,7 @@ export interface components {
         };
         /**
          * Branch
-         * @description A recording and the frame at which the other one leaves it.
+         * @description A related recording, and the frame at which the two part.
          */
         Branch: {
             /** Frame */
@@ -938,7 +942,7 @@ export interface components {
         };
         /**
          * Checklist
-         * @description ``planned`` best first; ``note`` says why there are none.
+         * @description ``planned`` from best to worst; ``note`` says why it is empty.
          */
         Checklist: {
             /** Note */
@@ -948,13 +952,13 @@ export interface components {
         };
         /**
          * ClipKind
-         * @description What a recording can be made into.
+         * @description The formats of clips.
          * @enum {string}
          */
         ClipKind: "gif" | "webp" | "mp4";
         /**
          * ComparisonRow
-         * @description One start of the thesis' table: who hit what, and who won.
+         * @description A row of the thesis' table: both policies' greedy games from a start, and the winner.
          */
         ComparisonRow: {
             clone: components["schemas"]["EvaluationGame"] | null;
@@ -968,11 +972,11 @@ export interface components {
         };
         /**
          * ConfusedTiers
-         * @description Tiers counted from 1, best first, whose demonstrations the reward model mixes up.
+         * @description Two tiers, counted from 1, best first, whose demonstrations the reward model confuses.
          *
-         *     ``held_out`` says that they were mixed up when one of the demonstrations was left out of the
-         *     learning; ``better`` and ``worse`` are the recordings of the two tiers. Of ``n_compared``
-         *     comparisons ``n_right`` were in order; None in runs of earlier versions.
+         *     ``held_out``: it confuses them when one of the demonstrations is held out of learning.
+         *     ``better`` and ``worse`` are the recordings of the two tiers. ``n_right`` of ``n_compared``
+         *     comparisons were right; None in runs of earlier versions.
          */
         ConfusedTiers: {
             /** Better */
@@ -992,7 +996,7 @@ export interface components {
         };
         /**
          * EvaluationGame
-         * @description One game that a trained policy played.
+         * @description An evaluation game of a trained policy.
          *
          *     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
          *     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
@@ -1018,7 +1022,7 @@ export interface components {
         };
         /**
          * Game
-         * @description ``stream_path`` is the WebSocket's path (docs/protocol.md).
+         * @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md).
          */
         Game: {
             /** Behaviour Id */
@@ -1036,7 +1040,7 @@ export interface components {
         };
         /**
          * GameFrom
-         * @description A game that goes on after this frame of a recording.
+         * @description The frame of a recording after which a game continues.
          */
         GameFrom: {
             /** Frame */
@@ -1044,7 +1048,7 @@ export interface components {
         };
         /**
          * GameNew
-         * @description ``idle_frames`` None draws a start for play.
+         * @description A game to create. Without ``idle_frames`` its start is drawn at random.
          */
         GameNew: {
             /** Behaviour Id */
@@ -1054,9 +1058,9 @@ export interface components {
         };
         /**
          * Ghost
-         * @description Where the cannon of a recording stood on the screen, in pixels.
+         * @description The cannon's rectangle in a recording, in pixels of the screen.
          *
-         *     ``lefts`` are its left edges: at the start, then after every frame.
+         *     ``lefts`` are its left edges at the start and after every frame.
          */
         Ghost: {
             /** Height */
@@ -1065,11 +1069,7 @@ export interface components {
             lefts: number[];
             /** Recording Id */
             recording_id: number;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
+            source: components["schemas"]["Source"];
             /** Top */
             top: number;
             /** Width */
@@ -1077,7 +1077,7 @@ export interface components {
         };
         /**
          * Headline
-         * @description Greedy games from held-out evaluation starts: means with 95% bootstrap intervals.
+         * @description A run's figures for the lists: greedy games from held-out evaluation starts.
          */
         Headline: {
             clone: components["schemas"]["PolicySummary"] | null;
@@ -1085,24 +1085,26 @@ export interface components {
             held_out_accuracy: number | null;
             imitator: components["schemas"]["PolicySummary"] | null;
             /** Pair Accuracy */
-            pair_accuracy: number | null;
+            pair_accuracy: number;
             /** Tau */
-            tau: number | null;
+            tau: number;
         };
         /**
          * Health
-         * @description The server answers.
+         * @description The server runs; ``failing`` names the background tasks whose last run failed, if any.
          */
         Health: {
+            /** Failing */
+            failing?: string[] | null;
             /**
              * Status
-             * @constant
+             * @enum {string}
              */
-            status: "ok";
+            status: "ok" | "degraded";
         };
         /**
          * Hit
-         * @description An alien that was shot, after how many frames.
+         * @description An alien that was shot, and the frame in which it was hit.
          */
         Hit: {
             /** Column */
@@ -1116,7 +1118,7 @@ export interface components {
         };
         /**
          * ImportResult
-         * @description What became of an uploaded file; ``imported`` are the new recordings.
+         * @description The outcome of an upload; ``imported`` are the new recordings.
          */
         ImportResult: {
             /** Imported */
@@ -1128,7 +1130,7 @@ export interface components {
         };
         /**
          * Interval
-         * @description A mean over n games with its 95% interval.
+         * @description A mean with its 95% bootstrap interval over n games.
          */
         Interval: {
             /** High */
@@ -1142,7 +1144,7 @@ export interface components {
         };
         /**
          * JudgedGame
-         * @description A game's true quantity (targets hit, less strays) and its predicted return.
+         * @description A game's true quantity (targets hit less strays) and its predicted return (sum of R).
          */
         JudgedGame: {
             /** Predicted Return */
@@ -1154,10 +1156,10 @@ export interface components {
         };
         /**
          * JudgedGames
-         * @description The games of one who played: demonstrations, or games that the reward has not seen.
+         * @description The games of a player: demonstrations, or games that the reward model has not seen.
          *
-         *     ``tau`` is Kendall's tau between true quantity and predicted return; None where all games are
-         *     worth the same.
+         *     ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
+         *     quantities are equal.
          */
         JudgedGames: {
             /** Demonstrated */
@@ -1174,10 +1176,10 @@ export interface components {
         };
         /**
          * Latency
-         * @description How late a game was seen by who played it (server.play.conditions).
+         * @description The latency that the player of a game experienced (server.play.conditions).
          *
-         *     Milliseconds from the event of a key to the drawing of the first frame executed with it;
-         *     ``frames_dropped`` were executed and not drawn.
+         *     Milliseconds from a key's event to the drawing of the first frame executed with it;
+         *     ``frames_dropped`` were executed but not drawn.
          */
         Latency: {
             /** Frames Dropped */
@@ -1193,7 +1195,7 @@ export interface components {
         };
         /**
          * MemoryCell
-         * @description What an address of the console's RAM holds.
+         * @description The meaning of an address of the console's RAM.
          */
         MemoryCell: {
             /** Address */
@@ -1203,7 +1205,7 @@ export interface components {
         };
         /**
          * Metrics
-         * @description Points after ``after``; each series is [[step, value], ...]. Pass ``last`` as next after.
+         * @description Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points.
          */
         Metrics: {
             /** Last */
@@ -1222,8 +1224,8 @@ export interface components {
          * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
-         *     ``recording_id`` is a recording that hit what it asks for and was survived to its end; None
-         *     while it is missing.
+         *     ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
+         *     None while there is none.
          */
         PlannedDemonstration: {
             /** Description */
@@ -1235,18 +1237,14 @@ export interface components {
         };
         /**
          * Player
-         * @description Who plays.
+         * @description A player.
          */
         Player: {
             /** Id */
             id: number;
             /** Name */
             name: string;
-            /**
-             * Role
-             * @enum {string}
-             */
-            role: "owner" | "researcher" | "participant";
+            role: components["schemas"]["Role"];
         };
         /**
          * PlayerUpdate
@@ -1275,7 +1273,7 @@ export interface components {
         };
         /**
          * PolicySummary
-         * @description None where the behaviour has no target.
+         * @description Means over a policy's games; None where games have no such number.
          */
         PolicySummary: {
             death_rate: components["schemas"]["Interval"];
@@ -1287,7 +1285,7 @@ export interface components {
         };
         /**
          * Problem
-         * @description Every error's body. ``detail`` says what is wrong and what to do.
+         * @description The body of every error. ``detail`` says what is wrong and what to do.
          */
         Problem: {
             /** Detail */
@@ -1299,7 +1297,7 @@ export interface components {
         };
         /**
          * ProcessStatus
-         * @description ``alive`` is false when nothing was heard for 15 s.
+         * @description ``alive`` is false after 15 s without a heartbeat.
          */
         ProcessStatus: {
             /** Alive */
@@ -1329,7 +1327,7 @@ export interface components {
         };
         /**
          * Ranking
-         * @description ``tiers`` best first; ``unranked`` the kept, verified recordings in no tier, newest first.
+         * @description ``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first.
          */
         Ranking: {
             /** Behaviour Id */
@@ -1349,9 +1347,7 @@ export interface components {
         };
         /**
          * RankingCheck
-         * @description How well the reward model agrees with the ranking.
-         *
-         *     ``advice`` is empty if it passed; ``warning`` then names tiers that can't be told apart, if any.
+         * @description How well the reward model agrees with the ranking, with the recordings concerned.
          */
         RankingCheck: {
             /** Advice */
@@ -1368,12 +1364,15 @@ export interface components {
             returns: components["schemas"]["RankedReturn"][];
             /** Tau */
             tau: number;
-            /** Warning */
+            /**
+             * Warning
+             * @default
+             */
             warning: string;
         };
         /**
          * RankingConflict
-         * @description Somebody saved first: ``current`` is what stands, ``yours`` what was sent.
+         * @description Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent.
          */
         RankingConflict: {
             current: components["schemas"]["Ranking"];
@@ -1384,7 +1383,7 @@ export interface components {
         };
         /**
          * RankingRevision
-         * @description What was done to a ranking.
+         * @description A revision of a ranking and the change that made it.
          */
         RankingRevision: {
             /**
@@ -1414,7 +1413,7 @@ export interface components {
         };
         /**
          * RankingUpdate
-         * @description ``base_revision`` is the revision that was changed; an old one gives 409 RankingConflict.
+         * @description ``base_revision`` is the revision that was edited; an old one answers 409.
          */
         RankingUpdate: {
             /** Base Revision */
@@ -1424,9 +1423,9 @@ export interface components {
         };
         /**
          * Recipe
-         * @description A way of learning; ``values`` is all of it.
+         * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
-         *     ``steps_per_s`` and ``overhead_s`` are what this machine did or is expected to do.
+         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
          */
         Recipe: {
             /** Default Steps */
@@ -1437,6 +1436,8 @@ export interface components {
             name: string;
             /** Overhead S */
             overhead_s: number;
+            /** Stages */
+            stages: components["schemas"]["RunStage"][];
             /** Steps Per S */
             steps_per_s: number;
             /** Steps Per S Measured */
@@ -1452,11 +1453,10 @@ export interface components {
          * Recording
          * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
-         *     ``frames_url`` and ``thumbnail_url`` carry a version so that they may be cached for ever.
-         *     ``latency`` is None where it was not measured. ``slowest_percent`` is the slowest speed that it
-         *     was played at, 100 being 60 Hz, and ``single_steps`` how many frames were executed one at a
-         *     time; both are None where that is not known. ``parent`` is the recording that this one goes on
-         *     from.
+         *     ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
+         *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
+         *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
+         *     if unknown. ``parent`` is the recording that this one continues.
          */
         Recording: {
             /** Behaviour Id */
@@ -1506,27 +1506,15 @@ export interface components {
             single_steps: number | null;
             /** Slowest Percent */
             slowest_percent: number | null;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "person" | "scripted" | "policy";
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "playing" | "unfinished" | "finished" | "kept";
+            source: components["schemas"]["Source"];
+            state: components["schemas"]["RecordingState"];
             /** Strays */
             strays: number | null;
             /** Targets */
             targets: number | null;
             /** Thumbnail Url */
             thumbnail_url: string;
-            /**
-             * Verification
-             * @enum {string}
-             */
-            verification: "pending" | "verified" | "failed";
+            verification: components["schemas"]["Verification"];
             /** Verification Note */
             verification_note: string;
         };
@@ -1535,9 +1523,9 @@ export interface components {
          * @description A recording frame by frame.
          *
          *     ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
-         *     ``parent`` is the recording that this one goes on from, ``branches`` those that go on from it,
-         *     oldest first. At ``memory_url`` is the RAM at the start and after every frame, 128 bytes each;
-         *     ``memory_names`` names what is known of it.
+         *     ``parent`` is the recording that this one continues, ``branches`` those that continue this one,
+         *     oldest first. ``memory_url`` yields the RAM at the start and after every frame, 128 bytes each;
+         *     ``memory_names`` names its known addresses.
          */
         RecordingCourse: {
             /** Actions */
@@ -1556,7 +1544,7 @@ export interface components {
         };
         /**
          * RecordingsChange
-         * @description Something to do to several recordings of a behaviour, to all or to none.
+         * @description A change of several recordings of a behaviour, made to all or to none.
          */
         RecordingsChange: {
             /**
@@ -1568,8 +1556,17 @@ export interface components {
             recording_ids: number[];
         };
         /**
+         * RecordingState
+         * @description State of a recording.
+         *
+         *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, but neither kept
+         *     nor discarded yet; KEPT: in the library.
+         * @enum {string}
+         */
+        RecordingState: "playing" | "unfinished" | "finished" | "kept";
+        /**
          * RecordingUpdate
-         * @description Fields left out stay.
+         * @description Omitted fields stay.
          */
         RecordingUpdate: {
             /** Notes */
@@ -1589,9 +1586,9 @@ export interface components {
         };
         /**
          * RewardAlarm
-         * @description The predicted return of the training games rose and they became no better.
+         * @description The predicted return of training games rose, but the games did not improve.
          *
-         *     ``message`` says what it means and what to do.
+         *     ``message`` says what this means and what to do.
          */
         RewardAlarm: {
             /** From Step */
@@ -1603,7 +1600,7 @@ export interface components {
         };
         /**
          * RewardTrace
-         * @description R (raw output) of every observation of a recording, by step, from the start's.
+         * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          */
         RewardTrace: {
             /** Recording Id */
@@ -1614,8 +1611,14 @@ export interface components {
             run_id: string;
         };
         /**
+         * Role
+         * @description What a player may do; there is one owner so far.
+         * @enum {string}
+         */
+        Role: "owner" | "researcher" | "participant";
+        /**
          * Run
-         * @description One training. ``progress`` is over the whole run, 0..1; ``stages`` all stages in order.
+         * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
          */
         Run: {
             /** Behaviour Id */
@@ -1657,18 +1660,14 @@ export interface components {
             /** Remaining S */
             remaining_s: number | null;
             /** Stage */
-            stage: string;
+            stage: components["schemas"]["Stage"] | "";
             /** Stage Progress */
             stage_progress: number;
             /** Stages */
-            stages: string[];
+            stages: components["schemas"]["RunStage"][];
             /** Started At */
             started_at: string | null;
-            /**
-             * Status
-             * @enum {string}
-             */
-            status: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+            status: components["schemas"]["RunStatus"];
             /** Steps */
             steps: number;
             /** Training Seed */
@@ -1682,9 +1681,9 @@ export interface components {
         };
         /**
          * RunNew
-         * @description ``example`` makes and ranks the scripted demonstrations first where they are missing.
+         * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
-         *     Without ``steps`` it has as many as the recipe proposes.
+         *     ``steps`` defaults to the recipe's.
          */
         RunNew: {
             /** Behaviour Id */
@@ -1716,7 +1715,9 @@ export interface components {
         };
         /**
          * RunResults
-         * @description Everything the results page shows; parts that are not there yet are None or empty.
+         * @description All results of a training; parts that are missing yet are None or empty.
+         *
+         *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1728,6 +1729,8 @@ export interface components {
             check: components["schemas"]["RankingCheck"] | null;
             /** Comparison */
             comparison: components["schemas"]["ComparisonRow"][];
+            /** Further Comparison */
+            further_comparison: components["schemas"]["ComparisonRow"][];
             /** Games */
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
@@ -1737,8 +1740,37 @@ export interface components {
             summaries: components["schemas"]["PolicyGamesSummary"][];
         };
         /**
+         * RunStage
+         * @description A stage of a run, with its label and summary on the page.
+         */
+        RunStage: {
+            /** Label */
+            label: string;
+            name: components["schemas"]["Stage"];
+            /** Summary */
+            summary: string;
+        };
+        /**
+         * RunStatus
+         * @description State of a run. STOPPED: it ended because the check of the ranking failed.
+         * @enum {string}
+         */
+        RunStatus: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
+        /**
+         * Source
+         * @description Who played a recording.
+         * @enum {string}
+         */
+        Source: "person" | "scripted" | "policy";
+        /**
+         * Stage
+         * @description A stage of a run, in the order in which a run goes through them.
+         * @enum {string}
+         */
+        Stage: "demonstrations" | "trajectories" | "reward" | "check" | "clone" | "imitator" | "evaluation" | "attention";
+        /**
          * Storage
-         * @description What the data folder holds; the cache never takes more than its limit.
+         * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
          */
         Storage: {
             /** Artifacts Bytes */
@@ -1754,7 +1786,7 @@ export interface components {
         };
         /**
          * System
-         * @description Whether Tril is well. ``data_bytes`` is what the parts of ``storage`` take together.
+         * @description State of the installation. ``data_bytes`` is the sum of the parts of ``storage``.
          */
         System: {
             /** Data Bytes */
@@ -1767,6 +1799,12 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * Verification
+         * @description Whether a replay of the recording gave what was recorded.
+         * @enum {string}
+         */
+        Verification: "pending" | "verified" | "failed";
     };
     responses: never;
     parameters: never;
@@ -1823,7 +1861,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -1984,7 +2022,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2069,7 +2107,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2152,7 +2190,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2161,7 +2199,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2250,7 +2288,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2259,7 +2297,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2344,7 +2382,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2429,7 +2467,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2514,7 +2552,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2603,7 +2641,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2612,7 +2650,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2701,7 +2739,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2710,7 +2748,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2795,7 +2833,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2884,7 +2922,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -2893,7 +2931,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody saved another order first. */
+            /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2980,7 +3018,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3069,7 +3107,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3078,7 +3116,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -3166,7 +3204,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3262,7 +3300,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3271,7 +3309,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -3318,7 +3356,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Events named "change" with data {"topic", "key"}; they say what to load again. A comment every 15 s keeps the connection open. */
+            /** @description Events named "change" with data {"topic", "key"}: what to load again. A comment every 15 s keeps the connection open. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -3432,7 +3470,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3517,7 +3555,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3606,7 +3644,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -3615,7 +3653,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4000,7 +4038,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4083,7 +4121,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4092,7 +4130,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4181,7 +4219,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4272,7 +4310,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4357,7 +4395,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4442,7 +4480,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4451,7 +4489,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4536,7 +4574,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4624,7 +4662,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4709,7 +4747,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4718,7 +4756,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4806,7 +4844,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4891,7 +4929,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4900,7 +4938,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -4988,7 +5026,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5073,7 +5111,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5160,7 +5198,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5169,7 +5207,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5254,7 +5292,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5337,7 +5375,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5346,7 +5384,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5431,7 +5469,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5440,7 +5478,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5527,7 +5565,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5612,7 +5650,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5697,7 +5735,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -5706,7 +5744,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It contradicts what has happened since. */
+            /** @description The current state does not allow it. */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -5792,7 +5830,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such thing (any more). */
+            /** @description It does not exist. */
             404: {
                 headers: {
                     [name: string]: unknown;

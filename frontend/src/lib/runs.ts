@@ -1,4 +1,4 @@
-/** Names of a run's states and stages, and estimates of its duration. */
+/** Names of a run's states, its current stage, and estimates of its duration. */
 import { duration, remaining } from "./format";
 
 type RunStatus = "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
@@ -22,28 +22,16 @@ export const STATUS_NAMES: Readonly<Record<RunStatus, string>> = {
 
 interface Stage {
   readonly name: string;
-  readonly what: string;
+  readonly label: string;
+  readonly summary: string;
 }
 
-const STAGES: Readonly<Record<string, Stage>> = {
-  demonstrations: { name: "Demonstrations", what: "A scripted player makes the example games." },
-  trajectories: { name: "Replay", what: "Each ranked recording is replayed as an agent sees it." },
-  reward: { name: "Reward model", what: "A network learns what makes better games better." },
-  check: { name: "Check", what: "Does the learned reward agree with the ranking?" },
-  clone: { name: "Clone", what: "A baseline copies the perfect recordings." },
-  imitator: { name: "Imitator", what: "An agent plays to earn the learned reward." },
-  evaluation: { name: "Evaluation", what: "Both play from starts they were not trained on." },
-  attention: { name: "Attention", what: "What on the screen does the reward model look at?" },
-};
-
-/** Returns the display name of a stage. */
-export function stageName(stage: string): string {
-  return STAGES[stage]?.name ?? stage;
-}
-
-/** Describes a stage in one sentence. */
-export function describeStage(stage: string): string {
-  return STAGES[stage]?.what ?? "";
+/** Returns the current stage of a run; undefined before its first one. */
+export function currentStage<S extends Stage>(run: {
+  readonly stage: string;
+  readonly stages: readonly S[];
+}): S | undefined {
+  return run.stages.find(({ name }) => name === run.stage);
 }
 
 /** Names a run by the beginning of its id: "Run 3f2a9c". */
@@ -69,6 +57,7 @@ export function describeEstimate(recipe: Recipe, steps: number): string {
 interface RunProgress {
   readonly status: RunStatus;
   readonly stage: string;
+  readonly stages: readonly Stage[];
   readonly progress: number;
   readonly remaining_s: number | null;
 }
@@ -76,7 +65,7 @@ interface RunProgress {
 /** Summarizes the progress of a run: "Imitator, 42 %, about 9 min left". */
 export function statusLine(run: RunProgress): string {
   if (run.status !== "running") return STATUS_NAMES[run.status];
-  const parts = [stageName(run.stage), `${Math.floor(run.progress * 100)} %`];
+  const parts = [currentStage(run)?.label, `${Math.floor(run.progress * 100)} %`];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));
   return parts.filter(Boolean).join(", ");
 }

@@ -2,10 +2,13 @@ import { describe, expect, it } from "vitest";
 
 import { describeEstimate, statusLine } from "@/lib/runs";
 
+import { STAGES } from "../support/data";
+
 describe("a run's standing", () => {
   const going = {
     status: "running",
     stage: "imitator",
+    stages: STAGES,
     progress: 0.427,
     remaining_s: 540,
   } as const;

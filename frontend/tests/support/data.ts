@@ -81,6 +81,16 @@ export function ranking(change: Partial<Ranking> = {}): Ranking {
   };
 }
 
+export const STAGES: Run["stages"] = [
+  { name: "trajectories", label: "Replay", summary: "Recordings are replayed." },
+  { name: "reward", label: "Reward model", summary: "A network learns the order." },
+  { name: "check", label: "Check", summary: "Does it agree with the ranking?" },
+  { name: "clone", label: "Clone", summary: "A baseline copies perfect games." },
+  { name: "imitator", label: "Imitator", summary: "An agent plays for the reward." },
+  { name: "evaluation", label: "Evaluation", summary: "Both play." },
+  { name: "attention", label: "Attention", summary: "Where does the reward look?" },
+];
+
 export function recipe(change: Partial<Recipe> = {}): Recipe {
   return {
     name: "fast",
@@ -91,6 +101,7 @@ export function recipe(change: Partial<Recipe> = {}): Recipe {
     steps_per_s: 500,
     steps_per_s_measured: false,
     overhead_s: 120,
+    stages: STAGES,
     ...change,
   };
 }
@@ -111,7 +122,7 @@ export function run(change: Partial<Run> = {}): Run {
     n_ranked: 12,
     n_perfect: 3,
     status: "running",
-    stages: ["trajectories", "reward", "check", "clone", "imitator", "evaluation", "attention"],
+    stages: STAGES,
     stage: "imitator",
     stage_progress: 0.5,
     progress: 0.6,
@@ -144,6 +155,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     run: one,
     check: null,
     comparison: [],
+    further_comparison: [],
     games: [],
     summaries: [],
     best_demonstration: null,

@@ -1,4 +1,4 @@
-"""The server's end of the process that replays."""
+"""The server's end of the replay process."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
-from server.play.replays.answer import Answer
-from server.play.replays.request import Request, Wanted
+from server.play.replays.request import Answer, ReplayTask, Request
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused
 
@@ -24,9 +23,9 @@ _UNAVAILABLE = "A recording could not be replayed; the server's log says why. Tr
 
 
 class ReplayProcess:
-    """Has recordings replayed one after the other; safe to use from several threads.
+    """Replays recordings one after the other in a child process; thread-safe.
 
-    The process is started when it is first needed, and anew when it has ended.
+    The process is started when it is first needed, and restarted when it has died.
     """
 
     def __init__(self) -> None:
@@ -34,31 +33,31 @@ class ReplayProcess:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="replays")
 
     def prepare(self) -> None:
-        """Start the process if it does not run, without waiting for it."""
-        self._thread.submit(self._running)
+        """Start the process in the background unless it runs."""
+        self._thread.submit(self._running).add_done_callback(_log_failure)
 
     def submit(
-        self, wanted: Wanted, recording: Recording, hits: Sequence[tuple[int, int]] = ()
+        self, task: ReplayTask, recording: Recording, hits: Sequence[tuple[int, int]] = ()
     ) -> Future[bytes]:
-        """Ask for a replay.
+        """Request a replay.
 
         Args:
-            wanted: What it is for.
-            recording: What to replay.
+            task: What to replay the recording for.
+            recording: The recording.
             hits: For a check, the (row, column) that it is said to hit, in order of time.
 
         Returns:
-            What is wanted, nothing for a check; or RecordingRefused, where the recording does not
-            replay, or Unavailable.
+            The product, empty for a check; or RecordingRefused, if the replay differs from what was
+            recorded, or Unavailable.
         """
-        return self._thread.submit(self._answer, Request(wanted, recording, tuple(hits)))
+        return self._thread.submit(self._execute, Request(task, recording, tuple(hits)))
 
     def stop(self) -> None:
-        """End the process once it has answered what was asked for."""
+        """Stop the process after the requests that were submitted."""
         self._thread.shutdown()
         self._end()
 
-    def _answer(self, request: Request) -> bytes:
+    def _execute(self, request: Request) -> bytes:
         answer = self._ask(request)
         if answer.refusal is not None:
             raise RecordingRefused(answer.refusal)
@@ -68,7 +67,7 @@ class ReplayProcess:
         return answer.content
 
     def _ask(self, request: Request) -> Answer:
-        """Ask the process; one that has ended meanwhile is asked anew, once."""
+        """Send a request; retries once with a new process if the present one has died."""
         for is_last in (False, True):
             try:
                 process = self._running()
@@ -79,7 +78,7 @@ class ReplayProcess:
                 answer: Answer = pickle.load(process.stdout)
             except (OSError, EOFError, pickle.UnpicklingError) as error:
                 self._end()
-                _LOG.warning("The process that replays recordings has ended: %r", error)
+                _LOG.warning("The replay process has died: %r", error)
                 if is_last:
                     raise Unavailable(_UNAVAILABLE) from error
             else:
@@ -93,7 +92,7 @@ class ReplayProcess:
                 _COMMAND,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                # As many threads as cores would take them from those who play.
+                # One thread per core would slow down the games being played.
                 env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
             )
         return self._process
@@ -108,3 +107,8 @@ class ReplayProcess:
                 end.close()
         process.kill()
         process.wait()
+
+
+def _log_failure(started: Future[subprocess.Popen[bytes]]) -> None:
+    if not started.cancelled() and (error := started.exception()) is not None:
+        _LOG.error("The replay process could not be started.", exc_info=error)

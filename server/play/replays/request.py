@@ -1,4 +1,4 @@
-"""What can be made of a recording by replaying it. Pure."""
+"""Requests to the replay process and their answers. Pure."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from server.play.replays.memory_file import memory_file
-from server.play.wire.frames_file import frames_file, thumbnail_png
+from server.play.replays.products import frames_file, memory_file, thumbnail_png
 from tril.game.console import Console
 from tril.recording import Recording, verify
 
 
-class Wanted(StrEnum):
-    """What a replay is for."""
+class ReplayTask(StrEnum):
+    """What to replay a recording for; the value is a product's file name extension."""
 
     CHECK = "check"
     FRAMES = "frames"
@@ -23,33 +22,48 @@ class Wanted(StrEnum):
 
 @dataclass(frozen=True)
 class Request:
-    """A replay that is asked for.
+    """A request for a replay.
 
     Attributes:
-        wanted: What it is for.
-        recording: What to replay.
+        task: What to replay the recording for.
+        recording: The recording.
         hits: For a check, the (row, column) of the aliens that it is said to hit, in order of time.
     """
 
-    wanted: Wanted
+    task: ReplayTask
     recording: Recording
     hits: tuple[tuple[int, int], ...] = ()
 
 
-_MADE: Mapping[Wanted, Callable[[Recording, Console], bytes]] = {
-    Wanted.FRAMES: frames_file,
-    Wanted.THUMBNAIL: thumbnail_png,
-    Wanted.MEMORY: memory_file,
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a request.
+
+    Attributes:
+        content: The product; empty for a check.
+        refusal: Why the recording does not replay; None if it does.
+        failure: A traceback, if something else went wrong.
+    """
+
+    content: bytes = b""
+    refusal: str | None = None
+    failure: str | None = None
+
+
+_PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
+    ReplayTask.FRAMES: frames_file,
+    ReplayTask.THUMBNAIL: thumbnail_png,
+    ReplayTask.MEMORY: memory_file,
 }
 
 
-def carry_out(request: Request, console: Console) -> bytes:
-    """Replay a recording and return what is wanted; nothing for a check that is passed.
+def execute(request: Request, console: Console) -> bytes:
+    """Replay a recording and return the product; nothing for a passed check.
 
     Raises:
-        RecordingRefused: It does not replay to what was recorded.
+        RecordingRefused: The replay differs from what was recorded.
     """
-    if request.wanted is Wanted.CHECK:
+    if request.task is ReplayTask.CHECK:
         verify(request.recording, request.hits, console)
         return b""
-    return _MADE[request.wanted](request.recording, console)
+    return _PRODUCTS[request.task](request.recording, console)

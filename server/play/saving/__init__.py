@@ -1,1 +1,1 @@
-"""How games reach the database: commits, their schedule, checks by replay."""
+"""How games reach the database: ownership, commits and their schedule, verification."""

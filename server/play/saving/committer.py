@@ -1,10 +1,10 @@
-"""Saves games: one transaction for all of a process's games at a time, in a thread of its own."""
+"""Transactions of a process's games, in a thread beside the event loop."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -13,49 +13,32 @@ from sqlalchemy.orm import Session
 
 from server.web.problems import explain_database_error
 from tril.errors import Unavailable
-from tril.store import games
 from tril.store.database import Database
-from tril.store.games import Progress
 
 _LOG = logging.getLogger(__name__)
 _T = TypeVar("_T")
 
 
 class Committer:
-    """Runs transactions one after the other in a thread, so that the event loop never waits.
-
-    Args:
-        database: Where games are saved.
-    """
+    """Runs transactions one after the other in a thread, so that the event loop never waits."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="commits")
 
     async def run(self, work: Callable[[Session], _T]) -> _T:
-        """Do something in a transaction of its own.
+        """Run a function in a transaction.
+
+        Callers resume in the order of their transactions.
 
         Raises:
-            Unavailable: It could not be committed, and nothing of it was; says what to do.
+            Unavailable: It could not be committed, and was rolled back; says what to do.
         """
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._thread, self._transact, work)
 
-    async def save(self, batch: Sequence[Progress]) -> list[Progress]:
-        """Save games.
-
-        Returns:
-            Those that were saved; the others belong to another owner by now.
-
-        Raises:
-            Unavailable: Nothing could be saved; says what to do.
-        """
-        return await self.run(
-            lambda session: [progress for progress in batch if games.save(session, progress)]
-        )
-
     def close(self) -> None:
-        """Wait for the transaction at hand and end the thread."""
+        """Wait for the current transaction and end the thread."""
         self._thread.shutdown()
 
     def _transact(self, work: Callable[[Session], _T]) -> _T:

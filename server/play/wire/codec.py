@@ -1,6 +1,6 @@
-"""Screens to few bytes and back: XOR with the screen sent before, then zlib at its fastest.
+"""Screen codec: XOR with the previous screen, then zlib at its fastest.
 
-docs/protocol.md describes the format; streams and recorded frames share it. Pure: no sockets.
+docs/protocol.md describes the format, which streams and recorded frames share. Pure: no sockets.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from tril.game.palette import palette_rgb
 from tril.game.space_invaders import SCREEN_SHAPE
 
 Screen = npt.NDArray[np.uint8]
@@ -18,20 +19,22 @@ Screen = npt.NDArray[np.uint8]
 
 SCREEN_BYTES = SCREEN_SHAPE[0] * SCREEN_SHAPE[1]
 ZLIB_LEVEL = 1
+FLAG_KEY = 1
+"""Marks a key frame, in a stream's FRAME and in a file of frames."""
 
 
 class UnreadableFrame(ValueError):
-    """Bytes that are no frame of this codec."""
+    """Bytes that are not a frame of this codec."""
 
 
 @dataclass(frozen=True)
 class EncodedFrame:
-    """One screen as it travels.
+    """One encoded screen.
 
     Attributes:
-        is_key: Whether it can be decoded without the screen before.
+        is_key: Whether it decodes without the previous screen.
         payload: zlib stream of 33,600 bytes: the palette values, row by row from the top, XOR those
-            of the screen encoded before (of nothing but zeros in a key frame).
+            of the previous screen (all zeros for a key frame).
     """
 
     is_key: bool
@@ -39,7 +42,7 @@ class EncodedFrame:
 
 
 class FrameEncoder:
-    """Encodes screens one after the other; each refers to the one encoded before."""
+    """Encodes a sequence of screens, each relative to the one before."""
 
     def __init__(self) -> None:
         self._before: Screen = np.zeros(SCREEN_SHAPE, np.uint8)
@@ -51,7 +54,7 @@ class FrameEncoder:
 
         Args:
             screen: uint8 (210, 160) of palette values; it is copied.
-            key: Whether it shall not refer to the screen before; the first one never does.
+            key: Whether to encode a key frame; the first frame always is one.
         """
         is_key = key or self._needs_key
         if is_key:
@@ -74,7 +77,7 @@ class FrameDecoder:
         """Return the screen, uint8 (210, 160) of palette values, a fresh array.
 
         Raises:
-            UnreadableFrame: It is no frame, or it refers to a screen that was not decoded.
+            UnreadableFrame: The payload is malformed, or refers to a screen that was not decoded.
         """
         inflate = zlib.decompressobj()
         try:
@@ -90,3 +93,9 @@ class FrameDecoder:
             screen ^= self._before
         self._before = screen
         return screen.copy()
+
+
+def palette_json() -> list[list[int]]:
+    """Return the colour of each palette value, [[r, g, b]] * 256."""
+    colours: list[list[int]] = palette_rgb().tolist()
+    return colours

@@ -1,4 +1,4 @@
-"""One page's end of a game: what was sent to it, what it has drawn, which keys it holds."""
+"""The connection to a page: flow control, acknowledgements, keys held."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from server.play.wire.scene import Scene
 from tril.game.controls import Keys
 
 MAX_REASON_CHARACTERS = 60
-"""A close reason may have 123 bytes."""
+"""A close reason is limited to 123 bytes."""
 
 _GONE = (OSError, RuntimeError, WebSocketDisconnect)
-"""What a send over a connection raises whose other end has gone."""
+"""What a send raises if the other end has gone."""
 
 
 class Socket(Protocol):
-    """What a connection needs of a WebSocket."""
+    """The part of a WebSocket that a connection uses."""
 
     async def send_bytes(self, data: bytes) -> None:
         """Send a binary message."""
@@ -44,11 +44,15 @@ class Socket(Protocol):
 class Connection:
     """A page that shows a game.
 
-    At most six frames are on their way to it; while six are, newer ones are left out, so that a
-    slow page sees the game late by little instead of ever later.
+    At most six frames are in flight; while six are, newer ones are dropped, so that a slow page
+    lags by a bounded time.
 
     Args:
         socket: The accepted WebSocket.
+
+    Attributes:
+        shown_frame: The game's frame that was sent last.
+        is_open: False once the page has gone or was closed.
     """
 
     def __init__(self, socket: Socket) -> None:
@@ -59,10 +63,10 @@ class Connection:
         self._acknowledged = 0
         self._progress_at = time.monotonic()
         self._held = Keys(0)
-        self._pressed = Keys(0)
+        self._tapped = Keys(0)
         self._input_sequence = 0
         self._executed_sequence = 0
-        self._on_their_way: dict[int, int] = {}
+        self._in_flight: dict[int, int] = {}
         self._latencies: list[tuple[int, float]] = []
         self._shown_shots: int | None = None
         self.shown_frame: int | None = None
@@ -70,40 +74,40 @@ class Connection:
 
     @property
     def n_unacknowledged(self) -> int:
-        """How many frames were sent and not drawn yet."""
+        """Frames that were sent and not acknowledged."""
         return self._sent - self._acknowledged
 
     @property
     def stalled_for_s(self) -> float:
-        """For how long the page has drawn nothing although frames wait for it."""
+        """Seconds since the last acknowledgement while the window of frames is full, else 0."""
         if self.n_unacknowledged < MAX_UNACKNOWLEDGED:
             return 0.0
         return time.monotonic() - self._progress_at
 
     def take_keys(self) -> Keys:
-        """Return the keys to execute a frame with: those held, and those pressed since the last."""
-        keys = self._held | self._pressed
-        self.forget_presses()
+        """Return the keys for the next frame: those held, and those tapped since the last frame."""
+        keys = self._held | self._tapped
+        self.discard_taps()
         self._executed_sequence = self._input_sequence
         return keys
 
-    def forget_presses(self) -> None:
-        """Leave out keys that were pressed and let go again while the game stood still."""
-        self._pressed = Keys(0)
+    def discard_taps(self) -> None:
+        """Ignore keys that were tapped while the game was not running."""
+        self._tapped = Keys(0)
 
     def take_latencies(self) -> list[tuple[int, float]]:
-        """Return (frame, milliseconds from a key to the frame's drawing) since the last call."""
+        """Return and clear (frame, ms from a key's event to the frame's drawing)."""
         taken, self._latencies = self._latencies, []
         return taken
 
     def receive(self, message: InputMessage | AckMessage) -> None:
-        """Take note of held keys or of a drawn frame.
+        """Process an input or an acknowledgement.
 
         Raises:
-            BadMessage: It acknowledges a frame that was not sent.
+            BadMessage: The message acknowledges a frame that was not sent.
         """
         if isinstance(message, InputMessage):
-            self._pressed |= message.keys & ~self._held
+            self._tapped |= message.keys & ~self._held
             self._held = message.keys
             self._input_sequence = message.sequence
         elif message.sequence > self._sent:
@@ -112,7 +116,7 @@ class Connection:
             )
         elif message.sequence > self._acknowledged:
             frames = [
-                self._on_their_way.pop(n + 1) for n in range(self._acknowledged, message.sequence)
+                self._in_flight.pop(n + 1) for n in range(self._acknowledged, message.sequence)
             ]
             if message.latency_ms is not None:
                 self._latencies.append((frames[-1], message.latency_ms))
@@ -120,7 +124,7 @@ class Connection:
             self._progress_at = time.monotonic()
 
     async def show(self, scene: Scene) -> bool:
-        """Send a scene unless too many are on their way; returns whether it was sent."""
+        """Send a scene unless the page is behind or gone; returns whether it was sent."""
         async with self._lock:
             if not self.is_open or self.n_unacknowledged >= MAX_UNACKNOWLEDGED:
                 return False
@@ -128,18 +132,22 @@ class Connection:
                 self._progress_at = time.monotonic()
             self._sent += 1
             self.shown_frame = scene.frame
-            self._on_their_way[self._sent] = scene.frame
-            await self._send(self._written(scene, self._sent))
+            self._in_flight[self._sent] = scene.frame
+            await self._send(self._encode(scene, self._sent))
         return True
 
-    async def tell(self, message: ServerMessage) -> None:
-        """Send a text message; nothing happens if the page is gone."""
+    async def send(self, message: ServerMessage) -> None:
+        """Send a text message, unless the page has gone."""
         async with self._lock:
             await self._send(message.to_json())
 
-    async def close(self, code: int, reason: str = "") -> None:
-        """Close the connection; nothing happens if the page is gone."""
+    async def close(
+        self, code: int, reason: str = "", last_message: ServerMessage | None = None
+    ) -> None:
+        """Close the connection after a last message, unless the page has gone."""
         async with self._lock:
+            if last_message is not None:
+                await self._send(last_message.to_json())
             if not self.is_open:
                 return
             self.is_open = False
@@ -148,8 +156,7 @@ class Connection:
             except _GONE:
                 return
 
-    def _written(self, scene: Scene, sequence: int) -> bytes | str:
-        """Return the message that shows a scene."""
+    def _encode(self, scene: Scene, sequence: int) -> bytes | str:
         shots, self._shown_shots = self._shown_shots, scene.shots
         return frame_bytes(
             FrameMessage(
@@ -171,5 +178,5 @@ class Connection:
             else:
                 await self._socket.send_text(data)
         except _GONE:
-            # The page has gone; its reader notices the same and pauses the game.
+            # The task that receives notices the same, and pauses the game.
             self.is_open = False

@@ -1,17 +1,15 @@
-"""What a page is told of a game: the greeting, each hit, how it came out. Pure."""
+"""Text messages about a game: greeting, hits, outcome. Pure."""
 
 from __future__ import annotations
 
-from server.play.wire.frames_file import palette_json
+from server.play.wire.codec import palette_json
 from server.play.wire.protocol import AlienGeometry, Ended, Hello, HitAt, HitMessage
 from tril.behaviours import Behaviour, score
 from tril.game import space_invaders as game
 from tril.game.episode import Episode, Hit
 
 
-def greeting(
-    behaviour: Behaviour, episode: Episode, epoch: int, is_resumed: bool, speed_percent: int
-) -> Hello:
+def greeting(behaviour: Behaviour, episode: Episode, epoch: int, speed_percent: int) -> Hello:
     """Return the first message to a page that joins."""
     height, width = game.SCREEN_SHAPE
     return Hello(
@@ -22,7 +20,7 @@ def greeting(
         max_frames=episode.max_frames,
         frame=episode.frame,
         epoch=epoch,
-        resumed=is_resumed,
+        resumed=episode.frame > 0,
         hits=all_hits(behaviour, episode),
         speed_percent=speed_percent,
         aliens=alien_geometry(),
@@ -30,7 +28,7 @@ def greeting(
 
 
 def alien_geometry() -> AlienGeometry:
-    """Return how the grid of aliens is laid out on the screen."""
+    """Return the layout of the grid of aliens on the screen."""
     height, width = game.ALIEN_SIZE
     return AlienGeometry(
         width=width, height=height, column_px=game.COLUMN_WIDTH, row_px=game.ROW_HEIGHT
@@ -38,19 +36,19 @@ def alien_geometry() -> AlienGeometry:
 
 
 def hits_after(behaviour: Behaviour, episode: Episode, n_known: int) -> list[HitMessage]:
-    """Return a message for each hit but the first so many, with the score at that hit."""
-    told = []
+    """Return a message for each hit after the first ``n_known``, with the score at that hit."""
+    messages = []
     cells = _cells(episode)
     for n, hit in enumerate(episode.hits[n_known:], start=n_known + 1):
         found = score(behaviour, cells[:n])
-        told.append(
+        messages.append(
             HitMessage(
                 **_hit(behaviour, hit).model_dump(),
                 targets=None if found is None else found.targets,
                 strays=None if found is None else found.strays,
             )
         )
-    return told
+    return messages
 
 
 def outcome(
@@ -59,10 +57,10 @@ def outcome(
     """Return the last message of a game.
 
     Args:
-        behaviour: What was to be shown.
+        behaviour: What was to be demonstrated.
         episode: The game.
-        recording_id: The recording that it became.
-        refusal: Why a replay did not give what was recorded; None if it did.
+        recording_id: Its recording.
+        refusal: Why the recording does not replay; None if it does.
     """
     found = score(behaviour, _cells(episode))
     return Ended(
@@ -79,7 +77,7 @@ def outcome(
 
 
 def all_hits(behaviour: Behaviour, episode: Episode) -> list[HitAt]:
-    """Return every hit of a game as it is told."""
+    """Return every hit of a game."""
     return [_hit(behaviour, hit) for hit in episode.hits]
 
 

@@ -1,4 +1,4 @@
-"""The messages between a player's page and the server, as docs/protocol.md describes them. Pure."""
+"""Messages between a player's page and the server, see docs/protocol.md. Pure."""
 
 from __future__ import annotations
 
@@ -10,22 +10,20 @@ from typing import Annotated, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from server.play.conditions import Percent
-from server.play.wire.codec import EncodedFrame
-from server.play.wire.frames_file import FLAG_KEY
+from server.play.wire.codec import FLAG_KEY, EncodedFrame
 from tril.game.aliens import Formation
 from tril.game.controls import Keys
 
 MAX_UNACKNOWLEDGED = 6
 MAX_MESSAGE_BYTES = 256
-"""Longest message that a page may send."""
+"""Limit of a page's message."""
 
 FLAG_SHOT = 2
-"""Marks a FRAME in which a missile has left the cannon since the one sent before."""
+"""Marks a FRAME if a missile has left the cannon since the previous FRAME."""
 
 _FRAME = struct.Struct("<BBBBIII")
 _LEFT_BIAS_PX = 96
-"""The first column's place is sent with so much added: it can be left of the screen by almost six
-columns of 16 pixels."""
+"""Offset of the first column's position, which can be up to six columns of 16 px off the screen."""
 _BYTE = 2**8
 _CLIENT = struct.Struct("<BBHI")
 _LATENCY_UNIT_MS = 0.1
@@ -37,6 +35,8 @@ _SEQUENCES = 2**32
 class Close(IntEnum):
     """Codes with which the server closes a stream."""
 
+    INTERNAL_ERROR = 1011
+    TRY_AGAIN_LATER = 1013
     TAKEN_OVER = 4001
     BAD_MESSAGE = 4400
     UNAUTHORISED = 4401
@@ -45,7 +45,7 @@ class Close(IntEnum):
 
 
 class BadMessage(ValueError):
-    """A message that is not of this protocol."""
+    """A message that violates the protocol."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ class FrameMessage:
     """Server to page: a screen.
 
     Attributes:
-        sequence: Counts the frames sent over this connection, from 1.
-        frame: How many frames of the game have been executed; 0 is the start's screen.
+        sequence: Number of the frame on this connection, from 1.
+        frame: Executed frames of the game; 0 is the start's screen.
         input_sequence: The newest input that a frame was executed with.
         encoded: The screen.
-        formation: Where the grid of aliens stands on it; left from -96 to 159, top to 255.
-        is_shot: Whether a missile has left the cannon since the screen sent before.
+        formation: Position of the grid of aliens, px: left -96 to 159, top 0 to 255.
+        is_shot: Whether a missile has left the cannon since the previous FRAME.
     """
 
     sequence: int
@@ -71,7 +71,7 @@ class FrameMessage:
 
 @dataclass(frozen=True)
 class InputMessage:
-    """Page to server: the keys held from now on; ``sequence`` counts the page's inputs."""
+    """Page to server: the keys held from now on; ``sequence`` numbers the page's inputs."""
 
     keys: Keys
     sequence: int
@@ -79,10 +79,10 @@ class InputMessage:
 
 @dataclass(frozen=True)
 class AckMessage:
-    """Page to server: the frame of this sequence has been drawn.
+    """Page to server: the frame of this sequence, and all before it, have been drawn.
 
-    ``latency_ms`` is the time from the event of a key to this drawing, in tenths, if the frame is
-    the first drawn that was executed with the key pressed, else None.
+    ``latency_ms`` is the time from a key's event to this drawing, in tenths, if the frame is the
+    first drawn that was executed with the key pressed, else None.
     """
 
     sequence: int
@@ -94,14 +94,14 @@ CommandType = Literal["ready", "stop", "pause", "go_on", "step", "rewind", "rele
 
 @dataclass(frozen=True)
 class Command:
-    """Page to server: what the player wants."""
+    """Page to server: a player's command."""
 
     type: CommandType
 
 
 @dataclass(frozen=True)
 class SpeedMessage:
-    """Page to server: go on at this percentage of 60 frames a second, 25 to 100."""
+    """Page to server: the speed in percent of 60 frames/s, 25 to 100."""
 
     percent: int
 
@@ -110,7 +110,7 @@ ClientMessage = InputMessage | AckMessage | Command | SpeedMessage
 
 
 def frame_bytes(message: FrameMessage) -> bytes:
-    """Write a FRAME."""
+    """Serialise a FRAME."""
     header = _FRAME.pack(
         1,
         FLAG_KEY * message.encoded.is_key | FLAG_SHOT * message.is_shot,
@@ -124,7 +124,7 @@ def frame_bytes(message: FrameMessage) -> bytes:
 
 
 def parse_frame(data: bytes) -> FrameMessage:
-    """Read a FRAME; raises BadMessage."""
+    """Parse a FRAME; raises BadMessage."""
     if len(data) < _FRAME.size or data[0] != 1:
         raise BadMessage(f"Expected a frame of at least {_FRAME.size} bytes that begins with 1.")
     _, flags, left, top, sequence, frame, input_sequence = _FRAME.unpack_from(data)
@@ -136,7 +136,7 @@ def parse_frame(data: bytes) -> FrameMessage:
 
 
 def client_bytes(message: InputMessage | AckMessage) -> bytes:
-    """Write an INPUT or an ACK."""
+    """Serialise an INPUT or an ACK."""
     if isinstance(message, InputMessage):
         return _CLIENT.pack(1, int(message.keys), 0, message.sequence)
     latency = 0
@@ -146,10 +146,10 @@ def client_bytes(message: InputMessage | AckMessage) -> bytes:
 
 
 def parse_client(data: bytes | str) -> ClientMessage:
-    """Read what a page sent.
+    """Parse a page's message.
 
     Raises:
-        BadMessage: It is not of this protocol; says why.
+        BadMessage: It violates the protocol; says how.
     """
     if len(data) > MAX_MESSAGE_BYTES:
         raise BadMessage(f"A message may have {MAX_MESSAGE_BYTES} bytes, got {len(data)}.")
@@ -182,32 +182,34 @@ class _SpeedModel(BaseModel):
     percent: Percent
 
 
-_WISHES: TypeAdapter[_CommandModel | _SpeedModel] = TypeAdapter(
+_COMMANDS: TypeAdapter[_CommandModel | _SpeedModel] = TypeAdapter(
     Annotated[_CommandModel | _SpeedModel, Field(discriminator="type")]
 )
 
 
 def _parse_command(text: str) -> Command | SpeedMessage:
     try:
-        wish = _WISHES.validate_json(text)
+        command = _COMMANDS.validate_json(text)
     except ValidationError as error:
         raise BadMessage(
             f'Expected {{"type": "ready"}} or another of {", ".join(get_args(CommandType))}, or'
             f' {{"type": "speed", "percent": 25 to 100}}, got {text[:80]!r}'
         ) from error
-    return SpeedMessage(wish.percent) if isinstance(wish, _SpeedModel) else Command(wish.type)
+    if isinstance(command, _SpeedModel):
+        return SpeedMessage(command.percent)
+    return Command(command.type)
 
 
 class _Message(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     def to_json(self) -> str:
-        """The message as it travels."""
+        """Serialise the message."""
         return self.model_dump_json()
 
 
 class HitAt(_Message):
-    """An alien that was shot after so many frames; rows and columns count from 0."""
+    """An alien that was shot; rows and columns count from 0."""
 
     row: int
     column: int
@@ -216,7 +218,7 @@ class HitAt(_Message):
 
 
 class AlienGeometry(_Message):
-    """Pixels: how large an alien is, and from one column's or row's edge to the next one's."""
+    """Size of an alien and pitch of columns and rows, in pixels."""
 
     width: int
     height: int
@@ -225,7 +227,7 @@ class AlienGeometry(_Message):
 
 
 class Hello(_Message):
-    """The first message: how to show what comes, and where the game is."""
+    """First message: how to draw the frames, and the state of the game."""
 
     type: Literal["hello"] = "hello"
     palette: list[list[int]]
@@ -242,14 +244,14 @@ class Hello(_Message):
 
 
 class Countdown(_Message):
-    """Whole seconds until the game goes on; 0 when it does."""
+    """Seconds until the game resumes; 0 when it does."""
 
     type: Literal["countdown"] = "countdown"
     seconds: int
 
 
 class HitMessage(HitAt):
-    """An alien was shot; ``targets`` and ``strays`` count so far, None without a target."""
+    """An alien was shot; ``targets`` and ``strays`` so far, None without a target."""
 
     type: Literal["hit"] = "hit"
     targets: int | None
@@ -257,14 +259,14 @@ class HitMessage(HitAt):
 
 
 class Paused(_Message):
-    """The game stands still; ``why`` is for the player. "go_on" counts down again."""
+    """The game is paused; ``why`` is shown to the player. "go_on" restarts the countdown."""
 
     type: Literal["paused"] = "paused"
     why: str
 
 
 class Rewound(_Message):
-    """The game was run back and goes on from this frame; what was played after it is kept.
+    """The game was rewound and resumes at this frame.
 
     ``recording_id`` is the recording of the game as it was before.
     """
@@ -276,7 +278,7 @@ class Rewound(_Message):
 
 
 class Ended(_Message):
-    """The game is over, saved and checked by a replay. ``reason`` is None if it was stopped."""
+    """The game is over, saved and verified. ``reason`` is None if it was stopped."""
 
     type: Literal["ended"] = "ended"
     reason: str | None
@@ -291,7 +293,7 @@ class Ended(_Message):
 
 
 class TakenOver(_Message):
-    """Another tab plays this game now; the stream closes with 4001."""
+    """Another tab has taken over the game; the stream closes with 4001."""
 
     type: Literal["taken_over"] = "taken_over"
 
@@ -303,7 +305,7 @@ _SERVER_MESSAGES: TypeAdapter[ServerMessage] = TypeAdapter(
 
 
 def parse_server(text: str) -> ServerMessage:
-    """Read a text message of the server; raises BadMessage."""
+    """Parse a text message of the server; raises BadMessage."""
     try:
         return _SERVER_MESSAGES.validate_json(text)
     except ValidationError as error:

@@ -15,10 +15,10 @@ class Scene:
     """A game after one of its frames.
 
     Attributes:
-        frame: How many frames were executed; 0 is the start.
+        frame: Executed frames; 0 is the start.
         screen: uint8 (210, 160) of palette values.
-        formation: Where the grid of aliens stands on the screen.
-        shots: Missiles that have left the cannon so far.
+        formation: Position of the grid of aliens on the screen.
+        shots: Missiles fired so far.
     """
 
     frame: int
@@ -28,7 +28,7 @@ class Scene:
 
     @classmethod
     def of(cls, episode: Episode) -> Self:
-        """Take the scene of an episode as it is now."""
+        """Return an episode's current scene."""
         return cls(
             episode.frame, episode.console.screen_palette(), episode.formation, episode.shots
         )

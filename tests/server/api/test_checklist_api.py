@@ -1,4 +1,4 @@
-"""Which demonstrations of a behaviour are there, over HTTP."""
+"""The checklist of a behaviour's demonstrations over HTTP."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from pathlib import Path
 
 from starlette.testclient import TestClient
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.behaviours import BUILT_IN
-from tril.demonstrator import example_plans, meets
+from tril.demonstrator import example_plans, rule_violation
 
 DATA = Path(__file__).parents[2] / "data" / "column-1.jsonl"
 
@@ -28,7 +28,7 @@ def test_the_page_is_told_what_is_there_and_what_is_missing(client: TestClient) 
         if item["recording_id"]:
             recording = client.get(f"/api/recordings/{item['recording_id']}").json()
             hits = [(hit["row"], hit["column"]) for hit in recording["hits"]]
-            assert meets(example_plans(BUILT_IN[0])[item["number"] - 1], hits) is None
+            assert rule_violation(example_plans(BUILT_IN[0])[item["number"] - 1], hits) is None
     client.delete(f"/api/recordings/{there[0]}")
     after = client.get("/api/behaviours/1/checklist").json()["planned"]
     assert there[0] not in [item["recording_id"] for item in after]

@@ -1,4 +1,4 @@
-"""The stream of events, and the rest of what a server says of itself."""
+"""The change stream, the system page and the files of the built page."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from sqlalchemy import func, select
 from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.web.pages import check_frontend
 from tests.server.clients import build_frontend, signed_in
-from tests.server.live import LiveServer, live_server
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, live_server
+from testsupport.workplace import Workplace
 from tril.errors import Unavailable
 from tril.store.changes import note_change
 from tril.store.database import create_database
+from tril.store.models import ChangeRow
 
 
 def events(lines: Iterator[str]) -> Iterator[dict[str, str]]:
@@ -45,6 +47,19 @@ def test_every_page_is_told_of_every_change_once(live: LiveServer) -> None:
             told = events(lines)
             assert next(told) == {"topic": "run", "key": "abc"}
             assert next(told) == {"topic": "recording", "key": "7"}
+
+
+def test_a_change_that_is_committed_after_later_ones_is_told(live: LiveServer) -> None:
+    with live.http.stream("GET", "/api/events") as stream:
+        lines = stream.iter_lines()
+        next(line for line in lines if line.startswith(": listening"))
+        told = events(lines)
+        with live.database.reading() as session:
+            last = session.scalar(select(func.max(ChangeRow.id))) or 0
+        for key in (last + 2, last + 1):
+            with live.database.writing() as session:
+                session.add(ChangeRow(id=key, topic="run", key=f"late-{key}"))
+            assert next(told) == {"topic": "run", "key": f"late-{key}"}
 
 
 def test_changes_over_http_are_told(live: LiveServer) -> None:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from server.ghosts import cannon_track
-from server.play.replays.memory_file import memory_file
-from tests.workplace import FRAMES, Workplace
+from server.cannon_track import cannon_track
+from server.play.replays.products import memory_file
+from testsupport.workplace import FRAMES, Workplace
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Episode, Start

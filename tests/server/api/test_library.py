@@ -11,14 +11,13 @@ import pytest
 from PIL import Image
 from starlette.testclient import TestClient
 
-from server.api.recordings import MAX_IMPORTED
+from server.api.imports import MAX_IMPORTED
+from server.play.replays.products import read_frames_file
 from server.play.wire.codec import FrameDecoder
-from server.play.wire.frames_file import read_frames_file
-from tests.workplace import FRAMES, Workplace
-from tril.game.episode import Episode
+from tests.server.clients import replayed, stored
+from testsupport.workplace import FRAMES, Workplace
+from tril.game.console import Console
 from tril.game.palette import palette_rgb
-from tril.recording import replay
-from tril.store import recordings
 from tril.store.models import RecordingRow, RecordingState, Verification
 
 
@@ -120,14 +119,7 @@ def test_frames_decode_to_the_screens_of_a_replay_and_are_cached_for_ever(
     assert client.get(f"{path}?v=other").headers["cache-control"] == "private, no-cache"
     decoder = FrameDecoder()
     decoded = [decoder.decode(frame) for frame in read_frames_file(answer.content)]
-    with workplace.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, workplace.ranked[3]))
-    expected: list[object] = []
-
-    def look(episode: Episode) -> None:
-        expected.append(episode.console.screen_palette())
-
-    replay(recording, on_frame=look)
+    expected = replayed(stored(workplace.database, workplace.ranked[3]), Console.screen_palette)
     assert len(decoded) == FRAMES + 1
     np.testing.assert_array_equal(decoded, np.array(expected))
     keys = [n for n, frame in enumerate(read_frames_file(answer.content)) if frame.is_key]
@@ -314,7 +306,9 @@ def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) 
         "/api/artifacts/99999",
         "/api/games/9c5b94b1-35ad-49bb-b118-8e8fc24abf80",
         "/api/runs/9c5b94b1-35ad-49bb-b118-8e8fc24abf80",
+        "/api/runs/9c5b94b1-35ad-49bb-b118-8e8fc24abf80/metrics",
         "/api/runs/9c5b94b1-35ad-49bb-b118-8e8fc24abf80/results",
+        "/api/runs/9c5b94b1-35ad-49bb-b118-8e8fc24abf80/reward/1",
         "/api/nothing",
     ],
 )

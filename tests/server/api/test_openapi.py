@@ -1,4 +1,4 @@
-"""The API keeps what its OpenAPI document says, whatever it is sent."""
+"""Every answer of the API conforms to its OpenAPI document."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from schemathesis.specs.openapi.checks import (
 )
 
 from server.app import create_app
-from tests.server.live import LiveServer
+from testsupport.live import LiveServer
 from tril.settings import Settings
 
 DOCUMENT = Path(__file__).resolve().parents[3] / "frontend" / "openapi.json"

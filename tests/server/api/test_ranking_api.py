@@ -1,11 +1,11 @@
-"""Rankings over HTTP: saving, undo and redo, and what is refused."""
+"""Rankings over HTTP: saving, undo, redo and refusals."""
 
 from __future__ import annotations
 
 import pytest
 from starlette.testclient import TestClient
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.store.models import RecordingRow, Verification
 
 PATH = "/api/behaviours/1/ranking"

@@ -1,15 +1,14 @@
-"""What the page of one recording is made of: its course, its memory, its relatives."""
+"""The data of a recording's page: its course, its memory, its branches."""
 
 from __future__ import annotations
 
 import numpy as np
 from starlette.testclient import TestClient
 
-from tests.workplace import FRAMES, Workplace
+from tests.server.clients import replayed, stored
+from testsupport.workplace import FRAMES, Workplace
 from tril.game import space_invaders as game
-from tril.game.episode import Episode
-from tril.recording import replay
-from tril.store import recordings
+from tril.game.console import Console
 from tril.store.models import RecordingRow, RecordingState
 
 
@@ -34,15 +33,8 @@ def test_memory_is_that_of_a_replay_at_the_start_and_after_every_frame(
     answer = client.get(course["memory_url"])
     assert "immutable" in answer.headers["cache-control"]
     memory = np.frombuffer(answer.content, np.uint8).reshape(-1, game.RAM_SIZE)
-    with workplace.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, workplace.ranked[3]))
-    expected: list[bytes] = []
-
-    def look(episode: Episode) -> None:
-        expected.append(episode.console.ram_bytes())
-
-    replay(recording, on_frame=look)
-    assert [row.tobytes() for row in memory] == expected
+    recording = stored(workplace.database, workplace.ranked[3])
+    assert [row.tobytes() for row in memory] == replayed(recording, Console.ram_bytes)
     names = {cell["name"]: cell["address"] for cell in course["memory_names"]}
     cannon = memory[:, names["cannon, x"]].astype(int)
     assert cannon[0] == game.PLAYER_LEFT_WALL

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import uuid
-
 import pytest
 from starlette.testclient import TestClient
 
-from tests.trainings import HACKS
-from tests.workplace import Workplace
+from tests.trainings import HACKS, checked
+from testsupport.workplace import Workplace
+from tril.analysis.outcome import Headline, RunOutcome
 from tril.analysis.summary import summarise
 from tril.behaviours import Score
 from tril.files.artifact_store import ArtifactStore
-from tril.jobs import STAGES
 from tril.recipes import RECIPES
+from tril.stages import stages_of
 from tril.store import recordings
 from tril.store.models import RecordingRow, RunStatus, Source
 from tril.store.training import artifacts, evaluations, leases, metrics, runs
@@ -46,7 +45,10 @@ def test_a_run_is_made_with_what_the_page_chose_and_waits(
     assert (run["status"], run["steps"], run["training_seed"]) == ("queued", 12_345, 7)
     assert run["learning_rate"] == run["recipe_values"]["policy"]["learning_rate"] == 0.001
     assert (run["n_ranked"], run["n_perfect"], run["ranking_revision"]) == (4, 1, 1)
-    assert run["stages"] == list(STAGES[1:])
+    recipes = {recipe["name"]: recipe for recipe in client.get("/api/recipes").json()}
+    assert run["stages"] == recipes["paper"]["stages"]
+    assert [stage["name"] for stage in run["stages"]] == list(stages_of(example=False))
+    assert all(stage["label"] and stage["summary"] for stage in run["stages"])
     assert run["progress"] == 0
     assert client.get(f"/api/runs/{run['id']}").json() == run
     assert client.get("/api/runs", params={"behaviour_id": 1}).json() == [run]
@@ -121,10 +123,9 @@ def fill_with_results(workplace: Workplace) -> str:
     """Make a finished run, its results written as a worker writes them."""
     run_id = workplace.make_run()
     games = {"imitator": (3, 1), "clone": (3, 2)}
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
         played = recordings.get(session, workplace.ranked[0])
-        claim = leases.claim(session, run_id, "worker", {"tril": "0.1.0"})
-        assert claim is not None
         for policy, (targets, strays) in games.items():
             for number, held_out in ((0, True), (1, False)):
                 row = RecordingRow(
@@ -138,30 +139,22 @@ def fill_with_results(workplace: Workplace) -> str:
                 evaluations.add(
                     session, run_id, key, row.id, held_out, 1.5, Score(targets, strays, 0)
                 )
-        row_of_run = leases.finish_stage(session, claim, "evaluation", 1.0)
+        row_of_run = leases.finish_stage(session, lease, "evaluation", 1.0)
         found = [
             evaluations.figures_of(row)
             for row in evaluations.listing(session, run_id)
             if row.policy == "imitator" and row.held_out
         ]
-        row_of_run.outcome = {
-            "check": {
-                "predicted_returns": {str(key): float(-key) for key in workplace.ranked},
-                "tau": 0.8,
-                "pair_accuracy": 0.9,
-                "held_out_accuracy": None,
-                "confused": [{"better": 1, "worse": 2, "held_out": True}],
-                "passed": False,
-                "advice": "It confuses tiers 1 and 2.",
-            },
-            "headline": {
-                "imitator": summarise(found).to_dict(),
-                "clone": None,
-                "tau": 0.8,
-                "pair_accuracy": 0.9,
-                "held_out_accuracy": None,
-            },
-        }
+        outcome = checked(
+            {key: float(-key) for key in workplace.ranked},
+            tau=0.8,
+            confused=[{"better": 1, "worse": 2, "held_out": True}],
+            passed=False,
+            advice="It confuses tiers 1 and 2.",
+        )
+        assert outcome.check is not None
+        headline = Headline(**outcome.check.figures, imitator=summarise(found), clone=None)
+        row_of_run.outcome = outcome.with_those_of(RunOutcome(headline=headline))
         for kind, suffix in (
             ("attention_map", ""),
             ("attention_red_blue", "-red-blue"),
@@ -175,7 +168,7 @@ def fill_with_results(workplace: Workplace) -> str:
             }
             name = f"attention-maximum{suffix}.png"
             artifacts.save(session, run_id, kind, name, "image/png", 3, details)
-        leases.end(session, claim, RunStatus.DONE)
+        leases.end(session, lease, RunStatus.DONE)
     store = ArtifactStore(workplace.settings.artifact_root)
     store.put(artifacts.path_of(run_id, "attention-maximum.png"), b"png")
     return run_id
@@ -209,6 +202,13 @@ def test_results_are_shown_as_the_thesis_tables_them(
     (row,) = results["comparison"]
     assert (row["start_number"], row["winner"], row["held_out"]) == (0, "imitator", True)
     assert row["clone"]["recording"]["run_id"] == results["run"]["id"]
+    # All others follow, be they held out or not.
+    (further,) = results["further_comparison"]
+    assert (further["start_number"], further["winner"], further["held_out"]) == (
+        1,
+        "imitator",
+        False,
+    )
     by_policy = {item["policy"]: item["summary"] for item in results["summaries"]}
     assert by_policy["clone"]["strays"] == {"mean": 2, "low": 2, "high": 2, "n": 1}
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
@@ -234,22 +234,12 @@ def test_a_training_whose_return_rises_alone_is_alarmed_while_it_goes(
     client: TestClient, workplace: Workplace
 ) -> None:
     run_id = workplace.make_run()
-    returns = {str(number): 300.0 * place for place, number in enumerate(workplace.ranked)}
+    returns = {number: 300.0 * place for place, number in enumerate(workplace.ranked)}
     with workplace.database.writing() as session:
         for name, points in HACKS["all the time"].curves().items():
             for step, value in points:
                 metrics.add(session, run_id, "imitator", step, {name: value})
-        check = {
-            "predicted_returns": returns,
-            "tau": 1.0,
-            "pair_accuracy": 1.0,
-            "held_out_accuracy": None,
-            "confused": [],
-            "passed": True,
-            "advice": "",
-            "warning": "Tiers 3 and 4.",
-        }
-        runs.get(session, run_id).outcome = {"check": check}
+        runs.get(session, run_id).outcome = checked(returns, warning="Tiers 3 and 4.")
     results = client.get(f"/api/runs/{run_id}/results").json()
     assert results["run"]["status"] == "queued"
     assert "Watch the imitator" in results["alarm"]["message"]
@@ -301,8 +291,3 @@ def test_rewards_say_what_to_do_while_the_inference_process_is_away(
     answer = client.get(f"/api/runs/{run_id}/reward/{workplace.ranked[0]}")
     assert answer.status_code == 503
     assert "inference" in answer.json()["detail"]
-
-
-@pytest.mark.parametrize("kind", ["", "/results", "/metrics", "/reward/1"])
-def test_an_unknown_run_answers_404(reader: TestClient, kind: str) -> None:
-    assert reader.get(f"/api/runs/{uuid.uuid4()}{kind}").status_code == 404

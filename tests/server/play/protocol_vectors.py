@@ -11,8 +11,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from server.play.wire.codec import FrameEncoder
-from server.play.wire.frames_file import frames_file, palette_json
+from server.play.replays.products import frames_file
+from server.play.wire.codec import FrameEncoder, palette_json
 from server.play.wire.messages import alien_geometry
 from server.play.wire.protocol import (
     AckMessage,

@@ -1,21 +1,27 @@
-"""What a recording says of how it was played."""
+"""What a recording says about how it was played."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.play.conditions import BAD_P95_MS, KEY, PlayConditions
+from server.play.conditions import BAD_P95_MS, KEY, MAX_ENTRIES, PlayConditions
+from tril.game.space_invaders import MAX_FRAMES
 
-FRAMES = st.integers(1, 1200)
+FRAMES = st.integers(1, MAX_FRAMES)
+SPEEDS = st.dictionaries(st.integers(0, MAX_FRAMES), st.integers(25, 100)).map(
+    lambda speeds: sorted(speeds.items())
+)
 CONDITIONS = st.builds(
     PlayConditions,
     presses=st.lists(st.tuples(FRAMES, st.floats(0.1, 6553.5))),
     dropped=st.lists(FRAMES),
-    speeds=st.lists(st.tuples(st.integers(0, 1200), st.integers(25, 100))),
+    speeds=SPEEDS,
     single_steps=st.lists(FRAMES),
     pauses=st.lists(FRAMES),
 )
@@ -23,7 +29,7 @@ CONDITIONS = st.builds(
 
 @given(CONDITIONS)
 def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
-    stored = json.loads(json.dumps({KEY: conditions.to_json(), "manner": "human"}))
+    stored = json.loads(json.dumps({**conditions.to_conditions(), "manner": "human"}))
     assert PlayConditions.from_conditions(stored) == conditions
 
 
@@ -33,11 +39,15 @@ def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
         {},
         {KEY: None},
         {KEY: []},
-        {KEY: {**PlayConditions().to_json(), "presses": [[1]]}},
-        {KEY: {**PlayConditions().to_json(), "presses": [[1, float("nan")]]}},
-        {KEY: {**PlayConditions().to_json(), "speeds": [[1, 0]]}},
-        {KEY: {**PlayConditions().to_json(), "dropped": "many"}},
-        {KEY: {**PlayConditions().to_json(), "mood": "good"}},
+        {KEY: {**PlayConditions().model_dump(), "presses": [[1]]}},
+        {KEY: {**PlayConditions().model_dump(), "presses": [[1, float("nan")]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[1, 0]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[9, 50], [4, 75]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[9, 50], [9, 75]]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": [[n, 50 + n % 2] for n in range(8000)]}},
+        {KEY: {**PlayConditions().model_dump(), "pauses": [1] * (MAX_ENTRIES + 1)}},
+        {KEY: {**PlayConditions().model_dump(), "dropped": "many"}},
+        {KEY: {**PlayConditions().model_dump(), "mood": "good"}},
     ],
 )
 def test_what_can_not_be_read_is_left_alone(foreign: dict[str, object]) -> None:
@@ -84,13 +94,49 @@ def test_the_speed_is_the_last_one_set() -> None:
     assert conditions.speed_percent == 75
 
 
-def test_the_slowest_speed_is_that_of_a_frame_that_was_played() -> None:
-    conditions = PlayConditions(speeds=[(0, 50), (300, 25)])
-    assert conditions.slowest_percent(300) == 50
-    assert conditions.slowest_percent(301) == 25
-    assert PlayConditions(speeds=[(40, 50), (60, 100)]).slowest_percent(1200) == 50
-    assert PlayConditions(speeds=[(40, 50)]).slowest_percent(40) == 100
-    assert PlayConditions().slowest_percent(0) == 100
+@given(speeds=SPEEDS, n_frames=st.integers(0, MAX_FRAMES))
+def test_the_slowest_speed_is_that_of_an_executed_frame(
+    speeds: list[tuple[int, int]], n_frames: int
+) -> None:
+    ends = [*(frame for frame, _ in speeds), MAX_FRAMES]
+    per_frame = [100] * ends[0]
+    for (begin, end), (_, percent) in zip(pairwise(ends), speeds, strict=True):
+        per_frame += [percent] * (end - begin)
+    conditions = PlayConditions(speeds=speeds)
+    assert conditions.slowest_percent(n_frames) == min(per_frame[:n_frames], default=100)
+
+
+class CountedList(list[tuple[int, int]]):
+    """A list that counts how often it is iterated over."""
+
+    n_iterations = 0
+
+    def __iter__(self) -> Iterator[tuple[int, int]]:
+        self.n_iterations += 1
+        return super().__iter__()
+
+
+def test_the_slowest_of_many_speeds_takes_one_pass() -> None:
+    conditions = PlayConditions()
+    conditions.speeds = counted = CountedList((n, 50 + n % 2) for n in range(MAX_FRAMES))
+    assert conditions.slowest_percent(MAX_FRAMES) == 50
+    assert counted.n_iterations == 1
+
+
+def test_a_page_changes_speed_at_most_once_per_frame() -> None:
+    conditions = PlayConditions()
+    for n in range(8000):
+        conditions.set_speed(n // 20, 25 + n % 76)
+    assert len(conditions.speeds) <= 400
+    assert PlayConditions.from_conditions(conditions.to_conditions()) == conditions
+
+
+def test_presses_and_pauses_are_bounded() -> None:
+    conditions = PlayConditions()
+    for _ in range(MAX_ENTRIES + 1):
+        conditions.note_press(1, 40.0)
+        conditions.note_pause(1)
+    assert PlayConditions.from_conditions(conditions.to_conditions()) == conditions
 
 
 def test_presses_in_slow_motion_and_single_steps_say_nothing_of_latency() -> None:

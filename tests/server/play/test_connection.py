@@ -154,11 +154,11 @@ def test_a_latency_belongs_to_the_frame_that_was_drawn() -> None:
     asyncio.run(play())
 
 
-def test_keys_tapped_while_the_game_stood_still_can_be_forgotten() -> None:
+def test_taps_while_the_game_is_not_running_can_be_discarded() -> None:
     connection = Connection(Wire())
     connection.receive(InputMessage(Keys.FIRE, 1))
     connection.receive(InputMessage(Keys.LEFT, 2))
-    connection.forget_presses()
+    connection.discard_taps()
     assert connection.take_keys() == Keys.LEFT
 
 
@@ -167,7 +167,7 @@ def test_a_page_that_has_gone_is_sent_nothing_more() -> None:
         wire = Wire()
         wire.is_broken = True
         connection = Connection(wire)
-        await connection.tell(Paused(why=""))
+        await connection.send(Paused(why=""))
         assert not connection.is_open
         assert not await connection.show(scene(0))
         await connection.close(4001)

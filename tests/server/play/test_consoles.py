@@ -24,7 +24,7 @@ def pool() -> Iterator[ConsolePool]:
 def test_consoles_are_loaded_ahead_only_while_nobody_plays() -> None:
     ahead = ConsolePool(n_ahead=2)
     looked = threading.Event()
-    with ahead.undisturbed():
+    with ahead.loading_suspended():
         ahead.start()
         assert not looked.wait(0.3)
         assert ahead.n_loaded == 0
@@ -38,7 +38,7 @@ def test_whoever_needs_a_console_while_others_play_gets_the_next_that_is_given_b
     pool: ConsolePool,
 ) -> None:
     console = pool.take()
-    with pool.undisturbed(), ThreadPoolExecutor(1) as thread:
+    with pool.loading_suspended(), ThreadPoolExecutor(1) as thread:
         waiting = thread.submit(pool.take)
         pool.give_back(console)
         assert waiting.result(20) is console
@@ -47,7 +47,7 @@ def test_whoever_needs_a_console_while_others_play_gets_the_next_that_is_given_b
 
 def test_whoever_needs_a_console_gets_one_as_soon_as_nobody_plays(pool: ConsolePool) -> None:
     with ThreadPoolExecutor(1) as thread:
-        with pool.undisturbed():
+        with pool.loading_suspended():
             waiting = thread.submit(pool.take)
             assert not waiting.done()
         waiting.result(20)

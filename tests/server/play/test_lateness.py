@@ -1,19 +1,18 @@
-"""What is known of how late frames begin, and who is told."""
+"""How late frames begin, and the log of it."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 import math
-import time
+from collections.abc import Coroutine
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.play.lateness import BIN_MS, N_BINS, Lateness
-from server.play.session.pace import FRAME_S, FrameClock
-from tests.server.live import LiveServer
+from server.play.lateness import BIN_MS, N_BINS, Lateness, LatenessLog
+from server.play.session.clock import FRAME_S, FrameClock
 
 LONGEST_MS = BIN_MS * (N_BINS - 1)
 
@@ -49,38 +48,64 @@ def test_times_are_added_up_and_taken_apart() -> None:
         Lateness([1, 2])
 
 
-def test_a_clock_that_was_held_up_says_by_how_much_and_catches_up() -> None:
-    held_up_s, n_frames = 0.06, 12
+class Time:
+    """Stands for the event loop and for asyncio.sleep, on a clock of its own."""
 
-    async def play() -> tuple[Lateness, float]:
-        lateness = Lateness()
-        began = asyncio.get_running_loop().time()
-        clock = FrameClock("a game", lateness)
-        for frame in range(n_frames):
-            if frame == 2:
-                time.sleep(held_up_s)
-            await clock.wait(100)
-        return lateness, asyncio.get_running_loop().time() - began
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now_s = 100.0
+        monkeypatch.setattr(asyncio, "get_running_loop", lambda: self)
+        monkeypatch.setattr(asyncio, "sleep", self.sleep)
 
-    lateness, took_s = asyncio.run(play())
-    assert lateness.n_frames == n_frames
+    def time(self) -> float:
+        return self.now_s
+
+    async def sleep(self, delay_s: float) -> None:
+        self.now_s += delay_s
+
+    def run(self, waiting: Coroutine[None, None, None]) -> None:
+        with pytest.raises(StopIteration):
+            waiting.send(None)
+
+
+@pytest.mark.parametrize(("percent", "frame_s"), [(100, FRAME_S), (50, 2 * FRAME_S), (25, 1 / 15)])
+def test_frames_are_a_sixtieth_of_a_second_apart_or_more_in_slow_motion(
+    monkeypatch: pytest.MonkeyPatch, percent: int, frame_s: float
+) -> None:
+    time, lateness = Time(monkeypatch), Lateness()
+    clock = FrameClock("a game", lateness)
+    for n in range(1, 31):
+        time.run(clock.wait(percent))
+        assert time.now_s == pytest.approx(100 + n * frame_s)
+    assert lateness.percentile_ms(1.0) == BIN_MS
+
+
+@pytest.mark.parametrize(("held_up_s", "is_made_up"), [(0.06, True), (2.0, False)])
+def test_a_clock_that_was_held_up_notes_it_and_makes_up_for_little_only(
+    monkeypatch: pytest.MonkeyPatch, held_up_s: float, is_made_up: bool
+) -> None:
+    time, lateness = Time(monkeypatch), Lateness()
+    clock = FrameClock("a game", lateness)
+    time.now_s += held_up_s
+    for _ in range(12):
+        time.run(clock.wait(100))
+    lost_s = 0 if is_made_up else held_up_s - FRAME_S
+    assert time.now_s == pytest.approx(100 + 12 * FRAME_S + lost_s)
     latest = lateness.percentile_ms(1.0)
     assert latest is not None
-    assert latest >= 1000 * (held_up_s - FRAME_S)
-    assert took_s >= n_frames * FRAME_S
+    assert (latest > 1000 * (held_up_s - FRAME_S)) == is_made_up
 
 
-def test_the_log_says_when_games_are_late_and_what_helps(
-    live: LiveServer, caplog: pytest.LogCaptureFixture
-) -> None:
-    hub = live.services.games
+def test_the_log_says_when_games_are_late_and_what_helps(caplog: pytest.LogCaptureFixture) -> None:
+    lateness = Lateness()
+    log = LatenessLog(lateness)
     with caplog.at_level(logging.WARNING):
-        hub.lateness.note(0.004)
-        asyncio.run(hub._report())
+        lateness.note(0.004)
+        log.report(n_games=3)
         assert not caplog.messages
         for _ in range(100):
-            hub.lateness.note(0.0201)
-        asyncio.run(hub._report())
+            lateness.note(0.0201)
+        log.report(n_games=3)
+        log.report(n_games=3)
     (message,) = caplog.messages
-    assert "more than 20 ms late" in message
+    assert "more than 20 ms late, with 3 games" in message
     assert "TRIL_SERVER_PROCESSES" in message

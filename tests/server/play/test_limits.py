@@ -1,11 +1,12 @@
-"""How many games may be open, and what becomes of those that stand still."""
+"""Limits on open games, and the end of games that stand still."""
 
 from __future__ import annotations
 
 import time
+import uuid
+from contextlib import ExitStack
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
 
 import httpx2
 import pytest
@@ -13,9 +14,9 @@ import pytest
 from server.play.limits import GameLimits
 from server.play.rules import PlayRules
 from server.play.wire.protocol import Close, Hello, Paused
-from tests.server.live import LiveServer, live_server
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.live import LiveServer, live_server
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.settings import Settings
 from tril.store import games
 from tril.store.models import GameRow
@@ -34,11 +35,6 @@ RESTLESS = PlayRules(
 
 def ask_for_a_game(live: LiveServer) -> httpx2.Response:
     return live.http.post("/api/games", json={"behaviour_id": 1})
-
-
-def recording_of(live: LiveServer, game: dict[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = live.http.get(f"/api/recordings/{game['recording_id']}").json()
-    return found
 
 
 def forget_lease(workplace: Workplace, game_id: str) -> None:
@@ -102,22 +98,30 @@ def test_a_full_process_lets_go_of_a_game_without_a_page(live: LiveServer) -> No
     with live.play(left) as player:
         player.begin()
         player.until_frame(20)
-    others = [live.new_game() for _ in range(4)]
-    joined = [live.play(game) for game in others]
-    players = [context.__enter__() for context in joined]
-    try:
-        for player in players:
-            player.until(Hello)
+    with ExitStack() as pages:
+        for _ in range(4):
+            pages.enter_context(live.play(live.new_game())).until(Hello)
         with live.play(left) as one_too_many:
             assert one_too_many.close_code() == TRY_AGAIN_LATER
-    finally:
-        for context in joined:
-            context.__exit__(None, None, None)
     with live.play(left) as player:
         hello = player.until(Hello)
         assert hello.resumed
         assert hello.frame >= 20
         player.stop()
+
+
+def test_a_join_of_an_unknown_or_ended_game_takes_no_place(live: LiveServer) -> None:
+    ended = live.new_game()
+    with live.play(ended) as player:
+        player.begin()
+        player.stop()
+    unknown = {"stream_path": f"/api/games/{uuid.uuid4()}/stream"}
+    with ExitStack() as pages:
+        for _ in range(4):
+            pages.enter_context(live.play(live.new_game())).until(Hello)
+        for game, code in ((unknown, Close.NO_SUCH_GAME), (ended, Close.GAME_OVER)):
+            with live.play(game) as refused:
+                assert refused.close_code() == code
 
 
 def test_a_game_that_is_never_begun_ends(tmp_path: Path, workplace: Workplace) -> None:
@@ -126,7 +130,7 @@ def test_a_game_that_is_never_begun_ends(tmp_path: Path, workplace: Workplace) -
         with live.play(game) as player:
             player.until(Hello)
             assert player.close_code() == Close.GAME_OVER
-        wait_until(lambda: bool(recording_of(live, game)["deleted"]))
+        wait_until(lambda: bool(live.recording(game["recording_id"])["deleted"]))
         with live.play(game) as player:
             assert player.close_code() == Close.GAME_OVER
 
@@ -143,8 +147,8 @@ def test_a_game_that_stays_paused_ends_as_an_unfinished_recording(workplace: Wor
             standing = player.frames[-1].frame
             assert time.monotonic() - began > IDLE_AFTER_S, "it was played for longer than that"
             assert player.close_code() == Close.GAME_OVER
-        wait_until(lambda: recording_of(live, game)["state"] == "unfinished")
-        recording = recording_of(live, game)
+        wait_until(lambda: live.recording(game["recording_id"])["state"] == "unfinished")
+        recording = live.recording(game["recording_id"])
         assert (recording["n_frames"], recording["verification"]) == (standing, "verified")
         assert not recording["deleted"]
 
@@ -162,7 +166,7 @@ def test_a_game_that_is_joined_in_the_nick_of_time_is_not_ended(workplace: Workp
             assert player.stop().verification == "verified"
 
 
-@pytest.mark.parametrize(("asked", "in_all"), [(0, 64), (5, 5)])
-def test_there_are_as_many_places_as_processes_can_play(asked: int, in_all: int) -> None:
+@pytest.mark.parametrize(("asked", "total"), [(0, 64), (5, 5)])
+def test_there_are_as_many_places_as_processes_can_play(asked: int, total: int) -> None:
     settings = Settings(max_games=asked, server_processes=2)
-    assert GameLimits.of(settings, per_process=32).in_all == in_all
+    assert GameLimits.from_settings(settings, per_process=32).total == total

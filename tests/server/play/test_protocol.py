@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from server.play.replays.products import read_frames_file
 from server.play.wire.codec import (
     SCREEN_BYTES,
     EncodedFrame,
@@ -20,7 +21,6 @@ from server.play.wire.codec import (
     FrameEncoder,
     UnreadableFrame,
 )
-from server.play.wire.frames_file import read_frames_file
 from server.play.wire.protocol import (
     AckMessage,
     BadMessage,

@@ -11,10 +11,10 @@ from typing import cast
 import psutil
 import pytest
 
-from server.play.replays import ReplayProcess, Wanted, process
-from server.play.wire.frames_file import frames_file
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from server.play.replays import ReplayProcess, ReplayTask, process
+from server.play.replays.products import frames_file
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused
 from tril.store import recordings
@@ -47,7 +47,7 @@ def played(workplace: Workplace) -> tuple[Recording, list[tuple[int, int]]]:
 def test_a_recording_that_replays_passes_the_check(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
-    assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
+    assert replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S) == b""
 
 
 def test_one_that_does_not_is_refused_with_the_reason(
@@ -56,27 +56,27 @@ def test_one_that_does_not_is_refused_with_the_reason(
     recording, hits = played
     forged = replace(recording, ram_hashes=("0" * 16, *recording.ram_hashes[1:]))
     with pytest.raises(RecordingRefused, match="the RAM after frame 60"):
-        replays.submit(Wanted.CHECK, forged, hits).result(PATIENCE_S)
+        replays.submit(ReplayTask.CHECK, forged, hits).result(PATIENCE_S)
     with pytest.raises(RecordingRefused, match="The replay hits"):
-        replays.submit(Wanted.CHECK, recording, [*hits, (5, 5)]).result(PATIENCE_S)
+        replays.submit(ReplayTask.CHECK, recording, [*hits, (5, 5)]).result(PATIENCE_S)
 
 
 def test_frames_are_those_of_a_replay_in_this_process(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
     recording, _ = played
-    made = replays.submit(Wanted.FRAMES, recording).result(PATIENCE_S)
+    made = replays.submit(ReplayTask.FRAMES, recording).result(PATIENCE_S)
     assert made == frames_file(recording)
 
 
 def test_it_runs_behind_those_who_play_and_comes_back_when_it_was_killed(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
-    replays.submit(Wanted.CHECK, *played).result(PATIENCE_S)
+    replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S)
     child = _process_of(replays)
     assert child.nice() > psutil.Process().nice()
     child.kill()
-    assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
+    assert replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S) == b""
     assert _process_of(replays) != child
 
 
@@ -84,8 +84,8 @@ def test_an_error_is_one_request_s_own(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
     with pytest.raises(Unavailable, match="Try again"):
-        replays.submit(cast("Wanted", "nonsense"), played[0]).result(PATIENCE_S)
-    assert replays.submit(Wanted.CHECK, *played).result(PATIENCE_S) == b""
+        replays.submit(cast("ReplayTask", "nonsense"), played[0]).result(PATIENCE_S)
+    assert replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S) == b""
 
 
 def test_a_process_that_does_not_start_is_said(
@@ -94,7 +94,7 @@ def test_a_process_that_does_not_start_is_said(
     monkeypatch.setattr(process, "_COMMAND", (sys.executable, "-c", "raise SystemExit(1)"))
     replays = ReplayProcess()
     with pytest.raises(Unavailable, match="log"):
-        replays.submit(Wanted.CHECK, *played).result(PATIENCE_S)
+        replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S)
     replays.stop()
 
 

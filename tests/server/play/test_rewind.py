@@ -1,18 +1,18 @@
-"""Games that are run back and go on from there, over a real WebSocket of a real server."""
+"""Rewinding games, and going on from recordings, over a real WebSocket of a real server."""
 
 from __future__ import annotations
 
 import uuid
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
-import pytest
 
-from server.play.session.rewind import Tape
+from server.play.session.rewind import Checkpoints
 from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.wire.scene import Scene
-from tests.server.live import LiveServer, Player, live_server
-from tests.workplace import Workplace
+from testsupport.live import GameClient, LiveServer, live_server
+from testsupport.workplace import Workplace
 from tril.game.console import Console
 from tril.game.controls import Keys
 from tril.game.episode import Episode, Start
@@ -21,40 +21,32 @@ from tril.store import games, recordings
 from tril.store.models import RecordingState, Source
 
 
-def play_until(player: Player, frame: int) -> None:
-    """Fire and go to the right until a frame."""
-    player.hold(Keys.RIGHT | Keys.FIRE)
-    player.begin()
-    player.until_frame(frame)
+@contextmanager
+def playing(
+    live: LiveServer, frame: int, keys: Keys = Keys.RIGHT | Keys.FIRE
+) -> Iterator[GameClient]:
+    """Play a game up to a frame with these keys held."""
+    with live.play(live.new_game(idle_frames=4)) as player:
+        player.hold(keys)
+        player.begin()
+        player.until_frame(frame)
+        yield player
 
 
-def run_back_to(player: Player, frame: int) -> Rewound:
-    """Run the game back to a frame or a little further, and let go."""
+def rewind_to(player: GameClient, frame: int) -> Rewound:
+    """Rewind to a frame or a little further, and release."""
     player.say("rewind")
     player.until(FrameMessage, lambda message: message.frame <= frame)
     player.say("release")
     return player.until(Rewound)
 
 
-def shown(live: LiveServer, recording_id: int) -> dict[str, Any]:
-    """Return a recording as the API shows it."""
-    recording: dict[str, Any] = live.http.get(f"/api/recordings/{recording_id}").json()
-    return recording
-
-
-def actions_of(live: LiveServer, recording_id: int) -> bytes:
-    """Return the actions of a stored recording."""
-    with live.database.reading() as session:
-        return recordings.get(session, recording_id).actions
-
-
-def test_a_game_goes_on_from_where_the_player_lets_go_and_both_branches_are_kept(
+def test_a_game_goes_on_from_where_the_player_releases_and_both_branches_are_kept(
     live: LiveServer,
 ) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        play_until(player, 150)
+    with playing(live, 150) as player:
         seen = dict(player.screens)
-        rewound = run_back_to(player, 70)
+        rewound = rewind_to(player, 70)
         assert 0 < rewound.frame <= 70
         for frame in range(rewound.frame, 150):
             # The screens on the way back are those of the way there.
@@ -64,40 +56,32 @@ def test_a_game_goes_on_from_where_the_player_lets_go_and_both_branches_are_kept
         player.until_frame(rewound.frame + 100)
         ended = player.stop()
     assert ended.verification == "verified"
-    before, after = shown(live, rewound.recording_id), shown(live, ended.recording_id)
+    before, after = live.recording(rewound.recording_id), live.recording(ended.recording_id)
     assert (before["state"], before["verification"]) == ("kept", "verified")
     assert before["n_frames"] >= 150
     assert before["parent"] is None
     assert after["parent"] == {"recording_id": before["id"], "frame": rewound.frame}
-    one, other = actions_of(live, before["id"]), actions_of(live, after["id"])
+    one, other = live.row(before["id"]).actions, live.row(after["id"]).actions
     assert one[: rewound.frame] == other[: rewound.frame]
     assert one[rewound.frame :][:60] != other[rewound.frame :][:60]
     course = live.http.get(f"/api/recordings/{before['id']}/course").json()
     assert course["branches"] == [{"recording_id": after["id"], "frame": rewound.frame}]
 
 
-def test_the_whole_game_can_be_run_back(live: LiveServer) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        play_until(player, 200)
-        player.say("rewind")
-        start = player.until(FrameMessage, lambda message: message.frame == 0)
-        np.testing.assert_array_equal(player.screens[start.frame], player.screens[0])
-        player.say("release")
-        rewound = player.until(Rewound)
+def test_the_whole_game_can_be_rewound(live: LiveServer) -> None:
+    with playing(live, 200) as player:
+        rewound = rewind_to(player, 0)
         assert (rewound.frame, rewound.hits) == (0, [])
         player.until_frame(30)
         assert player.stop().verification == "verified"
 
 
 def test_hits_after_the_frame_are_taken_back(live: LiveServer) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        player.hold(Keys.FIRE)
-        player.begin()
-        player.until_frame(300)
-        rewound = run_back_to(player, 200)
+    with playing(live, 300, Keys.FIRE) as player:
+        rewound = rewind_to(player, 200)
         player.hold(Keys(0))
         ended = player.stop()
-    before = shown(live, rewound.recording_id)
+    before = live.recording(rewound.recording_id)
     assert [hit.frame for hit in rewound.hits] == [
         hit["frame"] for hit in before["hits"] if hit["frame"] <= rewound.frame
     ]
@@ -107,28 +91,28 @@ def test_hits_after_the_frame_are_taken_back(live: LiveServer) -> None:
     ]
 
 
-def test_running_back_twice_without_playing_keeps_one_branch(live: LiveServer) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        play_until(player, 150)
-        first = run_back_to(player, 120)
-        second = run_back_to(player, 80)
+def test_rewinding_twice_without_playing_keeps_one_branch(live: LiveServer) -> None:
+    with playing(live, 150) as player:
+        first = rewind_to(player, 120)
+        second = rewind_to(player, 80)
         assert second.recording_id == first.recording_id
         assert second.frame <= 80
         player.until_frame(second.frame + 20)
-        third = run_back_to(player, second.frame - 10)
+        third = rewind_to(player, second.frame - 10)
         assert third.recording_id > first.recording_id
         ended = player.stop()
-    middle = shown(live, third.recording_id)
+    middle = live.recording(third.recording_id)
     assert middle["parent"] == {"recording_id": first.recording_id, "frame": second.frame}
-    assert shown(live, ended.recording_id)["parent"]["recording_id"] == middle["id"]
+    assert live.recording(ended.recording_id)["parent"]["recording_id"] == middle["id"]
 
 
-def test_a_connection_that_breaks_on_the_way_back_leaves_the_game_where_it_was(
+def test_a_connection_that_breaks_while_rewinding_leaves_the_game_where_it_was(
     live: LiveServer,
 ) -> None:
     game, tab = live.new_game(idle_frames=4), str(uuid.uuid4())
     with live.play(game, tab) as player:
-        play_until(player, 120)
+        player.begin()
+        player.until_frame(120)
         player.say("rewind")
         player.until(FrameMessage, lambda message: message.frame <= 60)
         player.socket.socket.close()
@@ -138,50 +122,44 @@ def test_a_connection_that_breaks_on_the_way_back_leaves_the_game_where_it_was(
         player.until_frame(hello.frame + 5)
         ended = player.stop()
     assert ended.verification == "verified"
-    assert shown(live, ended.recording_id)["parent"] is None
+    assert live.recording(ended.recording_id)["parent"] is None
 
 
-def test_a_paused_game_can_be_run_back(live: LiveServer) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        play_until(player, 90)
-        player.say("pause")
-        player.until(Paused)
-        rewound = run_back_to(player, 40)
-        player.until_frame(rewound.frame + 10)
-        assert player.stop().verification == "verified"
-
-
-def test_what_was_noted_of_frames_that_were_run_back_is_taken_back_too(live: LiveServer) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        play_until(player, 20)
+def test_conditions_after_the_frame_are_taken_back_in_a_paused_game(live: LiveServer) -> None:
+    with playing(live, 20) as player:
         player.say("speed", percent=50)
         player.until_frame(40)
         player.say("speed", percent=100)
         player.until_frame(100)
         player.say("pause")
         player.until(Paused)
-        rewound = run_back_to(player, 30)
+        rewound = rewind_to(player, 30)
+        player.until_frame(rewound.frame + 10)
         ended = player.stop()
-    with live.database.reading() as session:
-        before = recordings.get(session, rewound.recording_id).conditions["play"]
-        after = recordings.get(session, ended.recording_id).conditions["play"]
+    assert ended.verification == "verified"
+    before = live.row(rewound.recording_id).conditions["play"]
+    after = live.row(ended.recording_id).conditions["play"]
     assert [percent for _, percent in before["speeds"]] == [50, 100]
     assert len(before["pauses"]) == 1
     assert after["speeds"] == [before["speeds"][0], [rewound.frame, 100]]
     assert after["pauses"] == []
 
 
-def test_a_game_that_was_taken_up_again_can_be_run_back_past_that(workplace: Workplace) -> None:
+def test_a_game_resumed_in_another_server_loses_nothing_and_can_be_rewound_past_that(
+    workplace: Workplace,
+) -> None:
     data = workplace.settings.data
     with live_server(data) as first:
         game = first.new_game(idle_frames=4)
         with first.play(game) as player:
-            play_until(player, 130)
+            player.begin()
+            player.until_frame(130)
             seen = dict(player.screens)
     with live_server(data) as second, second.play(game) as player:
-        player.until(Hello)
-        rewound = run_back_to(player, 20)
-        assert rewound.frame <= 20
+        hello = player.until(Hello)
+        assert hello.resumed
+        assert hello.frame >= max(seen), "a server that stops in good order saves all"
+        rewound = rewind_to(player, 20)
         for frame in range(rewound.frame, 100, 20):
             if frame in player.screens:
                 np.testing.assert_array_equal(player.screens[frame], seen[frame])
@@ -190,10 +168,7 @@ def test_a_game_that_was_taken_up_again_can_be_run_back_past_that(workplace: Wor
 
 
 def test_a_game_can_go_on_from_a_recording(live: LiveServer) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        player.hold(Keys.FIRE)
-        player.begin()
-        player.until_frame(20)
+    with playing(live, 20, Keys.FIRE) as player:
         player.say("speed", percent=75)
         player.until_frame(150)
         parent = player.stop()
@@ -208,22 +183,18 @@ def test_a_game_can_go_on_from_a_recording(live: LiveServer) -> None:
         player.until_frame(120)
         ended = player.stop()
     assert ended.verification == "verified"
-    after = shown(live, ended.recording_id)
+    after = live.recording(ended.recording_id)
     assert after["parent"] == {"recording_id": parent.recording_id, "frame": 100}
     assert after["slowest_percent"] == 75
-    assert shown(live, parent.recording_id)["n_frames"] == parent.frame
+    assert live.recording(parent.recording_id)["n_frames"] == parent.frame
 
 
-@pytest.mark.parametrize(("frame", "status"), [(-1, 422), (1201, 422), (900, 422)])
-def test_a_game_can_not_go_on_from_frames_that_were_not_played(
-    live: LiveServer, frame: int, status: int
-) -> None:
-    with live.play(live.new_game(idle_frames=4)) as player:
-        player.begin()
-        player.until_frame(10)
+def test_a_game_can_not_go_on_from_frames_that_were_not_played(live: LiveServer) -> None:
+    with live.playing(10) as player:
         parent = player.stop()
-    answer = live.http.post(f"/api/games/from/{parent.recording_id}", json={"frame": frame})
-    assert answer.status_code == status
+    for frame in (-1, 1201, 900):
+        answer = live.http.post(f"/api/games/from/{parent.recording_id}", json={"frame": frame})
+        assert answer.status_code == 422
 
 
 def test_a_game_can_not_go_on_from_one_that_is_being_played(live: LiveServer) -> None:
@@ -263,17 +234,17 @@ def test_an_owner_that_lost_its_game_can_not_branch_it(workplace: Workplace) -> 
         assert games.branch(session, lost, lost, None) is None
 
 
-def test_a_tape_gives_every_scene_whether_its_states_are_there_or_not() -> None:
+def test_checkpoints_give_every_scene_whether_the_states_are_there_or_not() -> None:
     rng = np.random.default_rng(3)
-    console, tape = Console(), Tape()
+    console, checkpoints = Console(), Checkpoints()
     recorder = Recorder(Episode(console, Start(9)))
     expected = [Scene.of(recorder.episode)]
     while recorder.episode.frame < 200 and recorder.episode.end is None:
-        tape.note(recorder.episode)
+        checkpoints.add_if_due(recorder.episode)
         recorder.advance(int(rng.integers(6)))
         expected.append(Scene.of(recorder.episode))
     recording, other = recorder.recording(), Console()
-    for known in (tape, Tape()):
+    for known in (checkpoints, Checkpoints()):
         for last in (recording.n_frames, 125, 120, 119, 1, 0):
             given = known.scenes(recording, last, other)
             assert max(given) == last
@@ -283,20 +254,20 @@ def test_a_tape_gives_every_scene_whether_its_states_are_there_or_not() -> None:
                 assert scene.frame == frame
                 assert scene.formation == expected[frame].formation
                 assert scene.shots == expected[frame].shots
-    tape.cut(100)
-    state = tape.state_before(500)
+    checkpoints.discard_after(100)
+    state = checkpoints.latest_until(500)
     assert state is not None
     assert len(state.actions) == 60
 
 
-def test_a_game_resumed_near_a_state_is_the_game() -> None:
+def test_a_game_resumed_near_a_checkpoint_is_the_game() -> None:
     rng = np.random.default_rng(4)
-    tape, recorder = Tape(), Recorder(Episode(Console(), Start(9)))
+    checkpoints, recorder = Checkpoints(), Recorder(Episode(Console(), Start(9)))
     for action in rng.integers(6, size=190).tolist():
-        tape.note(recorder.episode)
+        checkpoints.add_if_due(recorder.episode)
         recorder.advance(action)
     until = recorder.recording().until(170)
-    resumed = Recorder.resume(until, Console(), near=tape.state_before(170))
+    resumed = Recorder.resume(until, Console(), near=checkpoints.latest_until(170))
     assert resumed.recording() == until
     assert resumed.replay() == Recorder.resume(until, Console()).replay()
     for action in recorder.episode.actions[170:]:

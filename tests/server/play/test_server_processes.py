@@ -15,10 +15,10 @@ import psutil
 import pytest
 
 from server.main import bind, take_port
-from server.play.wire.protocol import FrameMessage, Hello
-from tests.server.live import TIMEOUT_S, join
-from tests.server.processes import STARTED, ServerProcess, server_process
-from tests.workplace import make_workplace
+from server.play.wire.protocol import Hello
+from testsupport.live import TIMEOUT_S, join
+from testsupport.processes import SERVER_STARTED, TrilProcess, server_process
+from testsupport.workplace import make_workplace
 from tril.errors import Unavailable
 from tril.settings import Settings
 from tril.store import games
@@ -26,11 +26,11 @@ from tril.store.database import Database, create_database
 
 MOST_FRAMES_LOST = 60
 MOST_TRIES = 60
-"""The kernel gives each connection to either process by chance: 2**-60 is never."""
+"""The kernel chooses a process for each connection: 2**-60 is never."""
 
 
 @pytest.fixture(scope="module")
-def two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+def two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TrilProcess]:
     made = make_workplace(tmp_path_factory.mktemp("two") / "data")
     made.database.close()
     with server_process(made.settings.data, 2) as server:
@@ -38,7 +38,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
 
 
 @pytest.fixture
-def database(two: ServerProcess) -> Iterator[Database]:
+def database(two: TrilProcess) -> Iterator[Database]:
     opened = create_database(two.settings.application_url)
     yield opened
     opened.close()
@@ -50,14 +50,14 @@ def owner_of(database: Database, game: dict[str, Any]) -> int:
         return int(games.get(session, game["id"]).owner.rsplit("-", 1)[1])
 
 
-def test_a_game_goes_on_in_the_other_process(two: ServerProcess, database: Database) -> None:
+def test_a_game_goes_on_in_the_other_process(two: TrilProcess, database: Database) -> None:
     game = two.new_game()
     with join(two.settings, game) as player:
         player.begin()
         player.until_frame(90)
         first = owner_of(database, game)
         seen = player.frames[-1].frame
-    assert first in two.pids()
+    assert first in two.pids
     for _ in range(MOST_TRIES):
         with join(two.settings, game) as player:
             hello = player.until(Hello)
@@ -65,7 +65,7 @@ def test_a_game_goes_on_in_the_other_process(two: ServerProcess, database: Datab
             assert seen - hello.frame <= MOST_FRAMES_LOST
             if owner_of(database, game) == first:
                 continue
-            assert owner_of(database, game) in two.pids()
+            assert owner_of(database, game) in two.pids
             player.say("ready")
             player.until_frame(hello.frame + 30)
             assert player.stop().verification == "verified"
@@ -73,7 +73,7 @@ def test_a_game_goes_on_in_the_other_process(two: ServerProcess, database: Datab
     pytest.fail("Every connection came to the same process.")
 
 
-def test_two_tabs_in_two_processes_have_one_owner(two: ServerProcess, database: Database) -> None:
+def test_two_tabs_in_two_processes_have_one_owner(two: TrilProcess, database: Database) -> None:
     game = two.new_game()
     with join(two.settings, game) as first, ExitStack() as tabs:
         first.begin()
@@ -95,9 +95,9 @@ def test_two_tabs_in_two_processes_have_one_owner(two: ServerProcess, database: 
 
 
 def test_a_killed_process_comes_back_and_its_games_go_on_meanwhile(
-    two: ServerProcess, database: Database
+    two: TrilProcess, database: Database
 ) -> None:
-    started = sum(STARTED in line for line in two.said)
+    started = sum(SERVER_STARTED in line for line in two.output)
     game = two.new_game()
     with join(two.settings, game) as player:
         player.begin()
@@ -115,13 +115,13 @@ def test_a_killed_process_comes_back_and_its_games_go_on_meanwhile(
         assert seen - hello.frame <= MOST_FRAMES_LOST
         player.until_frame(hello.frame + 10)
         assert player.stop().verification == "verified"
-    two.wait_for(STARTED, started + 1)
-    assert len(two.pids()) == 2
-    assert killed not in two.pids()
-    assert any("SIGKILL" in line for line in two.said)
+    two.wait_for(SERVER_STARTED, started + 1)
+    assert len(two.pids) == 2
+    assert killed not in two.pids
+    assert any("SIGKILL" in line for line in two.output)
 
 
-def test_what_changes_in_one_process_is_told_by_both(two: ServerProcess) -> None:
+def test_what_changes_in_one_process_is_told_by_both(two: TrilProcess) -> None:
     n_pages = 12
     listening = threading.Barrier(n_pages + 1, timeout=TIMEOUT_S)
 
@@ -140,20 +140,13 @@ def test_what_changes_in_one_process_is_told_by_both(two: ServerProcess) -> None
         listening.wait()
         serving = [
             pid
-            for pid in two.pids()
+            for pid in two.pids
             if any(c.status == "ESTABLISHED" for c in psutil.Process(pid).net_connections("tcp"))
         ]
         assert len(serving) == 2, "2**-11 that all pages are at one process"
         with two.http() as http:
             assert http.patch("/api/player", json={"name": "Somebody else"}).status_code == 200
         assert all(page.result(TIMEOUT_S) for page in heard)
-
-
-def test_the_first_frame_after_joining_elsewhere_is_a_key_frame(two: ServerProcess) -> None:
-    game = two.new_game()
-    for _ in range(4):
-        with join(two.settings, game) as player:
-            assert player.until(FrameMessage).encoded.is_key
 
 
 def test_a_port_is_shared_only_by_those_who_say_so(tmp_path: Path) -> None:

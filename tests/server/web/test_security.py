@@ -1,4 +1,4 @@
-"""Who gets in, and who doesn't."""
+"""Sign-in, origins, sizes of bodies and paths of files."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from server.main import bind
 from server.web.middleware import MAX_BODY_BYTES, MAX_UPLOAD_BYTES
 from server.web.security import Access, MaskToken, address_with_token, load_secrets
 from tests.server.clients import build_frontend, signed_in
-from tests.server.live import LiveServer
-from tests.workplace import Workplace, make_workplace
+from testsupport.live import LiveServer
+from testsupport.workplace import Workplace, make_workplace
 from tril.errors import Unavailable
 from tril.settings import Settings
 

@@ -33,21 +33,22 @@ def game_observation() -> npt.NDArray[np.uint8]:
     console = Console()
     console.start(evaluation_start(0))
     view = AgentView()
-    view.begin(console)
+    view.reset(console)
     for frame in range(1, 121):
         console.act(1 if frame % 3 else 2)
-        view.watch(console, frame)
+        view.update(console, frame)
     return np.array(view.observation)
 
 
-def _masked_changes(
+def _occluded_changes(
     model: RewardModel, observation: npt.NDArray[np.uint8], positions: npt.NDArray[np.int64]
 ) -> npt.NDArray[np.float32]:
-    """|R(masked) - R| by the definition: each masked observation made and scored whole."""
-    masked = np.repeat(observation[None], len(positions), axis=0)
-    for target, (screen, row, column) in zip(masked, positions, strict=True):
+    """|R(occluded) - R| by the definition: each occluded observation is scored as a whole."""
+    occluded = np.repeat(observation[None], len(positions), axis=0)
+    for target, (screen, row, column) in zip(occluded, positions, strict=True):
         target[screen, row : row + PATCH, column : column + PATCH] = 0
-    changes: npt.NDArray[np.float32] = np.abs(model.score(masked) - model.score(observation[None]))
+    plain = model.score(observation[None])
+    changes: npt.NDArray[np.float32] = np.abs(model.score(occluded) - plain)
     return changes
 
 
@@ -55,7 +56,7 @@ def test_the_map_equals_brute_force(game_observation: npt.NDArray[np.uint8]) -> 
     model, screen = _model(1), 2
     every = np.array([(screen, r, c) for r in range(POSITIONS) for c in range(POSITIONS)])
     expected = np.zeros((84, 84))
-    changes = _masked_changes(model, game_observation, every)
+    changes = _occluded_changes(model, game_observation, every)
     for (_, row, column), change in zip(every, changes, strict=True):
         expected[row : row + PATCH, column : column + PATCH] += change
     assert expected.max() > 0
@@ -64,7 +65,7 @@ def test_the_map_equals_brute_force(game_observation: npt.NDArray[np.uint8]) -> 
 
 
 @pytest.mark.parametrize("n_members", [1, 2])
-def test_patches_anywhere_change_what_masking_changes(n_members: int) -> None:
+def test_patches_anywhere_change_what_occlusion_changes(n_members: int) -> None:
     model = _model(n_members)
     rng = np.random.default_rng(3)
     noise = rng.integers(0, 256, (4, 84, 84), dtype=np.uint8)
@@ -72,7 +73,7 @@ def test_patches_anywhere_change_what_masking_changes(n_members: int) -> None:
         (s, r, c) for s in range(4) for r in (0, 1, 5, 76, 78, 81) for c in (0, 2, 6, 77, 78, 81)
     ]
     positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
-    expected = _masked_changes(model, noise, positions)
+    expected = _occluded_changes(model, noise, positions)
     found = changes_at(model, noise, positions, NullProgress())
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
 
@@ -95,7 +96,7 @@ def test_an_observation_of_another_shape_is_refused() -> None:
         attention_map(_model(1), np.zeros((84, 84, 4), np.uint8))
 
 
-def test_states_are_picked_by_their_reward() -> None:
+def test_states_are_chosen_by_their_reward() -> None:
     rewards = [np.arange(0, 100, 2, dtype=np.float32), np.arange(1, 100, 2, dtype=np.float32)]
     picked = pick_states(rewards)
     assert [state.name for state in picked] == [

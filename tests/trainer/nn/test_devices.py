@@ -1,4 +1,4 @@
-"""Where networks learn."""
+"""The device that networks learn on."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.policy.made_up import ELSEWHERE, observations, random_model
+from tests.trainer.samples import ELSEWHERE, observations, random_model
 from trainer.nn import devices
 from trainer.nn.devices import CPU, compare_gradients, device_of, forward_batch, learning_device
 from trainer.nn.precision import Precision
-from trainer.policy.cloning import Examples
+from trainer.policy.cloning import Transitions
 from trainer.policy.networks import Policy, new_policy
 from tril.errors import Invalid
 
@@ -136,12 +136,12 @@ def test_a_model_stays_what_it_is_and_is_copied_only_to_another_device() -> None
 
 def test_a_clones_loss_is_computed_where_it_is() -> None:
     screens = torch.from_numpy(observations(6))
-    examples = Examples(screens, torch.tensor([0, 1, 1, 2, 5, 1])).on(ELSEWHERE)
+    transitions = Transitions(screens, torch.tensor([0, 1, 1, 2, 5, 1])).on(ELSEWHERE)
     policy = new_policy("small", 1e-3, np.random.default_rng(0), ELSEWHERE)
-    logits, _ = policy.logits_and_values(examples.observations)
-    weights = examples.weights()
+    logits, _ = policy.logits_and_values(transitions.observations)
+    weights = transitions.class_weights()
     assert weights.device == ELSEWHERE
-    torch.nn.functional.cross_entropy(logits, examples.actions, weights).backward()  # type: ignore[no-untyped-call]
+    torch.nn.functional.cross_entropy(logits, transitions.actions, weights).backward()  # type: ignore[no-untyped-call]
 
 
 def test_a_gpu_is_given_more_at_once() -> None:

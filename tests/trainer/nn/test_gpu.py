@@ -10,38 +10,27 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.policy.made_up import observations, random_model, short_recording, tiny_recipe
-from tests.trainer.policy.test_imitator import STEPS, Watched
-from tests.trainer.reward.test_reward_trainer import RECIPES, TIERS, TRAJECTORIES
+from tests.trainer.samples import (
+    REWARD_RECIPES,
+    STEPS,
+    TIERS,
+    RecordingProgress,
+    imitation_task,
+    observations,
+    planted_trajectories,
+    random_model,
+)
 from trainer.nn.devices import CPU, compare_gradients, device_of, learning_device
 from trainer.nn.precision import Precision
 from trainer.policy import imitator
-from trainer.policy.gail import train_by_gail
-from trainer.policy.imitator import ImitationTask, train_imitator
-from trainer.policy.networks import load_policy, new_policy, save_policy
+from trainer.policy.imitator import train_imitator
+from trainer.policy.networks import load_policy, new_policy
 from trainer.progress import NullProgress, RunCancelled
+from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import BUILT_IN
-from tril.recipes import GailRecipe
+from tril.recipes import GailRecipe, Method
 
 DEVICES = list(dict.fromkeys([CPU, learning_device("auto")]))
-
-
-@pytest.fixture
-def task(tmp_path: Path) -> ImitationTask:
-    clone = tmp_path / "clone.zip"
-    save_policy(new_policy("small", 1e-3, np.random.default_rng(8)), clone)
-    return ImitationTask(
-        model=random_model(),
-        recordings=[short_recording(), short_recording(b"\x00" * 80)],
-        tiers=[[0], [1]],
-        recipe=tiny_recipe(),
-        steps=STEPS,
-        training_seed=11,
-        behaviour=BUILT_IN[0],
-        perfect=[short_recording()],
-        clone=clone,
-    )
 
 
 @pytest.mark.parametrize("device", DEVICES)
@@ -65,24 +54,22 @@ def test_a_policy_answers_the_same(device: torch.device) -> None:
 
 @pytest.mark.parametrize(("first", "second"), list(product(DEVICES, DEVICES)))
 @pytest.mark.parametrize("method", ["ppo", "gail"])
-def test_a_training_goes_on_wherever_it_is_taken_up(
-    task: ImitationTask,
+def test_a_training_continues_on_any_device(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    method: str,
+    method: Method,
     first: torch.device,
     second: torch.device,
 ) -> None:
-    monkeypatch.setattr(imitator, "CHECKPOINT_EVERY_S", 0.0)
-    if method == "gail":
-        recipe = replace(task.recipe, method="gail", gail=GailRecipe(updates=2, batch_size=16))
-        task = replace(task, recipe=recipe)
-    train = train_by_gail if method == "gail" else train_imitator
-    path = tmp_path / "imitator.zip"
+    monkeypatch.setattr(imitator, "CHECKPOINT_INTERVAL_S", 0.0)
+    task, path = imitation_task(tmp_path), tmp_path / "imitator.zip"
+    recipe = replace(task.recipe, method=method, gail=GailRecipe(updates=2, batch_size=16))
+    task = replace(task, recipe=recipe)
+    interrupted, resumed = RecordingProgress(45), RecordingProgress()
+    half = Precision.BFLOAT16
     with pytest.raises(RunCancelled):
-        train(task, path, tmp_path, Watched(45), precision=Precision.BFLOAT16, device=first)
-    resumed = Watched()
-    train(task, path, tmp_path, resumed, precision=Precision.BFLOAT16, device=second)
+        train_imitator(task, path, tmp_path, interrupted, precision=half, device=first)
+    train_imitator(task, path, tmp_path, resumed, precision=half, device=second)
     assert 0 < resumed.done[0] < STEPS == resumed.done[-1]
     policy = load_policy(path)
     assert device_of(policy._network) == CPU
@@ -90,11 +77,10 @@ def test_a_training_goes_on_wherever_it_is_taken_up(
 
 
 @pytest.mark.parametrize("device", DEVICES)
-@pytest.mark.parametrize("kind", RECIPES)
-def test_a_reward_model_learned_anywhere_is_on_the_processor(
-    kind: str, device: torch.device
-) -> None:
-    recipe = replace(RECIPES[kind], updates=2)
-    model = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress(), device=device)
+@pytest.mark.parametrize("kind", REWARD_RECIPES)
+def test_a_reward_model_learned_anywhere_is_on_the_cpu(kind: str, device: torch.device) -> None:
+    recipe = replace(REWARD_RECIPES[kind], updates=2)
+    dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, recipe)
+    model = train_reward_model(dataset, 7, NullProgress(), device=device)
     assert device_of(model.members[0]) == CPU
     assert np.isfinite(model.score(observations(3))).all()

@@ -1,4 +1,4 @@
-"""In which numbers networks learn."""
+"""Floating point precision of learning."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.policy.made_up import observations
+from tests.trainer.samples import observations
 from trainer.nn.precision import Precision, layer_dtype
 from trainer.policy.networks import Policy, new_policy
 from tril.settings import Settings
@@ -40,9 +40,9 @@ def test_every_setting_is_a_precision(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_layers_are_fed_what_they_multiply() -> None:
     assert layer_dtype() == torch.float32
-    with Precision.BFLOAT16.multiplying():
+    with Precision.BFLOAT16.autocast():
         assert layer_dtype() == torch.bfloat16
-        with Precision.FLOAT32.multiplying():
+        with Precision.FLOAT32.autocast():
             assert layer_dtype() == torch.float32
 
 
@@ -56,7 +56,7 @@ def test_a_policy_answers_in_32_bits_nearly_the_same(network: str) -> None:
     screens = torch.from_numpy(observations(12))
     answers = []
     for precision in Precision:
-        with torch.no_grad(), precision.multiplying():
+        with torch.no_grad(), precision.autocast():
             answers.append(policy.logits_and_values(screens))
     for exact, half in zip(*answers, strict=True):
         assert exact.dtype == half.dtype == torch.float32

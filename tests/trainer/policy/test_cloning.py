@@ -1,13 +1,12 @@
-from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from trainer.policy.cloning import Examples, best_demonstrations, clone, train_clone
-from trainer.policy.networks import load_policy
+from tests.trainer.samples import RecordingProgress, same
+from trainer.policy.cloning import Transitions, best_demonstrations, train_clone
+from trainer.policy.networks import Policy
 from trainer.progress import NullProgress, RunCancelled
 from tril.errors import Invalid
 from tril.recipes import CloningRecipe
@@ -34,81 +33,64 @@ def demonstrations() -> list[Trajectory]:
     return [shown(seed) for seed in range(4)]
 
 
-def test_a_clone_does_what_was_shown(tmp_path: Path, demonstrations: list[Trajectory]) -> None:
-    path = tmp_path / "clone.zip"
-    result = train_clone(demonstrations, RECIPE, 3, path, NullProgress())
+def test_a_clone_does_what_was_shown(demonstrations: list[Trajectory]) -> None:
+    policy, result = train_clone(demonstrations, RECIPE, 3, NullProgress())
     unseen = shown(99)
-    chosen = load_policy(path).probabilities(unseen.observations[:-1]).argmax(1)
+    chosen = Policy(policy).probabilities(unseen.observations[:-1]).argmax(1)
     assert np.mean(chosen == unseen.actions) > 0.95
     assert set(chosen.tolist()) == {0, 1, 2}
     assert result.accuracy > 0.8
-    assert result.left_out_accuracy is not None
-    assert result.left_out_accuracy > 0.95
+    assert result.held_out_accuracy is not None
+    assert result.held_out_accuracy > 0.95
 
 
 def test_the_same_training_seed_gives_the_same_clone(demonstrations: list[Trajectory]) -> None:
     recipe = replace(RECIPE, epochs=1)
-    first, _ = clone(demonstrations, recipe, 3, NullProgress())
-    again, _ = clone(demonstrations, recipe, 3, NullProgress())
-    other, _ = clone(demonstrations, recipe, 4, NullProgress())
-    for name, tensor in first.state_dict().items():
-        assert torch.equal(tensor, again.state_dict()[name])
-    name = "action_net.weight"
-    assert not torch.equal(first.state_dict()[name], other.state_dict()[name])
+    first, again, other = (
+        train_clone(demonstrations, recipe, seed, NullProgress())[0].state_dict()
+        for seed in (3, 3, 4)
+    )
+    assert same(first, again)
+    assert not torch.equal(first["action_net.weight"], other["action_net.weight"])
 
 
-def test_cloning_stops_when_left_out_demonstrations_get_worse() -> None:
-    # Nothing to learn: only what was seen can be remembered.
+def test_cloning_stops_when_held_out_demonstrations_get_worse() -> None:
+    # Nothing to learn: what was seen can only be remembered.
     noise = [shown(seed, 40, random_actions=True) for seed in range(3)]
     recipe = replace(RECIPE, epochs=40, patience=2, validation_share=0.34)
-    policy, result = clone(noise, recipe, 3, NullProgress())
+    _, result = train_clone(noise, recipe, 3, NullProgress())
     assert result.epochs < 30
-    assert result.left_out_accuracy is not None
-    del policy
-
-
-class Watched:
-    def __init__(self, stop_after: int) -> None:
-        self.values: list[Mapping[str, float]] = []
-        self.calls = 0
-        self._stop_after = stop_after
-
-    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
-        self.calls += 1
-        if values:
-            self.values.append(values)
-        if self.calls == self._stop_after:
-            raise RunCancelled
+    assert result.held_out_accuracy is not None
 
 
 def test_a_cancelled_cloning_stops_within_an_update(demonstrations: list[Trajectory]) -> None:
-    progress = Watched(stop_after=2)
+    progress = RecordingProgress(cancel_at=2)
     with pytest.raises(RunCancelled):
-        clone(demonstrations, RECIPE, 3, progress)
-    assert progress.calls == 2
+        train_clone(demonstrations, RECIPE, 3, progress)
+    assert progress.done == [0, 0]
 
 
 def test_every_epoch_has_a_point_on_the_curves(demonstrations: list[Trajectory]) -> None:
-    progress = Watched(stop_after=10_000)
-    clone(demonstrations, replace(RECIPE, epochs=2), 3, progress)
-    assert [set(values) for values in progress.values] == [
-        {"loss", "accuracy", "left_out_accuracy"}
-    ] * 2
+    progress = RecordingProgress()
+    train_clone(demonstrations, replace(RECIPE, epochs=2), 3, progress)
+    assert [done for done, _ in progress.points] == [1, 2]
+    curves = {"loss", "accuracy", "held_out_accuracy"}
+    assert all(set(values) == curves for _, values in progress.points)
 
 
 def test_without_demonstrations_there_is_no_clone() -> None:
     with pytest.raises(Invalid, match="perfect demonstration"):
-        clone([], RECIPE, 3, NullProgress())
+        train_clone([], RECIPE, 3, NullProgress())
 
 
 def test_rare_actions_weigh_more_and_the_mean_weight_is_one(
     demonstrations: list[Trajectory],
 ) -> None:
-    examples = Examples.of(demonstrations)
-    weights = examples.weights()
+    transitions = Transitions.of(demonstrations)
+    weights = transitions.class_weights()
     assert weights[1] > weights[2] > weights[0] > 0
     assert weights[3:].tolist() == [0.0, 0.0, 0.0]
-    assert weights[examples.actions].mean().item() == pytest.approx(1.0, rel=1e-4)
+    assert weights[transitions.actions].mean().item() == pytest.approx(1.0, rel=1e-4)
 
 
 def test_the_best_demonstrations_are_whole_tiers_from_the_top() -> None:

@@ -10,12 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.trainer.policy.made_up import random_model, tiny_recipe
-from tests.trainer.policy.test_imitator import Watched, same, weights
+from tests.trainer.samples import (
+    STEPS,
+    FinishedTraining,
+    RecordingProgress,
+    random_model,
+    same,
+    tiny_recipe,
+    weights,
+)
 from trainer.policy import dagger
-from trainer.policy.cloning import clone
+from trainer.policy.cloning import train_clone
 from trainer.policy.dagger import LabelledGame, play_labelled, train_by_dagger
-from trainer.policy.imitator import ImitationTask, judge
+from trainer.policy.imitation import ImitationTask, evaluate_snapshot
 from trainer.policy.networks import Policy, load_policy, new_policy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress, RunCancelled
@@ -31,7 +38,6 @@ from tril.game.starts import TRAINING_IDLE_FRAMES
 from tril.recipes import CloningRecipe, DaggerRecipe
 from tril.recording import Recording, step_actions, trajectory
 
-STEPS = 128
 COLUMN_2 = BUILT_IN[1]
 
 
@@ -158,24 +164,15 @@ def short_games(task: ImitationTask) -> object:
         yield None
 
 
-class Finished:
-    def __init__(self, task: ImitationTask, folder: Path) -> None:
-        self.folder = folder
-        self.progress = Watched()
-        self.path = folder / "imitator.zip"
-        self.result = train_by_dagger(task, self.path, folder, self.progress)
-        self.weights = weights(self.path)
-
-
 @pytest.fixture(scope="module")
 def finished(
     task: ImitationTask, short_games: object, tmp_path_factory: pytest.TempPathFactory
-) -> Finished:
-    return Finished(task, tmp_path_factory.mktemp("dagger"))
+) -> FinishedTraining:
+    return FinishedTraining(train_by_dagger, task, tmp_path_factory.mktemp("dagger") / "whole")
 
 
 def test_every_iteration_is_judged_and_the_best_policy_is_saved(
-    task: ImitationTask, finished: Finished
+    task: ImitationTask, finished: FinishedTraining
 ) -> None:
     snapshots = finished.result.snapshots
     assert len(snapshots) >= 3
@@ -183,12 +180,12 @@ def test_every_iteration_is_judged_and_the_best_policy_is_saved(
     assert all(0 < b.steps - a.steps <= 50 for a, b in pairwise(snapshots))
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
-    payment = RewardShaping.of(task.model, task.recipe.policy)
-    judged = judge(load_policy(finished.path), payment, task.recipe, lambda: None)
-    assert judged == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
+    shaping = RewardShaping.of(task.model, task.recipe.policy)
+    found = evaluate_snapshot(load_policy(finished.path), shaping, task.recipe, lambda: None)
+    assert found == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
 
 
-def test_every_iteration_has_a_point_on_the_curves(finished: Finished) -> None:
+def test_every_iteration_has_a_point_on_the_curves(finished: FinishedTraining) -> None:
     points = finished.progress.points
     steps = [min(snapshot.steps, STEPS) for snapshot in finished.result.snapshots]
     assert [done for done, _ in points] == steps
@@ -201,37 +198,18 @@ def test_every_iteration_has_a_point_on_the_curves(finished: Finished) -> None:
 
 
 @pytest.mark.parametrize("stop_at_step", [20, 70, 115])
-def test_a_training_that_was_interrupted_ends_with_the_same_weights(
-    task: ImitationTask,
-    finished: Finished,
-    short_games: object,
-    tmp_path: Path,
-    stop_at_step: int,
+@pytest.mark.usefixtures("short_games")
+def test_an_interrupted_training_ends_with_the_same_weights(
+    finished: FinishedTraining, tmp_path: Path, stop_at_step: int
 ) -> None:
-    path = tmp_path / "imitator.zip"
-    at = next(i for i, done in enumerate(finished.progress.done, 1) if done >= stop_at_step)
-    interrupted = Watched(at)
-    with pytest.raises(RunCancelled):
-        train_by_dagger(task, path, tmp_path, interrupted)
-    assert not path.exists()
-    resumed = Watched()
-    result = train_by_dagger(task, path, tmp_path, resumed)
-    assert result == finished.result
-    assert same(weights(path), finished.weights)
-    begun = resumed.done[0]
-    without_rates = [
-        [(done, {k: v for k, v in values.items() if k != "steps_per_s"}) for done, values in points]
-        for points in (
-            [p for p in interrupted.points if p[0] <= begun] + resumed.points,
-            finished.progress.points,
-        )
-    ]
-    assert without_rates[0] == without_rates[1]
+    done = finished.progress.done
+    cancel_at = next(i for i, steps in enumerate(done, 1) if steps >= stop_at_step)
+    finished.check_interrupted(tmp_path, cancel_at)
 
 
 def test_a_training_killed_while_it_learned_learns_again(
     task: ImitationTask,
-    finished: Finished,
+    finished: FinishedTraining,
     short_games: object,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -244,24 +222,24 @@ def test_a_training_killed_while_it_learned_learns_again(
         raise RunCancelled
 
     with monkeypatch.context() as patch:
-        patch.setattr(dagger, "judge", killed)
+        patch.setattr(dagger, "evaluate_snapshot", killed)
         with pytest.raises(RunCancelled):
-            train_by_dagger(task, path, tmp_path, Watched())
+            train_by_dagger(task, path, tmp_path, RecordingProgress())
     assert len(calls) == 1
-    assert train_by_dagger(task, path, tmp_path, Watched()) == finished.result
+    assert train_by_dagger(task, path, tmp_path, RecordingProgress()) == finished.result
     assert same(weights(path), finished.weights)
 
 
-def test_only_the_best_and_the_latest_policy_are_kept(finished: Finished) -> None:
+def test_only_the_best_and_the_latest_policy_are_kept(finished: FinishedTraining) -> None:
     kept = {path.name for path in finished.folder.glob("policy-*.zip")}
     wanted = {finished.result.best_steps, finished.result.snapshots[-1].steps}
     assert kept == {f"policy-{steps}.zip" for steps in wanted}
 
 
 def test_a_finished_training_is_not_trained_again(
-    task: ImitationTask, finished: Finished, tmp_path: Path
+    task: ImitationTask, finished: FinishedTraining, tmp_path: Path
 ) -> None:
-    progress = Watched()
+    progress = RecordingProgress()
     again = train_by_dagger(task, tmp_path / "again.zip", finished.folder, progress)
     assert again == finished.result
     assert not progress.points
@@ -271,13 +249,13 @@ def test_a_finished_training_is_not_trained_again(
 def test_a_broken_checkpoint_says_what_to_do(task: ImitationTask, tmp_path: Path) -> None:
     (tmp_path / "checkpoint.json").write_text("{")
     with pytest.raises(Invalid, match="Remove it to begin anew"):
-        train_by_dagger(task, tmp_path / "a.zip", tmp_path, Watched())
+        train_by_dagger(task, tmp_path / "a.zip", tmp_path, RecordingProgress())
 
 
 def test_what_the_demonstrator_does_not_know_is_refused_before_anything_is_played(
     task: ImitationTask, tmp_path: Path
 ) -> None:
-    progress = Watched()
+    progress = RecordingProgress()
     for behaviour, reason in (
         (Behaviour("free", "Play nicely", ""), "has no target cells"),
         (None, "needs to know the behaviour"),
@@ -294,7 +272,7 @@ def test_corrections_make_a_policy_agree_with_the_expert(
 ) -> None:
     beginner = Policy(new_policy("small", 1e-3, np.random.default_rng(0)))
     games = [played(None, 1.0, seed) for seed in range(4)] + [played(beginner, 0.3, 4)]
-    learned, _ = clone(
+    learned, _ = train_clone(
         [game.seen for game in games],
         CloningRecipe(network="small", learning_rate=1e-3, epochs=3, validation_share=0.0),
         0,

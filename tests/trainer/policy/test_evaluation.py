@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, PlayedGame, play
+from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, EvaluatedGame, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
+from tril.game.episode import Ending, EndReason
 from tril.game.space_invaders import Action
 from tril.game.starts import evaluation_start
 from tril.recording import trajectory, verify
@@ -46,7 +47,22 @@ def test_greedy_games_are_recordings_that_verify_with_the_return_of_their_trajec
         np.testing.assert_allclose(game.predicted_return, expected, rtol=1e-4, atol=1e-3)
 
 
-def _actions(games: list[PlayedGame]) -> list[bytes]:
+def test_games_by_the_published_ending_are_kept_to_their_end() -> None:
+    model = _model()
+    (game,) = play(
+        _Constant(Action.NOOP), STARTS[:1], "greedy", model=model, ending=Ending.LIFE_COUNTER
+    )
+    assert game.end is EndReason.LIVES
+    verified = verify(game.recording)
+    assert (verified.n_cut, verified.replay.end) == (0, EndReason.LIVES)
+    seen = trajectory(verified.recording)
+    assert (seen.end, seen.n_steps) == (EndReason.LIVES, game.recording.n_steps)
+    assert game.predicted_return is not None
+    expected = predicted_return(model, seen.observations)
+    np.testing.assert_allclose(game.predicted_return, expected, rtol=1e-4, atol=1e-3)
+
+
+def _actions(games: list[EvaluatedGame]) -> list[bytes]:
     return [game.recording.actions for game in games]
 
 

@@ -10,19 +10,27 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.policy.made_up import observations, random_model, short_recording, tiny_recipe
-from tests.trainer.policy.test_imitator import STEPS, Watched, same, weights
+from tests.trainer.samples import (
+    STEPS,
+    FinishedTraining,
+    RecordingProgress,
+    imitation_task,
+    observations,
+    random_model,
+    same,
+    short_recording,
+    tiny_recipe,
+    weights,
+)
 from trainer.policy import imitator
 from trainer.policy.discriminator import Discriminator
 from trainer.policy.evaluation import play
-from trainer.policy.gail import train_by_gail
-from trainer.policy.imitator import ImitationTask, ImitatorResult
-from trainer.policy.networks import new_policy, save_policy
+from trainer.policy.imitation import ImitationTask
+from trainer.policy.imitator import train_imitator
 from trainer.policy.reward_shaping import RewardShaping
-from trainer.progress import RunCancelled
 from trainer.reward.model import RewardModel
 from tril.behaviours import BUILT_IN
-from tril.demonstrator import Demonstration, perfect_demonstrations
+from tril.demonstrator import Demonstration, ExampleKind, example_tasks, execute
 from tril.errors import Invalid
 from tril.game.starts import Start
 from tril.recipes import GailRecipe
@@ -45,7 +53,8 @@ class Random:
 @pytest.fixture(scope="module")
 def shown() -> list[Demonstration]:
     """Return two perfect games of column 1."""
-    return list(perfect_demonstrations(BUILT_IN[0], 2, np.random.default_rng(1)))
+    kind = ExampleKind("perfect", "perfect games alone", n_ranked=0)
+    return list(execute(example_tasks(BUILT_IN[0], np.random.default_rng(1), 2, kind)))
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +67,7 @@ def random_games() -> list[Trajectory]:
 def test_the_discriminator_tells_the_expert_from_a_random_policy_and_the_reward_follows(
     shown: list[Demonstration], random_games: list[Trajectory]
 ) -> None:
-    learned_from, left_out = (trajectory(one.recording) for one in shown)
+    learned_from, held_out = (trajectory(one.recording) for one in shown)
     discriminator = Discriminator(acted_in(learned_from), QUICK, 0)
     first = discriminator.learn(acted_in(*random_games[:-3]), lambda: None)
     for _ in range(3):
@@ -67,21 +76,21 @@ def test_the_discriminator_tells_the_expert_from_a_random_policy_and_the_reward_
     assert last["discriminator_accuracy"] > 0.9
     assert last["discriminator_loss"] < first["discriminator_loss"]
     # On games of both that it has not seen.
-    payment = RewardShaping(discriminator.model, "softplus", 0.0)
-    expert = discriminator.model.score(left_out.observations[1:])
+    shaping = RewardShaping(discriminator.model, "softplus", 0.0)
+    expert = discriminator.model.score(held_out.observations[1:])
     unseen = np.concatenate([one.observations[1:] for one in random_games[-3:]])
     random = discriminator.model.score(unseen)
     assert (expert > 0).mean() > 0.6
     assert (random < 0).mean() > 0.6
     nobody = np.zeros(1, np.bool_)
-    paid = [payment.pay(one, one, nobody).mean() for one in (expert, random)]
-    assert paid[0] > 1.5 * paid[1] > 0
+    means = [shaping.shape(one, one, nobody).mean() for one in (expert, random)]
+    assert means[0] > 1.5 * means[1] > 0
     np.testing.assert_allclose(
-        payment.pay(expert, expert, nobody), -np.log1p(-1 / (1 + np.exp(-expert))), rtol=1e-3
+        shaping.shape(expert, expert, nobody), -np.log1p(-1 / (1 + np.exp(-expert))), rtol=1e-3
     )
 
 
-def test_what_pays_changes_only_between_rounds() -> None:
+def test_the_reward_changes_only_between_rounds() -> None:
     noise = torch.from_numpy(observations(32))
     discriminator = Discriminator(noise, replace(QUICK, updates=2), 0)
     seen = observations(8, 1)
@@ -110,36 +119,19 @@ def test_a_discriminator_goes_on_from_its_tensors_as_if_nothing_had_been() -> No
 
 @pytest.fixture(scope="module")
 def task(tmp_path_factory: pytest.TempPathFactory) -> ImitationTask:
-    clone = tmp_path_factory.mktemp("clone") / "clone.zip"
-    save_policy(new_policy("small", 1e-3, np.random.default_rng(8)), clone)
     recipe = tiny_recipe(reward="softplus", demonstration_share=0.0, kl_coef=0.0, snapshot_steps=())
-    return ImitationTask(
-        model=random_model(),
-        recordings=[],
-        tiers=[],
-        recipe=replace(recipe, method="gail", gail=GailRecipe(updates=2, batch_size=16)),
-        steps=STEPS,
-        training_seed=11,
-        behaviour=BUILT_IN[0],
-        perfect=[short_recording()],
-        clone=clone,
-    )
-
-
-class Finished:
-    def __init__(self, task: ImitationTask, folder: Path) -> None:
-        self.progress = Watched()
-        self.path = folder / "imitator.zip"
-        self.result = train_by_gail(task, self.path, folder, self.progress)
-        self.weights = weights(self.path)
+    recipe = replace(recipe, method="gail", gail=GailRecipe(updates=2, batch_size=16))
+    return replace(imitation_task(tmp_path_factory.mktemp("clone")), recipe=recipe)
 
 
 @pytest.fixture(scope="module")
-def finished(task: ImitationTask, tmp_path_factory: pytest.TempPathFactory) -> Finished:
-    return Finished(task, tmp_path_factory.mktemp("gail"))
+def finished(task: ImitationTask, tmp_path_factory: pytest.TempPathFactory) -> FinishedTraining:
+    return FinishedTraining(train_imitator, task, tmp_path_factory.mktemp("gail") / "whole")
 
 
-def test_the_last_policy_is_kept_and_the_curves_show_the_discriminator(finished: Finished) -> None:
+def test_the_last_policy_is_kept_and_the_curves_show_the_discriminator(
+    finished: FinishedTraining,
+) -> None:
     assert finished.result.best_steps == STEPS
     assert len(finished.result.snapshots) == 1
     points = finished.progress.points
@@ -150,43 +142,21 @@ def test_the_last_policy_is_kept_and_the_curves_show_the_discriminator(finished:
     assert not any("predicted_return" in values for _, values in points)
 
 
-@pytest.mark.parametrize("stop_at_tick", [45, 62])
-def test_a_training_that_was_interrupted_ends_with_the_same_weights(
-    task: ImitationTask,
-    finished: Finished,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    stop_at_tick: int,
+@pytest.mark.parametrize("cancel_at", [45, 62])
+def test_an_interrupted_training_ends_with_the_same_weights(
+    finished: FinishedTraining, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cancel_at: int
 ) -> None:
-    monkeypatch.setattr(imitator, "CHECKPOINT_EVERY_S", 0.0)
-    path = tmp_path / "imitator.zip"
-    interrupted = Watched(stop_at_tick)
-    with pytest.raises(RunCancelled):
-        train_by_gail(task, path, tmp_path, interrupted)
-    assert not path.exists()
-    assert interrupted.points
-    resumed = Watched()
-    result: ImitatorResult = train_by_gail(task, path, tmp_path, resumed)
-    assert same(weights(path), finished.weights)
-    assert result == finished.result
-    found = [
-        (done, values["discriminator_loss"], values["discriminator_accuracy"])
-        for done, values in [p for p in interrupted.points if p[0] <= resumed.done[0]]
-        + resumed.points
-    ]
-    assert found == [
-        (done, values["discriminator_loss"], values["discriminator_accuracy"])
-        for done, values in finished.progress.points
-    ]
+    monkeypatch.setattr(imitator, "CHECKPOINT_INTERVAL_S", 0.0)
+    assert finished.check_interrupted(tmp_path, cancel_at).points
 
 
 def test_the_policy_learns_from_the_discriminator_and_not_from_the_learned_reward(
-    task: ImitationTask, finished: Finished, tmp_path: Path
+    task: ImitationTask, finished: FinishedTraining, tmp_path: Path
 ) -> None:
     def trained(other: ImitationTask, name: str) -> dict[str, torch.Tensor]:
         folder = tmp_path / name
         folder.mkdir()
-        train_by_gail(other, folder / "imitator.zip", folder, Watched())
+        train_imitator(other, folder / "imitator.zip", folder, RecordingProgress())
         return weights(folder / "imitator.zip")
 
     assert same(trained(replace(task, model=random_model(5.0, 9.0)), "a"), finished.weights)
@@ -194,15 +164,15 @@ def test_the_policy_learns_from_the_discriminator_and_not_from_the_learned_rewar
     assert not same(trained(unlike, "b"), finished.weights)
 
 
-def test_what_pays_is_the_discriminators_own_model(
-    task: ImitationTask, finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_reward_is_the_discriminators_own_model(
+    task: ImitationTask, finished: FinishedTraining, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A copy, as another device would need, would never learn."""
     monkeypatch.setattr(RewardModel, "on", lambda model, device: deepcopy(model))
-    train_by_gail(task, tmp_path / "imitator.zip", tmp_path, Watched())
+    train_imitator(task, tmp_path / "imitator.zip", tmp_path, RecordingProgress())
     assert same(weights(tmp_path / "imitator.zip"), finished.weights)
 
 
 def test_gail_needs_a_perfect_demonstration(task: ImitationTask, tmp_path: Path) -> None:
     with pytest.raises(Invalid, match="at least one perfect demonstration"):
-        train_by_gail(replace(task, perfect=[]), tmp_path / "a.zip", tmp_path, Watched())
+        train_imitator(replace(task, perfect=[]), tmp_path / "a.zip", tmp_path, RecordingProgress())

@@ -8,7 +8,7 @@ import pytest
 import torch
 from stable_baselines3.common.policies import ActorCriticCnnPolicy
 
-from tests.trainer.policy.made_up import observations
+from tests.trainer.samples import observations
 from trainer.policy.networks import (
     ACTION_SPACE,
     OBSERVATION_SPACE,

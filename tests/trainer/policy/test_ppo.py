@@ -7,11 +7,11 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
 
-from tests.trainer.policy.made_up import ELSEWHERE, TINY, observations, random_model
+from tests.trainer.samples import ELSEWHERE, TINY, observations, random_model
 from trainer.nn.devices import CPU, device_of
 from trainer.nn.precision import Precision
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
-from trainer.policy.ppo import Draws, ImitationPPO
+from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
@@ -44,11 +44,13 @@ def make_ppo(
     precision: Precision = Precision.FLOAT32,
     device: torch.device = CPU,
 ) -> ImitationPPO:
-    draws = Draws.of(3)
-    return ImitationPPO(env, recipe, 1000, draws, lambda: None, lambda _: None, precision, device)
+    generators = TrainingGenerators.from_seed(3)
+    return ImitationPPO(
+        env, recipe, 1000, generators, lambda: None, lambda _: None, precision, device
+    )
 
 
-def fill(buffer: RolloutBuffer, policy_values: bool = True) -> None:
+def fill(buffer: RolloutBuffer) -> None:
     rng = np.random.default_rng(2)
     screens = observations(buffer.buffer_size * 2, seed=8).reshape(-1, 2, 4, 84, 84)
     for step in range(buffer.buffer_size):
@@ -134,7 +136,7 @@ def weights_of(ppo: ImitationPPO) -> torch.Tensor:
     return torch.cat([p.detach().flatten() for p in ppo.policy.parameters()])
 
 
-def test_half_as_long_numbers_move_the_policy_the_same_way(env: TrilVecEnv) -> None:
+def test_half_precision_moves_the_policy_the_same_way(env: TrilVecEnv) -> None:
     recipe = replace(PLAIN, n_minibatches=1, n_epochs=1)
     moved = {}
     for precision in Precision:
@@ -155,11 +157,11 @@ def test_half_as_long_numbers_move_the_policy_the_same_way(env: TrilVecEnv) -> N
     assert float(half.norm()) == pytest.approx(float(exact.norm()), rel=0.03)
 
 
-def test_what_was_played_is_as_likely_when_it_is_learned_from(env: TrilVecEnv) -> None:
+def test_actions_are_as_likely_in_the_update_as_in_the_rollout(env: TrilVecEnv) -> None:
     ppo = make_ppo(env, replace(PLAIN, n_minibatches=1, n_epochs=1), Precision.BFLOAT16)
     ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
-    assert ppo.update_values["kl"] == pytest.approx(0.0, abs=1e-5)
-    assert ppo.update_values["clipped"] == 0.0
+    assert ppo.update_metrics["kl"] == pytest.approx(0.0, abs=1e-5)
+    assert ppo.update_metrics["clip_fraction"] == 0.0
 
 
 @pytest.mark.parametrize("precision", Precision)
@@ -176,12 +178,12 @@ def test_the_critics_warm_up_leaves_the_policy_as_it_is(
     assert "action_net.weight" in changed
 
 
-def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
+def test_the_kl_penalty_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
     moved = {}
-    for pull in (0.0, 100.0):
+    for kl_coef in (0.0, 100.0):
         env.games.close()
         env.games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
-        ppo = make_ppo(env, replace(PLAIN, kl_coef=pull, learning_rate=1e-3))
+        ppo = make_ppo(env, replace(PLAIN, kl_coef=kl_coef, learning_rate=1e-3))
         start = make_ppo(env).policy
         start.load_state_dict(ppo.policy.state_dict())
         ppo.start_policy = start
@@ -190,7 +192,7 @@ def test_the_pull_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
         with torch.no_grad():
             now = ppo.policy.logits_and_values(inputs)[0].log_softmax(1)
             then = start.logits_and_values(inputs)[0].log_softmax(1)
-        moved[pull] = float((then.exp() * (then - now)).sum(1).mean())
+        moved[kl_coef] = float((then.exp() * (then - now)).sum(1).mean())
     assert moved[100.0] < 0.2 * moved[0.0]
 
 
@@ -199,39 +201,41 @@ def test_an_update_is_computed_where_the_policy_is(env: TrilVecEnv) -> None:
     ppo.start_policy = ppo.policy
     assert device_of(ppo.policy) == ELSEWHERE
     fill(ppo.rollout_buffer)
-    wanted = ppo._start_log_probabilities()
+    start_log_probs = ppo._start_log_probs()
     minibatches = list(ppo.rollout_buffer.minibatches(8, np.random.default_rng(0)))
     assert len(minibatches) > 1
     for minibatch in minibatches:
         assert {part.device for part in minibatch} == {ELSEWHERE}
-        for loss, numbers in (ppo._loss(minibatch, wanted, 0.1), ppo._critic_loss(minibatch)):
+        losses = (ppo._loss(minibatch, start_log_probs, 0.1), ppo._critic_loss(minibatch))
+        for loss, stats in losses:
             ppo.policy.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
-            assert numbers.shape == (6,)
+            assert stats.shape == (6,)
             torch.nn.utils.clip_grad_norm_(ppo.policy.parameters(), 0.5)
 
 
-def test_the_pull_falls_to_zero(env: TrilVecEnv) -> None:
+def test_the_kl_coefficient_falls_to_zero(env: TrilVecEnv) -> None:
     ppo = make_ppo(env, replace(PLAIN, kl_coef=0.4))
-    pulls = []
+    coefficients = []
     for steps in (0, 500, 1000, 1500):
         ppo.num_timesteps = steps
-        pulls.append(ppo.pull)
-    assert pulls == pytest.approx([0.4, 0.2, 0.0, 0.0])
+        coefficients.append(ppo.current_kl_coef)
+    assert coefficients == pytest.approx([0.4, 0.2, 0.0, 0.0])
 
 
-@pytest.mark.parametrize("ticks", [3, 8 + 2])
-def test_a_cancelled_run_stops_within_a_step_or_a_minibatch(env: TrilVecEnv, ticks: int) -> None:
+@pytest.mark.parametrize("n_calls", [3, 8 + 2])
+def test_a_cancelled_run_stops_within_a_step_or_a_minibatch(env: TrilVecEnv, n_calls: int) -> None:
     count = 0
 
-    def tick() -> None:
+    def on_step() -> None:
         nonlocal count
         count += 1
-        if count == ticks:
+        if count == n_calls:
             raise RunCancelled
 
-    ppo = ImitationPPO(env, PLAIN, 1000, Draws.of(3), tick, lambda _: None)
+    generators = TrainingGenerators.from_seed(3)
+    ppo = ImitationPPO(env, PLAIN, 1000, generators, on_step, lambda _: None)
     with pytest.raises(RunCancelled):
         ppo.learn(1000, log_interval=None)  # type: ignore[arg-type]
-    assert count == ticks
-    assert ppo.num_timesteps == min(ticks, 8) * 2
+    assert count == n_calls
+    assert ppo.num_timesteps == min(n_calls, 8) * 2

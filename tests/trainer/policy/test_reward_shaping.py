@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.trainer.policy.made_up import random_model
+from tests.trainer.samples import random_model
 from trainer.policy.reward_shaping import RewardShaping
 from tril.game.episode import EndReason
 
@@ -19,23 +19,23 @@ DIED = np.array([False, False, True])
         ("softplus", [2.126928, 1.313262, 0.693147 - 3.0]),
     ],
 )
-def test_each_kind_pays_what_it_says(kind: str, expected: list[float]) -> None:
-    payment = RewardShaping(random_model(zero=-1.0, one=3.0), kind, 3.0)
-    np.testing.assert_allclose(payment.pay(BEFORE, REACHED, DIED), expected, rtol=1e-5)
-    scaled = RewardShaping(payment.model, kind, 3.0, 0.1).pay(BEFORE, REACHED, DIED)
+def test_each_kind_has_its_shape(kind: str, expected: list[float]) -> None:
+    shaping = RewardShaping(random_model(zero=-1.0, one=3.0), kind, 3.0)
+    np.testing.assert_allclose(shaping.shape(BEFORE, REACHED, DIED), expected, rtol=1e-5)
+    scaled = RewardShaping(shaping.model, kind, 3.0, 0.1).shape(BEFORE, REACHED, DIED)
     np.testing.assert_allclose(scaled, 0.1 * np.array(expected), rtol=1e-5)
 
 
-def test_a_game_is_paid_for_the_states_reached_and_its_death() -> None:
-    states = np.array([9.0, 1.0, 3.0], np.float32)
-    payment = RewardShaping(random_model(zero=-1.0, one=3.0), "level", 2.0)
-    assert payment.total(states, EndReason.STEPS) == pytest.approx(1.5)
-    assert payment.total(states, EndReason.HIT) == pytest.approx(-0.5)
-    assert payment.total(states, EndReason.LIVES) == pytest.approx(-0.5)
+def test_a_games_return_is_of_the_states_reached_and_its_death() -> None:
+    rewards = np.array([9.0, 1.0, 3.0], np.float32)
+    shaping = RewardShaping(random_model(zero=-1.0, one=3.0), "level", 2.0)
+    assert shaping.shaped_return(rewards, EndReason.STEPS) == pytest.approx(1.5)
+    assert shaping.shaped_return(rewards, EndReason.HIT) == pytest.approx(-0.5)
+    assert shaping.shaped_return(rewards, EndReason.LIVES) == pytest.approx(-0.5)
 
 
 def test_differences_add_up_to_the_gain_of_the_whole_game() -> None:
-    states = np.random.default_rng(0).normal(size=50).astype(np.float32)
-    payment = RewardShaping(random_model(zero=0.0, one=2.0), "difference", 0.0)
-    gain = (states[-1] - states[0]) / 2.0
-    assert payment.total(states, EndReason.STEPS) == pytest.approx(gain, abs=1e-5)
+    rewards = np.random.default_rng(0).normal(size=50).astype(np.float32)
+    shaping = RewardShaping(random_model(zero=0.0, one=2.0), "difference", 0.0)
+    gain = (rewards[-1] - rewards[0]) / 2.0
+    assert shaping.shaped_return(rewards, EndReason.STEPS) == pytest.approx(gain, abs=1e-5)

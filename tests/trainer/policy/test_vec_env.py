@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from stable_baselines3 import PPO
 
-from tests.trainer.policy.made_up import random_model, short_recording
+from tests.trainer.samples import random_model, short_recording
 from trainer.policy.evaluation import play
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
@@ -38,8 +38,8 @@ def play_until_an_end(env: TrilVecEnv, action: Action) -> tuple[list[Any], dict[
     env.reset()
     rewards = []
     while True:
-        _, paid, ended, infos = env.step(np.full(2, action))
-        rewards.append(paid.copy())
+        _, shaped, ended, infos = env.step(np.full(2, action))
+        rewards.append(shaped.copy())
         if ended.any():
             index = int(np.flatnonzero(ended)[0])
             return [row[index] for row in rewards], infos[index], index
@@ -48,29 +48,30 @@ def play_until_an_end(env: TrilVecEnv, action: Action) -> tuple[list[Any], dict[
 @pytest.mark.parametrize("kind", ["sigmoid", "level", "difference"])
 def test_rewards_are_those_of_the_replayed_game_to_its_last_state(kind: str) -> None:
     env = make_env(kind)
-    paid, info, _ = play_until_an_end(env, Action.FIRE)
+    rewards, info, _ = play_until_an_end(env, Action.FIRE)
     env.close()
     finished: FinishedEpisode = info["finished"]
     game = finished.game
     replayed = trajectory(Recording(game.start, game.actions))
     np.testing.assert_array_equal(info["terminal_observation"], replayed.observations[-1])
     states = MODEL.score(replayed.observations)
-    assert sum(paid) == pytest.approx(env.payment.total(states, game.end), rel=1e-3, abs=1e-3)
-    assert finished.paid == pytest.approx(sum(paid), rel=1e-5)
+    expected = env.reward_shaping.shaped_return(states, game.end)
+    assert sum(rewards) == pytest.approx(expected, rel=1e-3, abs=1e-3)
+    assert finished.shaped_return == pytest.approx(sum(rewards), rel=1e-5)
     assert finished.predicted_return == pytest.approx(float(states[1:].sum()), rel=1e-3)
-    assert finished.n_steps == replayed.n_steps == len(paid)
+    assert finished.n_steps == replayed.n_steps == len(rewards)
     assert finished.died == (game.end is EndReason.HIT)
     assert not info["TimeLimit.truncated"]
-    assert info["episode"] == {"r": finished.paid, "l": finished.n_steps}
+    assert info["episode"] == {"r": finished.shaped_return, "l": finished.n_steps}
 
 
 def test_a_game_that_runs_out_of_time_is_truncated_and_nothing_is_deducted() -> None:
     env = make_env(max_frames=40)
-    paid, info, _ = play_until_an_end(env, Action.NOOP)
+    rewards, info, _ = play_until_an_end(env, Action.NOOP)
     env.close()
     assert info["TimeLimit.truncated"]
     assert not info["finished"].died
-    assert len(paid) == 10
+    assert len(rewards) == 10
 
 
 def test_games_begun_in_a_demonstration_are_not_whole() -> None:

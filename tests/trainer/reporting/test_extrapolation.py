@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from tests.workplace import TINY
+from testsupport.workplace import TINY
 from trainer.progress import NullProgress
-from trainer.reporting.extrapolation import (
-    Extrapolation,
-    SkilledGame,
-    SkillPlan,
-    extrapolate,
-    spread,
-    tau_of,
-)
-from trainer.reporting.extrapolation_results import Experiment, missing, page_lines, write
+from trainer.reporting.extrapolation import SkillPlan, extrapolate, spread
+from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame, tau_of
 from tril.errors import Invalid
 
 PLAN = SkillPlan(
@@ -32,7 +24,7 @@ PLAN = SkillPlan(
 
 @pytest.fixture(scope="module")
 def found() -> Extrapolation:
-    return extrapolate("shots", TINY.reward, 3, NullProgress(), PLAN)
+    return extrapolate("shots", TINY, 3, NullProgress(), PLAN)
 
 
 def test_the_demonstrations_are_of_the_less_skilled_players_games(found: Extrapolation) -> None:
@@ -45,13 +37,13 @@ def test_the_demonstrations_are_of_the_less_skilled_players_games(found: Extrapo
 
 
 def test_the_same_training_seed_gives_the_same_games_and_returns(found: Extrapolation) -> None:
-    assert extrapolate("shots", TINY.reward, 3, NullProgress(), PLAN) == found
+    assert extrapolate("shots", TINY, 3, NullProgress(), PLAN) == found
 
 
 def test_games_that_are_all_worth_the_same_are_refused() -> None:
     plan = replace(PLAN, games=1, demonstrations=1)
     with pytest.raises(Invalid, match="more training steps"):
-        extrapolate("points", TINY.reward, 3, NullProgress(), plan)
+        extrapolate("points", TINY, 3, NullProgress(), plan)
 
 
 def test_demonstrations_are_spread_over_their_worths() -> None:
@@ -60,30 +52,14 @@ def test_demonstrations_are_spread_over_their_worths() -> None:
     assert sorted(spread([0, 1], worths, 3)) == [0, 1]
 
 
-def test_what_lies_beyond_the_demonstrations_is_told_apart() -> None:
+def test_games_beyond_the_demonstrations_are_told_apart() -> None:
     games = [
         SkilledGame(0, 5, 0.5, demonstrated=True),
         SkilledGame(0, 9, 0.9, demonstrated=True),
         SkilledGame(9, 9, 0.8, demonstrated=False),
         SkilledGame(9, 10, 0.7, demonstrated=False),
     ]
-    made = Extrapolation("points", tuple(games))
+    made = Extrapolation(Experiment.of("points", TINY, 0), tuple(games))
     assert (made.unseen, made.beyond) == ((games[2],), (games[3],))
     assert tau_of(made.demonstrations) == 1.0
     assert tau_of(games[1:3]) is None
-
-
-def test_a_result_is_made_once_and_shown_on_the_page(found: Extrapolation, tmp_path: Path) -> None:
-    experiment = Experiment.of("shots", TINY, 3)
-    assert page_lines(tmp_path) == []
-    assert missing(tmp_path, [experiment]) == [experiment]
-    write(tmp_path, experiment, found)
-    assert missing(tmp_path, [experiment]) == []
-    page = "\n".join(page_lines(tmp_path))
-    assert f"| shots | {TINY.name} | 3 | 3 of " in page
-    picture = tmp_path / "extrapolation" / f"{experiment.name}.png"
-    assert f"(extrapolation/{picture.name})" in page
-    assert picture.read_bytes().startswith(b"\x89PNG")
-    (tmp_path / "extrapolation" / "broken.json").write_text("{}")
-    with pytest.raises(Invalid, match=r"broken\.json"):
-        page_lines(tmp_path)

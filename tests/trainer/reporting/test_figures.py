@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from tests.trainer.reporting.entries import entry
 from trainer.reporting.figures import (
     COLOURS,
     MAP_SCALE,
+    AliensRow,
     ColourMap,
-    PlayedColumn,
+    aliens_figure,
+    attention_figure,
     attention_picture,
-    comparison_figure,
     curves_figure,
     extrapolation_figure,
     frame_picture,
     returns_figure,
 )
-from tril.analysis.extrapolation import JudgedGame, JudgedGames, Player
-from tril.behaviours import BUILT_IN
+from tril.analysis.extrapolation import JudgedGame, JudgedGames, PlayerKind
+from tril.behaviours import BUILT_IN, Cell
 
 
 def _pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -57,18 +60,16 @@ def test_a_frame_keeps_its_pixels() -> None:
 
 def test_strays_are_drawn_in_a_colour_of_their_own() -> None:
     column_1 = BUILT_IN[0]
-    clean = PlayedColumn("imitator", "Imitator", (tuple(column_1.target or ()),))
-    stray = PlayedColumn("imitator", "Imitator", (((0, 3),),))
 
-    def has_stray_colour(column: PlayedColumn) -> bool:
-        pixels = _pixels(comparison_figure(column_1, ["start 0"], [column]))
-        return bool((np.abs(pixels.astype(int) - [0xB3, 0x26, 0x1E]).sum(axis=2) < 12).any())
+    def has_stray_colour(*hits: Cell) -> bool:
+        row = AliensRow("start 0", column_1, (hits,))
+        return _count(aliens_figure([row], [("imitator", "Imitator")]), "#b3261e") > 0
 
-    assert has_stray_colour(stray)
-    assert not has_stray_colour(clean)
+    assert has_stray_colour((0, 3))
+    assert not has_stray_colour(*(column_1.target or ()))
 
 
-def _judged(player: Player, demonstrated: bool) -> JudgedGames:
+def _judged(player: PlayerKind, demonstrated: bool) -> JudgedGames:
     games = tuple(JudgedGame(worth, 10.0 * worth, worth) for worth in range(4))
     return JudgedGames(player, demonstrated, games)
 
@@ -99,7 +100,20 @@ def test_all_who_played_are_in_the_figure_in_their_colours() -> None:
 
 
 def test_figures_with_missing_parts_are_drawn() -> None:
-    column = PlayedColumn("clone", "Clone", (None, ()))
-    assert _pixels(comparison_figure(BUILT_IN[6], ["0", "1"], [column])).ndim == 3
-    assert _pixels(returns_figure([1, 2, 2], [3.0, 1.0, -2.0], 0.8)).ndim == 3
+    rows = [AliensRow("start 0", BUILT_IN[6], (None, ()))]
+    columns = [("imitator", "Imitator"), ("clone", "Clone")]
+    assert _pixels(aliens_figure(rows, columns)).ndim == 3
+    assert _pixels(returns_figure([("Column 2", entry(check={}))])).ndim == 3
+    assert _pixels(returns_figure([("Row 1", entry(demonstrations=()))] * 5)).ndim == 3
     assert _pixels(curves_figure([("return", COLOURS["imitator"], [])], "steps")).ndim == 3
+
+
+def test_attention_maps_stand_above_their_screens_pixel_by_pixel(tmp_path: Path) -> None:
+    attention = np.random.default_rng(0).random((84, 84), np.float32)
+    screen = np.random.default_rng(1).integers(0, 256, (210, 160, 3), dtype=np.uint8)
+    (tmp_path / "map.png").write_bytes(attention_picture(attention, "perceptual"))
+    (tmp_path / "screen.png").write_bytes(frame_picture(screen))
+    state = ("maximum", tmp_path / "map.png", tmp_path / "screen.png")
+    figure = _pixels(attention_figure("Column 1", [state, state]))
+    np.testing.assert_array_equal(figure[56:392, 8:344], _pixels(state[1].read_bytes()))
+    np.testing.assert_array_equal(figure[400:820, 352:672], _pixels(state[2].read_bytes()))

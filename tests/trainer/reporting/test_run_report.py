@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import TINY, Workplace
+from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training, checked
+from testsupport.workplace import TINY, Workplace
 from trainer.reporting.run_report import write_report
 from tril.behaviours import Score
 from tril.files.artifact_store import ArtifactStore
-from tril.store import behaviours
+from tril.store import behaviours, recordings
 from tril.store.training import evaluations, metrics, runs
+from tril.store.training.evaluations import ACTION_SELECTIONS as HOW
 from tril.store.training.evaluations import EvaluationKey
 
 WARNED = "The reward model can\u2019t tell these tiers apart: 3 and 4."
@@ -19,26 +18,17 @@ WARNED = "The reward model can\u2019t tell these tiers apart: 3 and 4."
 def page_of(workplace: Workplace, training: Training, warning: str | None = WARNED) -> str:
     """Write the page of a run that went like a training; returns its text."""
     run_id = workplace.make_run(TINY)
-    check: dict[str, Any] = {
-        "predicted_returns": dict(
-            zip(map(str, workplace.ranked), sorted(DEMONSTRATED[::2], reverse=True), strict=False)
-        ),
-        "tau": 1.0,
-        "pair_accuracy": 1.0,
-        "held_out_accuracy": 0.97,
-        "confused": [],
-        "passed": True,
-        "advice": "",
-    }
+    returns = dict(zip(workplace.ranked, sorted(DEMONSTRATED[::2], reverse=True), strict=False))
     # Those of earlier versions have no warning.
-    check |= {} if warning is None else {"warning": warning}
+    said = {} if warning is None else {"warning": warning}
     curves = training.curves()
     with workplace.database.writing() as session:
-        runs.get(session, run_id).outcome = {"check": check}
-        for action_selection, targets in (("greedy", 5), ("sampled", 4), ("sticky", 2)):
-            key = EvaluationKey("imitator", action_selection, 0)
-            score = Score(targets, 1, 0)
-            evaluations.add(session, run_id, key, workplace.ranked[0], True, 640.0, score)
+        runs.get(session, run_id).outcome = checked(returns, held_out_accuracy=0.97, **said)
+        played = recordings.by_ids(session, workplace.ranked)
+        for number, how, targets in zip(workplace.ranked, HOW, (5, 4, 2), strict=False):
+            key = EvaluationKey("imitator", how, 0)
+            played[number].hits = [[0, 1, 60], *([row, 0, 90] for row in range(targets))]
+            evaluations.add(session, run_id, key, number, True, 640.0, Score(targets, 1, 0))
         for place, (step, _) in enumerate(curves["hits"]):
             values = {name: points[place][1] for name, points in curves.items()}
             metrics.add(session, run_id, "imitator", step, values)
@@ -53,7 +43,7 @@ def test_the_page_warns_of_a_return_that_rises_alone_and_of_tiers_that_are_not_t
     workplace: Workplace,
 ) -> None:
     page = page_of(workplace, HACKS["all the time"])
-    assert "> **Alarm.** The learned reward may be paying for something else" in page
+    assert "> **Alarm.** The learned reward may be rewarding something other" in page
     assert f"> **Warning.** {WARNED}" in page
     calm = page_of(workplace, HONEST["both rise"], warning="")
     assert "Alarm" not in calm

@@ -34,4 +34,4 @@ def test_a_warning_names_the_tiers_that_are_not_told_apart_each_pair_once() -> N
     )
     check = RankingCheck({}, 0.95, 0.99, 0.96, confused, passed=True)
     assert advice(check) == ""
-    assert "apart: 8 and 9, 3 and 7. What" in warning(check)
+    assert "apart: 8 and 9, 3 and 7. The" in warning(check)

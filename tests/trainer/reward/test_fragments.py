@@ -6,10 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.reward.fragments import (
-    FragmentRule,
+    Fragmenter,
     FragmentStarts,
-    draw_fragments,
-    fragment_sums,
+    fragment_returns,
     preference_pairs,
 )
 from tril.errors import Invalid
@@ -26,12 +25,12 @@ def test_fragments_lie_within_their_games_and_are_equally_long(
     sizes: list[int], shortest: int, extra: int, starts: FragmentStarts, seed: int
 ) -> None:
     pairs = preference_pairs([[i] for i in range(len(sizes))])
-    rule = FragmentRule(shortest, shortest + extra, starts)
-    drawn = draw_fragments(pairs, sizes, rule, 200, np.random.default_rng(seed))
+    fragmenter = Fragmenter(shortest, shortest + extra, starts)
+    drawn = fragmenter.sample(pairs, sizes, 200, np.random.default_rng(seed))
     size = np.asarray(sizes)
     assert (drawn.better < drawn.worse).all()
     assert (drawn.length >= 1).all()
-    assert (drawn.length <= rule.longest).all()
+    assert (drawn.length <= fragmenter.max_length).all()
     assert (drawn.worse_start >= 0).all()
     assert (drawn.better_start + drawn.length <= size[drawn.better]).all()
     assert (drawn.worse_start + drawn.length <= size[drawn.worse]).all()
@@ -44,25 +43,25 @@ def test_fragments_lie_within_their_games_and_are_equally_long(
 
 
 def test_free_fragments_start_before_and_after_each_other() -> None:
-    rule = FragmentRule(5, 10, "any")
-    drawn = draw_fragments([(0, 1)], [100, 100], rule, 500, np.random.default_rng(0))
+    fragmenter = Fragmenter(5, 10, "any")
+    drawn = fragmenter.sample([(0, 1)], [100, 100], 500, np.random.default_rng(0))
     earlier = np.mean(drawn.better_start < drawn.worse_start)
     assert 0.4 < earlier < 0.6
 
 
 @pytest.mark.parametrize("starts", get_args(FragmentStarts))
 def test_fragments_start_where_both_games_have_begun(starts: FragmentStarts) -> None:
-    rule = FragmentRule(5, 50, starts)
-    drawn = draw_fragments([(0, 1)], [100, 90], rule, 500, np.random.default_rng(0), first=[0, 70])
+    fragmenter = Fragmenter(5, 50, starts)
+    drawn = fragmenter.sample([(0, 1)], [100, 90], 500, np.random.default_rng(0), begins=[0, 70])
     assert drawn.worse_start.min() == 70
     assert drawn.better_start.min() == 70
     assert (drawn.worse_start + drawn.length).max() == 90
 
 
 def test_a_short_game_limits_its_own_pairs_only() -> None:
-    rule = FragmentRule(50, 100, "same")
+    fragmenter = Fragmenter(50, 100, "same")
     pairs = preference_pairs([[0], [1], [2]])
-    drawn = draw_fragments(pairs, [301, 20, 301], rule, 2000, np.random.default_rng(0))
+    drawn = fragmenter.sample(pairs, [301, 20, 301], 2000, np.random.default_rng(0))
     with_short = (drawn.better == 1) | (drawn.worse == 1)
     assert set(drawn.length[with_short]) == {20}
     assert drawn.length[~with_short].min() >= 50
@@ -78,7 +77,7 @@ def test_one_tier_teaches_nothing() -> None:
         preference_pairs([[0, 1, 2]])
 
 
-def test_fragment_sums_are_sums() -> None:
-    values = np.arange(10, dtype=np.float32)
-    sums = fragment_sums(values, np.array([0, 3, 9]), np.array([10, 2, 1]))
-    assert sums.tolist() == [45.0, 7.0, 9.0]
+def test_fragment_returns_are_sums() -> None:
+    rewards = np.arange(10, dtype=np.float32)
+    returns = fragment_returns(rewards, np.array([0, 3, 9]), np.array([10, 2, 1]))
+    assert returns.tolist() == [45.0, 7.0, 9.0]

@@ -6,8 +6,7 @@ import torch
 from safetensors.torch import save_file
 from torch import nn
 
-from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
-from trainer.reward.reward_trainer import new_network
+from trainer.reward.model import RewardModel, RewardNetwork, new_network, predicted_return
 from tril.errors import Invalid
 
 
@@ -54,24 +53,24 @@ def test_ensemble_is_the_mean_of_standardised_members(observations: np.ndarray) 
 
 
 def test_predicted_return_leaves_the_start_out(observations: np.ndarray) -> None:
-    model = RewardModel(two_networks()[:1], (0.0,), (1.0,))
+    model = RewardModel(two_networks()[:1])
     expected = float(model.score(observations)[1:].sum(dtype=np.float64))
     assert predicted_return(model, observations) == pytest.approx(expected, rel=1e-5)
 
 
 def test_level_maps_zero_and_one() -> None:
-    model = RewardModel(two_networks()[:1], (0.0,), (1.0,), zero=-1.0, one=3.0)
+    model = RewardModel(two_networks()[:1], zero=-1.0, one=3.0)
     levels = model.level(np.array([-1.0, 1.0, 3.0], np.float32))
     assert levels.tolist() == [0.0, 0.5, 1.0]
 
 
 def test_saved_model_is_the_same_model(tmp_path: Path, observations: np.ndarray) -> None:
-    model = RewardModel(two_networks(), (0.5, 1.0), (2.0, 3.0), -1.0, 2.0, {"recipe": "fast"})
+    model = RewardModel(two_networks(), (0.5, 1.0), (2.0, 3.0), -1.0, 2.0)
     model.save(tmp_path / "reward.safetensors")
     loaded = RewardModel.load(tmp_path / "reward.safetensors")
     np.testing.assert_array_equal(loaded.score(observations), model.score(observations))
     assert (loaded.offsets, loaded.scales) == (model.offsets, model.scales)
-    assert (loaded.zero, loaded.one, loaded.notes) == (-1.0, 2.0, {"recipe": "fast"})
+    assert (loaded.zero, loaded.one) == (-1.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -97,6 +96,6 @@ def test_a_file_of_garbage_is_refused(tmp_path: Path) -> None:
 
 
 def test_observations_of_another_shape_are_refused(observations: np.ndarray) -> None:
-    model = RewardModel(two_networks()[:1], (0.0,), (1.0,))
+    model = RewardModel(two_networks()[:1])
     with pytest.raises(ValueError, match="uint8"):
         model.score(observations.astype(np.float32))

@@ -5,7 +5,7 @@ import pytest
 
 from trainer.progress import RunCancelled
 from trainer.reward import perturbation
-from trainer.reward.perturbation import LONGEST_COPY, SHORTEST_COPY, perturbed_copies
+from trainer.reward.perturbation import MAX_STEPS, MIN_STEPS, perturb_demonstrations
 from tril.game.agent import AgentGame
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for, keys_for
@@ -31,12 +31,12 @@ def recording() -> Recording:
 
 def test_copies_begin_in_the_game_and_leave_it(recording: Recording) -> None:
     original = trajectory(recording).observations
-    copies = perturbed_copies([recording] * 2, 5, np.random.default_rng(0), lambda: None)
+    copies = perturb_demonstrations([recording] * 2, 5, np.random.default_rng(0), lambda: None)
     assert {copy.original for copy in copies} == {0, 1}
     differ = []
     for copy in copies:
         own, first = copy.observations, copy.first_step
-        assert SHORTEST_COPY < len(own) <= LONGEST_COPY + 1
+        assert MIN_STEPS < len(own) <= MAX_STEPS + 1
         assert np.array_equal(own[0], original[first])
         same = min(len(own), len(original) - first)
         differ.append(not np.array_equal(own[:same], original[first : first + same]))
@@ -49,15 +49,15 @@ def test_some_copies_go_on_without_a_key(
 ) -> None:
     monkeypatch.setattr(perturbation, "_MISSING_SHARE", 1.0)
     monkeypatch.setattr(perturbation, "_MISSING_KEYS", {Keys.FIRE: 1})
-    (copy,) = perturbed_copies([recording], 1, np.random.default_rng(0), lambda: None)
+    (copy,) = perturb_demonstrations([recording], 1, np.random.default_rng(0), lambda: None)
     game = AgentGame(Console())
     game.reset(recording.start)
     expected = [game.observation]
     for frame, action in enumerate(recording.actions):
         if game.end is not None:
             break
-        is_disturbed = frame >= copy.first_step * FRAMES_PER_STEP
-        game.advance(action_for(keys_for(action) & ~Keys.FIRE) if is_disturbed else action)
+        is_perturbed = frame >= copy.first_step * FRAMES_PER_STEP
+        game.advance(action_for(keys_for(action) & ~Keys.FIRE) if is_perturbed else action)
         if (frame + 1) % FRAMES_PER_STEP == 0 or game.end is not None:
             expected.append(game.observation)
     mine = np.stack(expected)[copy.first_step : copy.first_step + len(copy.observations)]
@@ -70,28 +70,29 @@ def test_a_key_that_is_not_pressed_again_is_not_the_missing_one(
     monkeypatch.setattr(perturbation, "_MISSING_SHARE", 1.0)
     still = replace(recording, actions=bytes([Action.NOOP]) * 4 * STEPS, ram_hashes=())
     original = trajectory(still).observations
-    for copy in perturbed_copies([still], 5, np.random.default_rng(0), lambda: None):
+    for copy in perturb_demonstrations([still], 5, np.random.default_rng(0), lambda: None):
         first, n = copy.first_step, len(copy.observations)
         assert not np.array_equal(copy.observations, original[first : first + n])
 
 
-def test_the_same_draws_give_the_same_copies(recording: Recording) -> None:
+def test_the_same_seed_gives_the_same_copies(recording: Recording) -> None:
     one, other = (
-        perturbed_copies([recording], 3, np.random.default_rng(1), lambda: None) for _ in range(2)
+        perturb_demonstrations([recording], 3, np.random.default_rng(1), lambda: None)
+        for _ in range(2)
     )
     assert [copy.first_step for copy in one] == [copy.first_step for copy in other]
     for a, b in zip(one, other, strict=True):
         assert np.array_equal(a.observations, b.observations)
 
 
-def test_a_game_too_short_to_be_disturbed_has_no_copies(recording: Recording) -> None:
-    short = Recording(recording.start, recording.actions[: 4 * SHORTEST_COPY])
-    assert perturbed_copies([short], 3, np.random.default_rng(1), lambda: None) == []
+def test_a_game_too_short_to_be_perturbed_has_no_copies(recording: Recording) -> None:
+    short = Recording(recording.start, recording.actions[: 4 * MIN_STEPS])
+    assert perturb_demonstrations([short], 3, np.random.default_rng(1), lambda: None) == []
 
 
-def test_it_stops_when_told_to(recording: Recording) -> None:
+def test_cancelling_stops_at_once(recording: Recording) -> None:
     def stop() -> None:
         raise RunCancelled
 
     with pytest.raises(RunCancelled):
-        perturbed_copies([recording], 3, np.random.default_rng(1), stop)
+        perturb_demonstrations([recording], 3, np.random.default_rng(1), stop)

@@ -4,79 +4,83 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.planted import planted_trajectories, planted_trajectory
+from tests.trainer.samples import TIERS, planted_trajectories, planted_trajectory
 from trainer.progress import NullProgress
 from trainer.reward.perturbation import PerturbedDemonstration
-from trainer.reward.preference_dataset import PerfectGames, compare
+from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import RewardTrainer, train_reward_model
 from tril.recipes import FAST, PAPER
 from tril.recording import Trajectory
 
 TRAJECTORIES = planted_trajectories()
-TIERS = [[0], [1], [2, 3], [4], [5]]
 RECIPE = replace(
     FAST.reward, updates=25, observation_stride=5, fragment_min_steps=5, pairs_per_update=64
 )
 
 
+make = PreferenceDataset.from_demonstrations
+
+
 @pytest.fixture(scope="module")
-def perfect() -> PerfectGames:
+def perfect() -> PerfectDemonstrations:
     """Two perfect games, the second of them ranked second; of each a copy that stays dark."""
     rng = np.random.default_rng(8)
     dark = [planted_trajectory(rng, 0, 30).observations for _ in range(2)]
     copies = [
         PerturbedDemonstration(number, 7, observations) for number, observations in enumerate(dark)
     ]
-    return PerfectGames([planted_trajectory(rng, 5, 40), TRAJECTORIES[1]], [None, 1], copies)
+    return PerfectDemonstrations(
+        [planted_trajectory(rng, 5, 40), TRAJECTORIES[1]], [None, 1], copies
+    )
 
 
-def test_all_that_is_known_becomes_pairs(perfect: PerfectGames) -> None:
-    comparisons = compare(TRAJECTORIES, TIERS, RECIPE, perfect)
-    ranked, free, better, copies = comparisons.groups(np.random.default_rng(0))
-    assert set(ranked.pairs) == set(free.pairs) == set(comparisons.pairs)
+def test_all_that_is_known_becomes_pairs(perfect: PerfectDemonstrations) -> None:
+    dataset = make(TRAJECTORIES, TIERS, RECIPE, perfect)
+    ranked, free, better, perturbed = dataset.groups(np.random.default_rng(0))
+    assert set(ranked.pairs) == set(free.pairs) == set(dataset.pairs)
     # The unranked one is game 6 and better than all but the first tier; of the ranked one the
     # ranking has said all.
     assert set(better.pairs) == {(6, i) for i in range(1, 6)}
-    assert set(copies.pairs) == {(6, 7), (1, 8)}
-    groups = (ranked, free, better, copies)
+    assert set(perturbed.pairs) == {(6, 7), (1, 8)}
+    groups = (ranked, free, better, perturbed)
     assert [group.starts for group in groups] == ["same", "any", "any", "same"]
     assert sum(group.share for group in groups) == pytest.approx(1.0)
-    assert copies.share == RECIPE.perturbed_share
+    assert perturbed.share == RECIPE.perturbed_share
 
 
-def test_without_perfect_games_the_ranking_is_all(perfect: PerfectGames) -> None:
-    alone = compare(TRAJECTORIES, TIERS, RECIPE).groups(np.random.default_rng(0))
+def test_without_perfect_games_the_ranking_is_all(perfect: PerfectDemonstrations) -> None:
+    alone = make(TRAJECTORIES, TIERS, RECIPE).groups(np.random.default_rng(0))
     assert sum(group.share for group in alone) == pytest.approx(1.0)
     assert {pair for group in alone for pair in group.pairs} == set(
-        compare(TRAJECTORIES, TIERS, RECIPE).pairs
+        make(TRAJECTORIES, TIERS, RECIPE).pairs
     )
-    (paper,) = compare(TRAJECTORIES, TIERS, PAPER.reward, perfect).groups(np.random.default_rng(0))
+    (paper,) = make(TRAJECTORIES, TIERS, PAPER.reward, perfect).groups(np.random.default_rng(0))
     assert paper.starts == "later"
 
 
-def test_what_is_left_out_is_left_out_everywhere(perfect: PerfectGames) -> None:
-    comparisons = compare(TRAJECTORIES, TIERS, RECIPE, perfect).without({1, 3})
-    assert comparisons.tiers == ((0,), (2,), (4,), (5,))
-    pairs = {p for group in comparisons.groups(np.random.default_rng(0)) for p in group.pairs}
+def test_what_is_held_out_is_held_out_everywhere(perfect: PerfectDemonstrations) -> None:
+    dataset = make(TRAJECTORIES, TIERS, RECIPE, perfect).without({1, 3})
+    assert dataset.tiers == ((0,), (2,), (4,), (5,))
+    pairs = {p for group in dataset.groups(np.random.default_rng(0)) for p in group.pairs}
     assert not {1, 3, 8} & {index for pair in pairs for index in pair}
 
 
-def test_the_logits_are_sums_over_fragments_of_the_games(perfect: PerfectGames) -> None:
+def test_the_logits_are_sums_over_fragments_of_the_games(perfect: PerfectDemonstrations) -> None:
     """Against plain sums, with a network that reads a game's number and step off its screens."""
     games = [_marked(number, 40, 0) for number in range(6)]
-    marked = PerfectGames(
+    marked = PerfectDemonstrations(
         [Trajectory(_marked(6, 40, 0), np.zeros(40, np.int64))],
         [None],
         [PerturbedDemonstration(0, 7, _marked(7, 30, 7))],
     )
     trajectories = [Trajectory(one, np.zeros(40, np.int64)) for one in games]
     recipe = replace(RECIPE, free_share=0.0, perfect_share=0.0, perturbed_share=1.0)
-    training = RewardTrainer(compare(trajectories, TIERS, recipe, marked), 1, (0,))
-    training._logits._network = lambda inputs: (  # type: ignore[assignment]
+    trainer = RewardTrainer(make(trajectories, TIERS, recipe, marked), 1, (0,))
+    trainer._logits.network = lambda inputs: (  # type: ignore[assignment]
         100.0 * inputs[:, 0, 0, 0].float() + inputs[:, 0, 0, 1].float()
     )
     # Original and copy have the same steps, so that each sampled step differs by 100 x (6 - 7).
-    logits = training._logits(0)
+    logits = trainer._logits(0)
     assert torch.all(logits < 0)
     assert torch.all(logits % 100 == 0)
     assert -logits.max() / 100 >= 1
@@ -100,11 +104,12 @@ def test_perturbed_copies_teach_what_the_ranking_leaves_open() -> None:
     for observations in spotted:
         observations[:, :, :12, :12] = 250
     copies = [PerturbedDemonstration(number, 0, one) for number, one in enumerate(spotted[:3])]
-    perfect = PerfectGames(originals[:3], [None] * 3, copies)
+    perfect = PerfectDemonstrations(originals[:3], [None] * 3, copies)
     recipe = replace(RECIPE, updates=90)
     gaps = []
-    for known in (PerfectGames(originals[:3], [None] * 3), perfect):
-        model = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress(), perfect=known)
+    for known in (PerfectDemonstrations(originals[:3], [None] * 3), perfect):
+        dataset = make(TRAJECTORIES, TIERS, recipe, known)
+        model = train_reward_model(dataset, 7, NullProgress())
         clean = model.level(model.score(originals[3].observations))
         gaps.append(float((clean - model.level(model.score(spotted[3]))).mean()))
     untaught, taught = gaps

@@ -1,4 +1,4 @@
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -6,48 +6,47 @@ import numpy as np
 import pytest
 import torch
 
-from tests.trainer.planted import planted_trajectories, planted_trajectory
-from tests.trainer.policy.made_up import ELSEWHERE
+from tests.trainer.samples import (
+    ELSEWHERE,
+    REWARD_RECIPES,
+    TIERS,
+    RecordingProgress,
+    planted_trajectories,
+    planted_trajectory,
+    same,
+)
 from trainer.progress import NullProgress, Progress, RunCancelled
 from trainer.reward import reward_trainer
 from trainer.reward.check import are_told_apart, check_ranking
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
-from trainer.reward.preference_dataset import compare
-from trainer.reward.reward_trainer import LEVEL_STEPS, train_reward_model
-from tril.recipes import FAST, PAPER, RewardRecipe
+from trainer.reward.preference_dataset import PreferenceDataset
+from trainer.reward.reward_trainer import LEVEL_STEPS, RewardTrainer, train_reward_model
+from tril.recipes import RewardRecipe
 
 TRAJECTORIES = planted_trajectories()
-TIERS = [[0], [1], [2, 3], [4], [5]]
-RECIPES = {
-    "fast": replace(
-        FAST.reward,
-        updates=25,
-        folds=3,
-        fold_updates=25,
-        fold_stride=0,
-        observation_stride=5,
-        fragment_min_steps=5,
-    ),
-    "paper": replace(
-        PAPER.reward,
-        updates=120,
-        fold_updates=60,
-        fragment_pairs=50,
-        learning_rate=5e-4,
-        fragment_min_steps=10,
-        fragment_max_steps=20,
-    ),
-}
 
 
-@pytest.fixture(scope="module", params=RECIPES)
+def planted(recipe: RewardRecipe) -> PreferenceDataset:
+    return PreferenceDataset.from_demonstrations(TRAJECTORIES, TIERS, recipe)
+
+
+def of_qualities(
+    qualities: Sequence[int], tiers: Sequence[Sequence[int]], recipe: RewardRecipe
+) -> PreferenceDataset:
+    """Return equally long trajectories: those of other lengths have returns that don't compare."""
+    rng = np.random.default_rng(5)
+    trajectories = [planted_trajectory(rng, quality, 40) for quality in qualities]
+    return PreferenceDataset.from_demonstrations(trajectories, tiers, recipe)
+
+
+@pytest.fixture(scope="module", params=REWARD_RECIPES)
 def recipe(request: pytest.FixtureRequest) -> RewardRecipe:
-    return RECIPES[request.param]
+    return REWARD_RECIPES[request.param]
 
 
 @pytest.fixture(scope="module")
 def model(recipe: RewardRecipe) -> RewardModel:
-    return train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress())
+    return train_reward_model(planted(recipe), 7, NullProgress())
 
 
 def test_a_planted_better_trajectory_is_ranked_higher(model: RewardModel) -> None:
@@ -57,24 +56,27 @@ def test_a_planted_better_trajectory_is_ranked_higher(model: RewardModel) -> Non
     assert predicted_return(model, better) > predicted_return(model, worse)
 
 
+def weights_of(model: RewardModel) -> dict[str, torch.Tensor]:
+    return {
+        f"{number}.{name}": tensor
+        for number, member in enumerate(model.members)
+        for name, tensor in member.state_dict().items()
+    }
+
+
 def test_the_same_training_seed_gives_the_same_model(
     recipe: RewardRecipe, model: RewardModel
 ) -> None:
-    again = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress())
-    for one, other in zip(model.members, again.members, strict=True):
-        for a, b in zip(one.parameters(), other.parameters(), strict=True):
-            assert torch.equal(a, b)
+    again = train_reward_model(planted(recipe), 7, NullProgress())
+    assert same(weights_of(model), weights_of(again))
     assert (again.offsets, again.scales, again.one) == (model.offsets, model.scales, model.one)
-    short = replace(recipe, updates=2)
-    different = train_reward_model(TRAJECTORIES, TIERS, short, 8, NullProgress())
-    assert not torch.equal(different.members[0].hidden.weight, model.members[0].hidden.weight)
+    different = train_reward_model(planted(replace(recipe, updates=2)), 8, NullProgress())
+    assert not same(weights_of(model), weights_of(different))
 
 
 def test_a_good_model_passes_the_check(recipe: RewardRecipe, model: RewardModel) -> None:
-    # Games of different lengths have returns that do not compare: all equally long here.
-    rng = np.random.default_rng(5)
-    trajectories = [planted_trajectory(rng, quality, 40) for quality in (5, 4, 3, 2, 1, 0)]
-    check = check_ranking(model, trajectories, TIERS, recipe, 7, NullProgress())
+    dataset = of_qualities((5, 4, 3, 2, 1, 0), TIERS, recipe)
+    check = check_ranking(model, dataset, 7, NullProgress())
     assert check.tau >= 0.9
     assert check.pair_accuracy > 0.8
     assert check.held_out_accuracy is not None
@@ -84,13 +86,11 @@ def test_a_good_model_passes_the_check(recipe: RewardRecipe, model: RewardModel)
 
 
 def test_a_contradictory_ranking_fails_the_check_and_names_the_tiers() -> None:
-    recipe = replace(RECIPES["fast"], updates=10, fold_updates=10)
-    rng = np.random.default_rng(2)
-    # Four games of the same quality, one of them ranked above and one below the better two.
-    trajectories = [planted_trajectory(rng, quality, 40) for quality in (0, 5, 4, 0, 5, 0)]
-    tiers = [[i] for i in range(6)]
-    model = train_reward_model(trajectories, tiers, recipe, 1, NullProgress())
-    check = check_ranking(model, trajectories, tiers, recipe, 1, NullProgress())
+    recipe = replace(REWARD_RECIPES["fast"], updates=10, fold_updates=10)
+    # Three games of the same quality, one of them ranked above the better ones.
+    dataset = of_qualities((0, 5, 4, 0, 5, 0), [[i] for i in range(6)], recipe)
+    model = train_reward_model(dataset, 1, NullProgress())
+    check = check_ranking(model, dataset, 1, NullProgress())
     assert not check.passed
     assert check.confused
     assert all(1 <= pair.better < pair.worse <= 6 for pair in check.confused)
@@ -98,13 +98,10 @@ def test_a_contradictory_ranking_fails_the_check_and_names_the_tiers() -> None:
 
 
 def test_two_tiers_without_a_difference_are_not_told_apart_though_the_check_passes() -> None:
-    rng = np.random.default_rng(5)
-    qualities = (6, 5, 4, 3, 2, 1, 0, 0, 1)
-    trajectories = [planted_trajectory(rng, quality, 40) for quality in qualities]
     tiers = [[0], [1], [2], [3], [4], [5, 6], [7, 8]]
-    recipe = RECIPES["fast"]
-    model = train_reward_model(trajectories, tiers, recipe, 1, NullProgress())
-    check = check_ranking(model, trajectories, tiers, recipe, 1, NullProgress())
+    dataset = of_qualities((6, 5, 4, 3, 2, 1, 0, 0, 1), tiers, REWARD_RECIPES["fast"])
+    model = train_reward_model(dataset, 1, NullProgress())
+    check = check_ranking(model, dataset, 1, NullProgress())
     assert check.passed, check
     assert check.not_told_apart == [(6, 7)]
 
@@ -118,8 +115,8 @@ def test_the_fewer_comparisons_the_closer_to_chance_they_have_to_be() -> None:
 
 
 def test_an_ensemble_has_different_members_on_one_scale() -> None:
-    recipe = replace(RECIPES["fast"], updates=10, ensemble=2)
-    model = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, NullProgress())
+    recipe = replace(REWARD_RECIPES["fast"], updates=10, ensemble=2)
+    model = train_reward_model(planted(recipe), 7, NullProgress())
     first, second = model.members
     assert not torch.equal(first.hidden.weight, second.hidden.weight)
     states = np.concatenate([t.observations for t in TRAJECTORIES])
@@ -128,109 +125,86 @@ def test_an_ensemble_has_different_members_on_one_scale() -> None:
         assert scores.std() == pytest.approx(1.0, rel=1e-3)
 
 
-def test_standardised_rewards_put_the_worst_tier_at_zero() -> None:
-    model = train_reward_model(TRAJECTORIES, TIERS, RECIPES["fast"], 7, NullProgress())
-    means = [
-        np.mean([model.score(TRAJECTORIES[i].observations).mean() for i in tier]) for tier in TIERS
-    ]
+def test_standardised_rewards_put_the_worst_tier_at_zero_and_levels_go_from_zero_to_one() -> None:
+    model = train_reward_model(planted(REWARD_RECIPES["fast"]), 7, NullProgress())
+    rewards = [model.score(trajectory.observations) for trajectory in TRAJECTORIES]
+    means = [np.mean([rewards[i].mean() for i in tier]) for tier in TIERS]
     assert min(means) == pytest.approx(0.0, abs=1e-4)
-
-
-def test_levels_go_from_the_beginnings_to_the_ends_of_the_best() -> None:
-    model = train_reward_model(TRAJECTORIES, TIERS, RECIPES["fast"], 7, NullProgress())
-    levels = [model.level(model.score(t.observations)) for t in TRAJECTORIES]
+    levels = [model.level(one) for one in rewards]
     beginnings = np.mean([values[:LEVEL_STEPS].mean() for values in levels])
     assert beginnings == pytest.approx(0.0, abs=1e-3)
     assert levels[0][-LEVEL_STEPS:].mean() == pytest.approx(1.0, abs=1e-3)
 
 
-class Recorded:
-    def __init__(self, stop_at: int | None = None) -> None:
-        self.done: list[tuple[int, int]] = []
-        self.values: list[Mapping[str, float]] = []
-        self.stop_at = stop_at
-
-    def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
-        self.done.append((done, total))
-        if values:
-            self.values.append(values)
-        if len(self.done) == self.stop_at:
-            raise RunCancelled
-
-
-def test_progress_is_told_after_every_update(recipe: RewardRecipe) -> None:
-    progress = Recorded()
-    train_reward_model(TRAJECTORIES, TIERS, replace(recipe, updates=3), 7, progress)
-    assert len(progress.done) == 3
-    assert progress.done[-1][0] == progress.done[-1][1]
-    assert [set(values) for values in progress.values] == [{"loss", "accuracy"}] * 3
+def test_progress_is_reported_after_every_update(recipe: RewardRecipe) -> None:
+    progress = RecordingProgress()
+    train_reward_model(planted(replace(recipe, updates=3)), 7, progress)
+    assert (progress.done, progress.totals) == ([1, 2, 3], {3})
+    assert [set(values) for _, values in progress.points] == [{"loss", "accuracy"}] * 3
 
 
 def test_an_interrupted_training_gives_the_same_model(
     recipe: RewardRecipe, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reward_trainer, "CHECKPOINT_EVERY_S", 0.0)
+    monkeypatch.setattr(reward_trainer, "CHECKPOINT_INTERVAL_S", 0.0)
     recipe = replace(recipe, updates=4, ensemble=2, fragment_pairs=3)
-    whole = Recorded()
-    expected = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, whole)
-    interrupted = Recorded(stop_at=7)
+    whole, interrupted, resumed = (
+        RecordingProgress(),
+        RecordingProgress(cancel_at=7),
+        RecordingProgress(),
+    )
+    expected = train_reward_model(planted(recipe), 7, whole)
     with pytest.raises(RunCancelled):
-        train_reward_model(TRAJECTORIES, TIERS, recipe, 7, interrupted, tmp_path)
-    resumed = Recorded()
-    model = train_reward_model(TRAJECTORIES, TIERS, recipe, 7, resumed, tmp_path)
-    for one, other in zip(model.members, expected.members, strict=True):
-        for a, b in zip(one.parameters(), other.parameters(), strict=True):
-            assert torch.equal(a, b)
+        train_reward_model(planted(recipe), 7, interrupted, tmp_path)
+    model = train_reward_model(planted(recipe), 7, resumed, tmp_path)
+    assert same(weights_of(model), weights_of(expected))
     # The first member was finished, the second had two of its four updates on disk.
-    assert resumed.done == [(4, 8), (6, 8), (7, 8), (8, 8)]
-    assert interrupted.values[:6] + resumed.values == whole.values
+    assert (resumed.done, resumed.totals) == ([4, 6, 7, 8], {8})
+    assert interrupted.points[:6] + resumed.points == whole.points
 
 
 def test_an_interrupted_check_gives_the_same_accuracy(
     model: RewardModel, recipe: RewardRecipe, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reward_trainer, "CHECKPOINT_EVERY_S", 0.0)
-    recipe = replace(recipe, fold_updates=3, folds=2)
-    expected = check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, NullProgress())
+    monkeypatch.setattr(reward_trainer, "CHECKPOINT_INTERVAL_S", 0.0)
+    dataset = planted(replace(recipe, fold_updates=3, folds=2))
+    expected = check_ranking(model, dataset, 7, NullProgress())
     with pytest.raises(RunCancelled):
-        check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, Recorded(stop_at=6), tmp_path)
-    resumed = Recorded()
-    assert check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, resumed, tmp_path) == expected
-    assert resumed.done[0] == (3, 6)
-    assert {name for values in resumed.values for name in values} == {"held_out_accuracy"}
+        check_ranking(model, dataset, 7, RecordingProgress(cancel_at=6), tmp_path)
+    resumed = RecordingProgress()
+    assert check_ranking(model, dataset, 7, resumed, tmp_path) == expected
+    assert (resumed.done[0], resumed.totals) == (3, {6})
+    assert {name for _, values in resumed.points for name in values} == {"held_out_accuracy"}
 
 
 def test_a_fold_learns_in_its_own_way(
     model: RewardModel, recipe: RewardRecipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    learned: list[RewardRecipe] = []
-    train = reward_trainer.RewardTrainer.train
+    strides: list[int] = []
+    train = RewardTrainer.train
 
-    def note(job: reward_trainer.RewardTrainer, progress: Progress) -> RewardNetwork:
-        learned.append(job._logits._recipe)
-        return train(job, progress)
+    def note(trainer: RewardTrainer, progress: Progress) -> RewardNetwork:
+        strides.append(trainer._logits.recipe.observation_stride)
+        return train(trainer, progress)
 
-    monkeypatch.setattr(reward_trainer.RewardTrainer, "train", note)
-    recipe = replace(recipe, folds=2, fold_updates=1, fold_stride=7)
-    check_ranking(model, TRAJECTORIES, TIERS, recipe, 7, NullProgress())
-    assert [one.observation_stride for one in learned] == [7, 7]
-    check_ranking(model, TRAJECTORIES, TIERS, replace(recipe, fold_stride=0), 7, NullProgress())
-    assert [one.observation_stride for one in learned[2:]] == [recipe.observation_stride] * 2
+    monkeypatch.setattr(RewardTrainer, "train", note)
+    for fold_stride in (7, 0):
+        own = replace(recipe, folds=2, fold_updates=1, fold_stride=fold_stride)
+        check_ranking(model, planted(own), 7, NullProgress())
+    assert strides == [7, 7, recipe.observation_stride, recipe.observation_stride]
 
 
 def test_cancelling_stops_at_once(recipe: RewardRecipe) -> None:
-    progress = Recorded(stop_at=2)
+    progress = RecordingProgress(cancel_at=2)
     with pytest.raises(RunCancelled):
-        train_reward_model(TRAJECTORIES, TIERS, recipe, 7, progress)
+        train_reward_model(planted(recipe), 7, progress)
     assert len(progress.done) == 2
 
 
-@pytest.mark.parametrize("name", ["fast", "paper"])
-def test_a_loss_is_computed_where_the_network_is(name: str) -> None:
-    comparisons = compare(TRAJECTORIES, TIERS, RECIPES[name])
-    job = reward_trainer.RewardTrainer(comparisons, 2, (7,), device=ELSEWHERE)
-    logits = job._logits(0)
+def test_a_loss_is_computed_where_the_network_is(recipe: RewardRecipe) -> None:
+    trainer = RewardTrainer(planted(recipe), 2, (7,), device=ELSEWHERE)
+    logits = trainer._logits(0)
     assert logits.device == ELSEWHERE
     logits.sum().backward()  # type: ignore[no-untyped-call]
-    gradients = [parameter.grad for parameter in job.network.parameters()]
+    gradients = [parameter.grad for parameter in trainer.network.parameters()]
     assert all(one is not None and one.device == ELSEWHERE for one in gradients)

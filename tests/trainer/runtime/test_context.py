@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
 from trainer.runtime.throttle import Throttle
@@ -14,11 +14,12 @@ from tril.files.artifact_store import ArtifactStore
 from tril.game.starts import Start
 from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
+from tril.stages import Stage
 from tril.store import behaviours, games
-from tril.store.training import leases, metrics, runs
+from tril.store.training import metrics, runs
 from tril.store.training.leases import LeaseLost
 
-STAGE = "imitator"
+STAGE = Stage.IMITATOR
 
 
 class Clock:
@@ -36,28 +37,21 @@ def run_id(workplace: Workplace) -> str:
     return workplace.make_run(steps=1000)
 
 
-def claimed(workplace: Workplace, run_id: str) -> RunContext:
-    with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", {})
-        assert claim is not None
-        row = runs.get(session, run_id)
+def leased(workplace: Workplace, run_id: str) -> RunContext:
+    lease = workplace.lease(run_id)
+    with workplace.database.reading() as session:
+        run = runs.get(session, run_id)
         return RunContext(
-            claim=claim,
-            behaviour_id=row.behaviour_id,
-            behaviour=behaviours.as_behaviour(behaviours.get(session, row.behaviour_id)),
-            recipe=recipe_from_dict(row.recipe),
-            steps=row.steps,
-            training_seed=0,
-            go_on_anyway=True,
-            snapshot=row.snapshot,
-            outcome={},
-            finished={},
+            lease=lease,
+            run=run,
+            behaviour=behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
+            recipe=recipe_from_dict(run.recipe),
             database=workplace.database,
             artifacts=ArtifactStore(workplace.settings.artifact_root),
             folder=workplace.settings.data / "runs" / run_id,
             settings=workplace.settings,
-            forecast=RunEta({"reward": 50.0, STAGE: 100.0, "evaluation": 30.0}),
-            courtesy=Throttle(1),
+            eta=RunEta({"reward": 50.0, STAGE: 100.0, "evaluation": 30.0}),
+            throttle=Throttle(1),
             stopping=threading.Event(),
         )
 
@@ -71,7 +65,7 @@ def test_points_and_progress_are_on_the_row_when_they_come_slowly(
     workplace: Workplace, run_id: str
 ) -> None:
     clock = Clock()
-    progress = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    progress = StageProgress(leased(workplace, run_id), STAGE, clock)
     for done in (100, 200, 300):
         clock.now += 5.0
         progress.advance(done, 1000, {"kl": done / 1000})
@@ -87,7 +81,7 @@ def test_points_are_written_at_once_and_mere_progress_once_a_second(
     workplace: Workplace, run_id: str
 ) -> None:
     clock = Clock()
-    progress = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    progress = StageProgress(leased(workplace, run_id), STAGE, clock)
     for done in range(1, 11):
         clock.now += 0.01
         progress.advance(done, 1000, {"kl": float(done)})
@@ -104,12 +98,12 @@ def test_going_on_from_a_checkpoint_leaves_a_curve_without_jump_or_gap(
     workplace: Workplace, run_id: str
 ) -> None:
     clock = Clock()
-    first = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    first = StageProgress(leased(workplace, run_id), STAGE, clock)
     for done in (100, 200, 300, 400):
         clock.now += 1.0
         first.advance(done, 1000, {"kl": 1.0})
     # Killed; the checkpoint was made at 200.
-    second = StageProgress(claimed(workplace, run_id), STAGE, clock)
+    second = StageProgress(leased(workplace, run_id), STAGE, clock)
     second.advance(200, 1000)
     assert curve(workplace, run_id) == [(100, 1.0), (200, 1.0)]
     for done in (300, 400):
@@ -121,7 +115,7 @@ def test_going_on_from_a_checkpoint_leaves_a_curve_without_jump_or_gap(
 
 
 def test_a_cancelled_run_stops_at_the_next_report(workplace: Workplace, run_id: str) -> None:
-    context = claimed(workplace, run_id)
+    context = leased(workplace, run_id)
     progress = StageProgress(context, STAGE)
     with workplace.database.writing() as session:
         runs.request_cancel(session, run_id)
@@ -133,7 +127,7 @@ def test_a_cancelled_run_stops_at_the_next_report(workplace: Workplace, run_id: 
 def test_the_row_is_looked_at_once_a_second_at_most(
     workplace: Workplace, run_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    context = claimed(workplace, run_id)
+    context = leased(workplace, run_id)
     clock = Clock()
     monkeypatch.setattr("trainer.runtime.context.time.monotonic", clock)
     context.check_cancelled()
@@ -147,17 +141,17 @@ def test_the_row_is_looked_at_once_a_second_at_most(
 
 
 def test_a_stopping_worker_leaves_at_once(workplace: Workplace, run_id: str) -> None:
-    context = claimed(workplace, run_id)
+    context = leased(workplace, run_id)
     context.stopping.set()
     with pytest.raises(WorkerStopping):
         StageProgress(context, STAGE).advance(1, 1000)
 
 
 def test_a_worker_that_lost_its_run_writes_nothing_more(workplace: Workplace, run_id: str) -> None:
-    lost = claimed(workplace, run_id)
+    lost = leased(workplace, run_id)
     progress = StageProgress(lost, STAGE)
     progress.advance(100, 1000, {"kl": 1.0})
-    claimed(workplace, run_id)
+    leased(workplace, run_id)
     with pytest.raises(LeaseLost):
         StageProgress(lost, STAGE).advance(500, 1000, {"kl": 9.0})
     with pytest.raises(LeaseLost):
@@ -169,33 +163,17 @@ def test_a_worker_that_lost_its_run_writes_nothing_more(workplace: Workplace, ru
 
 
 def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> None:
-    context = claimed(workplace, run_id)
+    context = leased(workplace, run_id)
     context.check_cancelled()
-    assert not context.courtesy.play_is_on
+    assert not context.throttle.active
     with workplace.database.writing() as session:
         game = games.create(session, workplace.behaviour_id, Start(1), None)
         epoch = games.claim(session, game.id, "server", "tab").epoch
-    again = claimed(workplace, run_id)
+    again = leased(workplace, run_id)
     again.check_cancelled()
-    assert again.courtesy.play_is_on
+    assert again.throttle.active
     with workplace.database.writing() as session:
         games.release(session, game.id, epoch)
-    last = claimed(workplace, run_id)
+    last = leased(workplace, run_id)
     last.check_cancelled()
-    assert not last.courtesy.play_is_on
-
-
-def test_learning_makes_way_while_somebody_plays() -> None:
-    courtesy = Throttle(4)
-    courtesy.begin()
-    import torch
-
-    before = torch.get_num_threads()
-    assert before == 4
-    courtesy.play_is_on = True
-    courtesy.make_way()
-    assert torch.get_num_threads() == 2
-    courtesy.play_is_on = False
-    courtesy.make_way()
-    assert torch.get_num_threads() == 4
-    torch.set_num_threads(1)
+    assert not last.throttle.active

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
 import stat
 import struct
-import subprocess
-import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,11 +16,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workplace import Workplace, make_workplace
+from testsupport.processes import tril_process
+from testsupport.workplace import Workplace, make_workplace
 from trainer.explain.attention import attention_map
 from trainer.policy.networks import Policy, new_policy, save_policy
-from trainer.reward.model import RewardModel
-from trainer.reward.reward_trainer import new_network
+from trainer.reward.model import RewardModel, new_network
 from trainer.runtime.inference import InferenceServer, Networks
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
@@ -153,7 +151,7 @@ def test_networks_in_memory_are_bounded(
     workplace: Workplace, store: ArtifactStore, tmp_path: Path
 ) -> None:
     runs = [run_with_networks(workplace, store, tmp_path) for _ in range(3)]
-    networks = Networks(workplace.database, store, most=2)
+    networks = Networks(workplace.database, store, max_kept=2)
     first = networks.reward_model(runs[0])
     second = networks.reward_model(runs[1])
     assert networks.reward_model(runs[0]) is first
@@ -169,7 +167,7 @@ def test_the_socket_is_for_its_owner_alone_and_goes_with_the_process(
     with serving(workplace):
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
     assert not path.exists()
-    with pytest.raises(Unavailable, match="inference process does not run"):
+    with pytest.raises(Unavailable, match="inference process is not running"):
         client.ping()
 
 
@@ -258,30 +256,18 @@ def test_who_goes_away_in_mid_message_harms_nothing(
 def test_the_process_serves_one_data_folder_alone_and_survives_a_kill(
     workplace: Workplace, client: InferenceClient
 ) -> None:
-    command = [sys.executable, "-m", "cli.main", "inference"]
-    environment = {**os.environ, "TRIL_DATA": str(workplace.settings.data)}
-
-    def start() -> subprocess.Popen[str]:
-        return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-
-    def until_it_answers(process: subprocess.Popen[str]) -> None:
-        assert process.stdout is not None
-        deadline = time.monotonic() + 60
-        while "Inference answers" not in process.stdout.readline():
-            assert time.monotonic() < deadline
+    with tril_process(workplace.settings, "inference") as first:
+        first.wait_for("Inference answers")
         client.ping()
-
-    with start() as first:
-        until_it_answers(first)
         with pytest.raises(Unavailable, match="Another inference process"):
             InferenceServer(
                 workplace.settings.inference_socket,
                 Networks(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
             )
-        first.kill()
+        first.process.kill()
     assert workplace.settings.inference_socket.exists()
-    with start() as second:
-        until_it_answers(second)
-        second.terminate()
-        assert second.wait(20) == 0
+    with tril_process(workplace.settings, "inference") as second:
+        second.wait_for("Inference answers")
+        client.ping()
+        assert second.stop(signal.SIGTERM) == 0
     assert not workplace.settings.inference_socket.exists()

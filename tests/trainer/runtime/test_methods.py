@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 from stable_baselines3 import PPO
 
-from tests.trainer.runtime.kills import curves_of, finish, flaws
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.waiting import wait_until
-from tests.workplace import TINY, Workplace
-from tril.jobs import STAGES, Jobs
+from testsupport.waiting import wait_until
+from testsupport.worker_kills import curves_of, finish, flaws
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import TINY, Workplace
+from tril.jobs import Jobs
 from tril.recipes import Recipe, with_values
+from tril.stages import stages_of
 from tril.store.models import RunStatus
 from tril.store.training import artifacts, evaluations
 
@@ -48,7 +49,7 @@ def test_a_run_is_finished_and_whole_whether_it_was_killed_while_it_trained_or_n
     finish(workplace, zygote, [untouched])
     row = workplace.run(untouched)
     assert row.status == RunStatus.DONE, row.message
-    assert tuple(row.finished_stages) == STAGES[1:]
+    assert tuple(row.finished_stages) == stages_of(example=False)
     assert OWN_CURVES[method] <= set(curves_of(workplace, untouched)["imitator"])
     check_results(workplace, untouched)
 

@@ -8,13 +8,23 @@ from pathlib import Path
 
 import pytest
 
-from tests.workplace import TINY, Workplace
-from trainer.reporting.run_report import describe_example
-from trainer.runtime.pipeline import FINISHED, Perform, Pipeline, explain, take_over_folder
+from tests.trainings import checked
+from testsupport.workplace import TINY, Workplace
+from trainer.reporting.run_entry import describe_example
+from trainer.runtime.pipeline import (
+    FINISHED,
+    GIVEN_BACK,
+    LEASE_LOST,
+    Pipeline,
+    RunStage,
+    failure_message,
+    own_scratch_folder,
+)
 from trainer.runtime.stages import demonstrations
+from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
-from tril.jobs import STAGES
+from tril.stages import Stage
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
 from tril.store.training import leases, runs
@@ -27,13 +37,13 @@ def pipeline(workplace: Workplace) -> Pipeline:
     return Pipeline(workplace.database, workplace.settings, NAME, threading.Event())
 
 
-def only(pipeline: Pipeline, *wanted: str) -> Perform:
+def only(pipeline: Pipeline, *stages: str) -> RunStage:
     """Do these stages and then leave, as if the worker had been killed."""
 
-    def perform(run_id: str, stage: str) -> str:
-        return pipeline.perform(run_id, stage) if stage in wanted else "left"
+    def run_stage(run_id: str, stage: str) -> str:
+        return pipeline.run_stage(run_id, stage) if stage in stages else "left"
 
-    return perform
+    return run_stage
 
 
 def test_a_stage_that_the_queue_remembers_and_the_row_does_not_is_done_again(
@@ -41,7 +51,7 @@ def test_a_stage_that_the_queue_remembers_and_the_row_does_not_is_done_again(
 ) -> None:
     run_id = workplace.make_run()
     # The queue's record says of every stage that it is finished.
-    assert pipeline.train(run_id, lambda *_: FINISHED) == "given back to the queue"
+    assert pipeline.train(run_id, lambda *_: FINISHED) == GIVEN_BACK
     row = workplace.run(run_id)
     assert row.status == RunStatus.QUEUED
     assert row.finished_stages == {}
@@ -51,9 +61,8 @@ def test_a_run_that_another_worker_has_is_left_alone(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     run_id = workplace.make_run()
-    with workplace.database.writing() as session:
-        leases.claim(session, run_id, "worker-1", {})
-    assert pipeline.train(run_id, pipeline.perform) == "nothing to do"
+    workplace.lease(run_id, "worker-1")
+    assert pipeline.train(run_id, pipeline.run_stage) == "nothing to do"
     assert workplace.run(run_id).worker == "worker-1"
 
 
@@ -62,7 +71,7 @@ def test_a_stopping_worker_takes_nothing_up(workplace: Workplace) -> None:
     stopping.set()
     pipeline = Pipeline(workplace.database, workplace.settings, NAME, stopping)
     run_id = workplace.make_run()
-    assert pipeline.train(run_id, pipeline.perform) == "left in the queue"
+    assert pipeline.train(run_id, pipeline.run_stage) == "left in the queue"
     assert workplace.run(run_id).epoch == 0
 
 
@@ -70,23 +79,22 @@ def test_a_crash_between_the_check_and_the_stop_still_stops_the_run(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     run_id = workplace.make_run(go_on_anyway=False)
+    lease = workplace.lease(run_id, NAME)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, NAME, {})
-        assert claim is not None
         for stage in ("trajectories", "reward", "check"):
-            row = leases.finish_stage(session, claim, stage, 1.0)
-        row.outcome = {"check": {"passed": False, "advice": "Confused."}}
-    assert pipeline.train(run_id, pipeline.perform) == RunStatus.STOPPED
+            row = leases.finish_stage(session, lease, stage, 1.0)
+        row.outcome = checked({}, passed=False, advice="Confused.")
+    assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.STOPPED
     assert workplace.run(run_id).message == "Confused."
 
 
-def test_a_run_that_cannot_be_begun_fails_with_a_reason(
+def test_a_run_that_cannot_be_started_fails_with_a_reason(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
         runs.get(session, run_id).recipe = {"name": "of another version"}
-    assert pipeline.train(run_id, pipeline.perform) == RunStatus.FAILED
+    assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.FAILED
     assert "not a recipe of this version" in workplace.run(run_id).message
 
 
@@ -95,29 +103,29 @@ def test_a_run_that_passes_to_another_worker_in_the_middle_is_dropped(
 ) -> None:
     run_id = workplace.make_run()
 
-    def perform(run_id: str, stage: str) -> str:
+    def run_stage(run_id: str, stage: str) -> str:
         if stage == "reward":
             with workplace.database.writing() as session:
-                assert leases.take_away(session, run_id, runs.get(session, run_id).epoch)
-                assert leases.claim(session, run_id, "worker-1", {}) is not None
-        return pipeline.perform(run_id, stage)
+                assert leases.revoke(session, run_id, runs.get(session, run_id).epoch)
+            workplace.lease(run_id, "worker-1")
+        return pipeline.run_stage(run_id, stage)
 
-    assert pipeline.train(run_id, perform) == "taken over by another worker"
+    assert pipeline.train(run_id, run_stage) == LEASE_LOST
     row = workplace.run(run_id)
     assert (row.status, row.worker) == (RunStatus.RUNNING, "worker-1")
     assert set(row.finished_stages) == {"trajectories"}
 
 
-def test_each_claim_has_its_own_scratch_folder_with_what_the_last_one_left(tmp_path: Path) -> None:
-    first = take_over_folder(tmp_path / "run", 1)
+def test_each_lease_has_its_own_scratch_folder_with_what_the_last_one_left(tmp_path: Path) -> None:
+    first = own_scratch_folder(tmp_path / "run", 1)
     (first / "checkpoint").write_text("at 100")
-    second = take_over_folder(tmp_path / "run", 3)
+    second = own_scratch_folder(tmp_path / "run", 3)
     assert (second / "checkpoint").read_text() == "at 100"
     # The worker that had it before can't find the checkpoint any more, let alone replace it.
     assert not first.exists()
     first.mkdir()
     (first / "checkpoint").write_text("of the past")
-    third = take_over_folder(tmp_path / "run", 4)
+    third = own_scratch_folder(tmp_path / "run", 4)
     assert (third / "checkpoint").read_text() == "at 100"
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["4"]
 
@@ -126,10 +134,9 @@ def test_scratch_folders_of_runs_that_are_done_or_deleted_are_swept(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     done, deleted, cancelled = (workplace.make_run() for _ in range(3))
+    lease = workplace.lease(done, NAME)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, done, NAME, {})
-        assert claim is not None
-        leases.end(session, claim, RunStatus.DONE)
+        leases.end(session, lease, RunStatus.DONE)
         for run_id in (deleted, cancelled):
             runs.request_cancel(session, run_id)
         runs.delete(session, deleted)
@@ -146,10 +153,10 @@ def test_scratch_folders_of_runs_that_are_done_or_deleted_are_swept(
 
 def test_failures_are_explained_with_what_to_do() -> None:
     full = OSError(errno.ENOSPC, "No space left on device")
-    assert "Free some space" in explain("imitator", full, "x")
-    assert "not enough memory" in explain("imitator", MemoryError(), "x")
-    assert explain("reward", Unavailable("Plain words."), "x") == "Plain words."
-    unexpected = explain("clone", ZeroDivisionError("division by zero"), "abc")
+    assert "Free some space" in failure_message("imitator", full, "x")
+    assert "not enough memory" in failure_message("imitator", MemoryError(), "x")
+    assert failure_message("reward", Unavailable("Plain words."), "x") == "Plain words."
+    unexpected = failure_message("clone", ZeroDivisionError("division by zero"), "abc")
     assert "ZeroDivisionError: division by zero" in unexpected
     assert "logs/runs/abc.log" in unexpected
 
@@ -188,7 +195,7 @@ def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
         behaviour_id = workplace.behaviour_id + 1
         assert rankings.current(session, behaviour_id).revision == 0
     first = make_example(workplace, behaviour_id)
-    assert pipeline.train(first, only(pipeline, STAGES[0])) == "left"
+    assert pipeline.train(first, only(pipeline, Stage.DEMONSTRATIONS)) == "left"
     made = scripted(workplace, behaviour_id)
     assert len(made) == few_tasks
     with workplace.database.reading() as session:
@@ -196,21 +203,21 @@ def test_an_example_makes_ranks_and_freezes_its_demonstrations_once(
         perfect = recordings.perfect_ids(session, behaviour_id)
     assert (ranking.change, ranking.tiers) == ("example", [[made[0]], [made[1]]])
     assert perfect == [made[2]]
-    frozen = {"ranking_revision": 1, "tiers": ranking.tiers, "perfect": perfect}
+    frozen = RunSnapshot(ranking_revision=1, tiers=ranking.tiers, perfect=perfect)
     assert workplace.run(first).snapshot == frozen
     # One that was deleted is made again, the others are not.
     with workplace.database.writing() as session:
         recordings.delete(session, recordings.get(session, made[1]), None)
     second = make_example(workplace, behaviour_id)
-    pipeline.train(second, only(pipeline, STAGES[0]))
+    pipeline.train(second, only(pipeline, Stage.DEMONSTRATIONS))
     again = scripted(workplace, behaviour_id)
     assert len(again) == few_tasks
     assert len(set(again) & set(made)) == few_tasks - 1
     snapshot = workplace.run(second).snapshot
     assert snapshot is not None
-    assert snapshot["tiers"] == [[made[0]], [again[-1]]]
+    assert snapshot.tiers == [[made[0]], [again[-1]]]
     # The ranking is somebody's by now: it stays as it is, and the example learns from its own.
-    assert snapshot["ranking_revision"] is None
+    assert snapshot.ranking_revision is None
     assert workplace.run(first).snapshot == frozen
 
 
@@ -222,13 +229,12 @@ def test_kinds_of_example_keep_apart_from_each_other_and_from_the_library(
     learned_from: dict[str, set[int]] = {}
     for kind, n_ranked in (("human", 12), ("six", 6)):
         run_id = make_example(workplace, behaviour_id, kind)
-        assert pipeline.train(run_id, only(pipeline, STAGES[0])) == "left"
+        assert pipeline.train(run_id, only(pipeline, Stage.DEMONSTRATIONS)) == "left"
         run = workplace.run(run_id)
         assert run.snapshot is not None
-        ranked = [number for tier in run.snapshot["tiers"] for number in tier]
-        assert len(ranked) == n_ranked
-        assert run.snapshot["ranking_revision"] is None
-        learned_from[kind] = {*ranked, *run.snapshot["perfect"]}
+        assert len(run.snapshot.ranked) == n_ranked
+        assert run.snapshot.ranking_revision is None
+        learned_from[kind] = {*run.snapshot.ranked, *run.snapshot.perfect}
         with workplace.database.reading() as session:
             made = recordings.by_ids(session, learned_from[kind]).values()
             assert recordings.listing(session, behaviour_id) == []
@@ -241,11 +247,11 @@ def test_kinds_of_example_keep_apart_from_each_other_and_from_the_library(
         assert names == {"human" if kind == "human" else "perfect"}
     # The ordinary example finds everything as if there were no other.
     ordinary = make_example(workplace, behaviour_id)
-    pipeline.train(ordinary, only(pipeline, STAGES[0]))
+    pipeline.train(ordinary, only(pipeline, Stage.DEMONSTRATIONS))
     learned_from["scripted"] = set(scripted(workplace, behaviour_id))
     assert len(learned_from["scripted"]) == 13
     assert sum(map(len, learned_from.values())) == len(set().union(*learned_from.values()))
-    assert workplace.run(ordinary).outcome == {}
+    assert workplace.run(ordinary).outcome == RunOutcome()
     with workplace.database.reading() as session:
         assert rankings.current(session, behaviour_id).change == "example"
 
@@ -257,22 +263,23 @@ def test_a_human_example_says_what_order_its_games_should_have_and_is_made_once(
     snapshots, outcomes = [], []
     for training_seed in (0, 1):
         run_id = make_example(workplace, workplace.behaviour_id, "human", training_seed)
-        pipeline.train(run_id, only(pipeline, STAGES[0]))
+        pipeline.train(run_id, only(pipeline, Stage.DEMONSTRATIONS))
         run = workplace.run(run_id)
         snapshots.append(run.snapshot)
         outcomes.append(run.outcome)
     assert snapshots[0] == snapshots[1]
     assert outcomes[0] == outcomes[1]
-    example = outcomes[0]["example"]
+    example = outcomes[0].example
     assert snapshots[0] is not None
-    assert example["kind"] == "human"
-    assert example["given_tiers"] == snapshots[0]["tiers"] != example["true_tiers"]
-    assert len(example["mistakes"]) == 3
-    assert 0.7 < example["tau"] < 1
+    assert example is not None
+    assert example.kind == "human"
+    assert example.given_tiers == snapshots[0].tiers != example.true_tiers
+    assert len(example.mistakes) == 3
+    assert 0.7 < example.tau < 1
     said = describe_example(outcomes[0])
     assert "of the kind `human`" in said
     assert "3 pairs of neighbours are ranked the wrong way round" in said
-    assert describe_example({}) == ""
+    assert describe_example(RunOutcome()) == ""
 
 
 def test_an_unknown_kind_of_example_is_refused(workplace: Workplace) -> None:

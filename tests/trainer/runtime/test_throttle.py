@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+import torch
 
 from trainer.runtime import throttle
 
@@ -44,3 +45,14 @@ def test_a_kernel_that_does_not_group_sessions_is_no_problem(
     monkeypatch.setattr(os, "getsid", lambda _: os.getpid())
     throttle.lower_priority()
     assert niceness == [throttle.NICENESS]
+
+
+def test_learning_uses_half_of_its_threads_while_somebody_plays() -> None:
+    slowed = throttle.Throttle(4)
+    slowed.begin()
+    used = [torch.get_num_threads()]
+    for slowed.active in (True, False):
+        slowed.pause()
+        used.append(torch.get_num_threads())
+    assert used == [4, 2, 4]
+    torch.set_num_threads(1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import time
@@ -12,14 +13,16 @@ from typing import Any
 import pytest
 from stable_baselines3 import PPO
 
-from tests.trainer.runtime.worker_zygote import WorkerProcess, Zygote
-from tests.waiting import wait_until
-from tests.workplace import TINY, Workplace
+from testsupport.waiting import wait_until
+from testsupport.worker_zygote import WorkerProcess, Zygote
+from testsupport.workplace import TINY, Workplace
 from trainer.reward.model import RewardModel
-from trainer.runtime.pipeline import TAKEN_OVER
-from tril.jobs import STAGES, Jobs, overall_progress
+from trainer.runtime.pipeline import LEASE_LOST
+from tril.game.episode import Ending, EndReason
+from tril.jobs import Jobs, overall_progress
 from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
+from tril.stages import stages_of
 from tril.store import processes, recordings
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import artifacts, evaluations, metrics
@@ -48,7 +51,8 @@ def is_in(workplace: Workplace, run_id: str, stage: str) -> bool:
 def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    run_id = workplace.make_run(judged_where_trained(TINY, 1))
+    recipe = with_values(judged_where_trained(TINY, 1), {"ending": "life_counter"})
+    run_id = workplace.make_run(recipe)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, run_id, worker)
@@ -56,7 +60,13 @@ def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     with workplace.database.reading() as session:
         games = evaluations.listing(session, run_id)
         assert {(game.start_number, game.held_out) for game in games} == {(1, False)}
-    assert row.outcome["headline"]["imitator"] is None
+        # The recordings are those of the whole games, which end by the recipe's rule.
+        for game in games:
+            recording = recordings.as_recording(game.recording)
+            assert recording.ending is Ending.LIFE_COUNTER
+            assert verify(recording).replay.end == game.recording.end != EndReason.HIT
+    assert row.outcome.headline is not None
+    assert row.outcome.headline.imitator is None
 
 
 @pytest.mark.lengthy
@@ -70,7 +80,7 @@ def test_a_run_goes_through_all_stages_and_leaves_its_results(
         row = until_over(workplace, run_id, worker)
         assert row.status == RunStatus.DONE, worker.log.read_text()
         until(lambda: not scratch.exists(), worker)
-    assert tuple(row.finished_stages) == STAGES[1:]
+    assert tuple(row.finished_stages) == stages_of(example=False)
     assert row.epoch == 1
     assert overall_progress(row) == 1.0
     assert row.remaining_s is None
@@ -108,8 +118,11 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
     model = RewardModel.load(root / files["reward-model.safetensors"].path)
     assert model.one > model.zero
     PPO.load(root / files["imitator.zip"].path)
-    assert set(row.outcome["check"]["predicted_returns"]) == {str(n) for n in workplace.ranked}
-    assert row.outcome["headline"]["imitator"]["targets"]["n"] == 1
+    assert row.outcome.check is not None
+    assert set(row.outcome.check.predicted_returns) == set(workplace.ranked)
+    assert row.outcome.headline is not None
+    assert row.outcome.headline.imitator is not None
+    assert row.outcome.headline.imitator.steps.n == 1
     assert {"loss", "accuracy"} <= set(curves["reward"])
     assert curves["imitator"]["entropy"][-1][0] == row.steps
     steps = [step for step, _ in curves["imitator"]["entropy"]]
@@ -144,7 +157,9 @@ def test_cancelling_takes_effect_within_5_s_in_every_stage_that_learns(
         row = until_over(workplace, run_id, worker)
         assert time.monotonic() - asked_at < 5.0
     assert row.status == RunStatus.CANCELLED
-    assert set(row.finished_stages) == set(STAGES[1 : STAGES.index(stage)])
+    assert set(row.finished_stages) == set(
+        itertools.takewhile(lambda one: one != stage, stages_of(example=False))
+    )
 
 
 def test_resuming_a_cancelled_run_goes_on_with_the_stage_that_was_left(
@@ -172,10 +187,10 @@ def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
         until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
         os.kill(sleeper.pid, signal.SIGSTOP)
         with zygote.running(data, lost_after_s=SOON_S) as other:
-            # Until it is claimed the run waits in the queue, from which anybody may take it.
+            # Until it is leased the run waits in the queue, from which anybody may take it.
             until(lambda: workplace.run(run_id).worker.startswith("worker-1"), other)
             os.kill(sleeper.pid, signal.SIGCONT)
-            until(lambda: TAKEN_OVER in sleeper.log.read_text(), sleeper)
+            until(lambda: LEASE_LOST in sleeper.log.read_text(), sleeper)
             until(lambda: is_in(workplace, run_id, "imitator"), other)
             assert workplace.run(run_id).worker.startswith("worker-1")
             assert "Traceback" not in sleeper.log.read_text()
@@ -211,7 +226,7 @@ def test_two_workers_never_take_the_same_run(
         rows = [until_over(workplace, run_id, first) for run_id in runs]
         assert second.is_alive
     assert [row.status for row in rows] == [RunStatus.STOPPED] * 8
-    # Every run was claimed exactly once, and both workers had some.
+    # Every run was leased exactly once, and both workers had some.
     assert [row.epoch for row in rows] == [1] * 8
     assert len({row.worker for row in rows}) == 2
 
@@ -226,7 +241,8 @@ def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to
         assert row.status == RunStatus.STOPPED
         assert "tau" in row.message
         assert "other demonstrations or another order" in row.message
-        assert not row.outcome["check"]["passed"]
+        assert row.outcome.check is not None
+        assert not row.outcome.check.passed
         assert "clone" not in row.finished_stages
         jobs.resume(run_id)
         until(lambda: "clone" in workplace.run(run_id).finished_stages, worker)

@@ -7,9 +7,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.trainer.runtime.kills import finish, flaws, kill_and_finish
-from tests.trainer.runtime.worker_zygote import Zygote
-from tests.workplace import TINY, Workplace
+from testsupport.worker_kills import finish, flaws, kill_and_finish
+from testsupport.worker_zygote import Zygote
+from testsupport.workplace import TINY, Workplace
 from tril.jobs import Jobs
 from tril.store import recordings
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES

@@ -29,7 +29,7 @@ def test_an_honest_training_gives_none(name: str) -> None:
     assert [alarm_of(HONEST[name], draws) for draws in range(5)] == [None] * 5
 
 
-def test_the_alarm_comes_while_the_training_goes() -> None:
+def test_the_alarm_is_raised_during_training() -> None:
     curves = HACKS["all the time"].curves()
     half = {name: points[: len(points) // 2] for name, points in curves.items()}
     assert reward_alarm(half, 6, DEMONSTRATED) is not None
@@ -40,7 +40,7 @@ def test_a_short_training_gives_none() -> None:
     assert alarm_of(hack) is None
 
 
-def test_without_targets_or_curves_nothing_can_be_said() -> None:
+def test_without_targets_or_curves_there_is_no_alarm() -> None:
     hack = HACKS["all the time"]
     assert alarm_of(hack) is not None
     assert alarm_of(hack, n_targets=None) is None
@@ -50,7 +50,7 @@ def test_without_targets_or_curves_nothing_can_be_said() -> None:
     assert reward_alarm(curves, 6, ()) is None
 
 
-def test_a_gap_in_a_curve_is_no_reason_to_fail() -> None:
+def test_gaps_in_a_curve_are_tolerated() -> None:
     curves = HACKS["all the time"].curves()
     few = {**curves, "strays": curves["strays"][::2]}
     assert reward_alarm(few, 6, DEMONSTRATED) is not None
@@ -58,7 +58,7 @@ def test_a_gap_in_a_curve_is_no_reason_to_fail() -> None:
     assert reward_alarm(early, 6, DEMONSTRATED) is None
 
 
-def test_the_message_says_what_happened_and_what_to_do() -> None:
+def test_the_message_names_the_cause_and_the_remedy() -> None:
     alarm = alarm_of(replace(HACKS["all the time"], length=lambda t: 100 + 180 * t))
     assert alarm is not None
     assert "predicted return of the training games rose from" in alarm.message

@@ -1,4 +1,4 @@
-"""The kinds of example, and the scripted player that plays as a person does."""
+"""The kinds of example and the human-like player."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from tril.demonstrator import (
     SCRIPTED,
     Demonstration,
     DemonstrationFailed,
-    Manner,
-    ShownGame,
-    carry_out,
+    ErrorModel,
+    PlannedGame,
     demonstrate,
     example_plans,
     example_tasks,
-    judge_example,
+    execute,
     kind_named,
+    rank_example,
 )
+from tril.demonstrator.human_like import HumanLikePlayer
 from tril.demonstrator.judging import swap_neighbours
-from tril.demonstrator.person import PersonLikePlayer
-from tril.demonstrator.plans import comes_near, draw_hits
-from tril.demonstrator.player import Style
+from tril.demonstrator.plans import draw_hits, tolerance_violation
+from tril.demonstrator.player import PlayStyle
 from tril.errors import Invalid
 from tril.exchange.demonstrations import demonstration_object
 from tril.game.console import Console
@@ -65,31 +65,27 @@ def test_each_kind_has_the_demonstrations_that_it_promises(
     assert [task.plan.number for task in ranked] == numbers
     assert len(numbers) == kind.n_ranked
     assert [task.plan.number for task in tasks if task.perfect] == [1] * 12
-    assert {task.manner for task in tasks} == {kind.manner}
+    assert {task.error_model for task in tasks} == {kind.error_model}
     # Two demonstrations of one plan are different games.
-    assert len({task.chance for task in tasks}) == len(tasks)
+    assert len({task.seed for task in tasks}) == len(tasks)
     assert len({task.idle_frames[0] for task in tasks}) == len(tasks)
 
 
-def test_only_one_kind_is_not_played_flawlessly_and_it_is_known_which() -> None:
-    assert [kind.name for kind in KINDS if kind.manner != PERFECT] == ["human"]
+def test_only_the_human_kind_is_not_played_flawlessly() -> None:
+    assert [kind.name for kind in KINDS if kind.error_model != PERFECT] == ["human"]
     assert kind_named("scripted") is SCRIPTED
-    with pytest.raises(Invalid, match="no demonstrations 'seven'; there are scripted, human, six"):
+    with pytest.raises(Invalid, match="'seven'; choose one of scripted, human, six, twen"):
         kind_named("seven")
 
 
-def test_the_ordinary_example_is_what_it_is_without_kinds() -> None:
-    behaviour = BY_SLUG["column-4"]
-    plain = example_tasks(behaviour, np.random.default_rng(7), 3)
-    assert plain == example_tasks(behaviour, np.random.default_rng(7), 3, SCRIPTED)
-    assert [task.plan for task in plain[:12]] == list(example_plans(behaviour))
-    (made,) = carry_out([plain[6]])
+def test_flawless_demonstrations_have_no_conditions_and_their_plans_tier() -> None:
+    (made,) = execute([example_tasks(BY_SLUG["column-4"], np.random.default_rng(7))[6]])
     assert made.conditions == {}
     assert made.notes == made.plan.description
     assert demonstration_object(made)["tier"] == 7
 
 
-# The manner
+# The human-like player
 
 
 class Shoved(Recorder):
@@ -106,9 +102,9 @@ class Shoved(Recorder):
 
 
 @pytest.mark.parametrize("reaction_frames", [0, 6, 15, 24])
-def test_what_it_does_answers_what_it_saw_a_reaction_time_ago(reaction_frames: int) -> None:
+def test_actions_depend_on_the_screen_of_a_reaction_time_ago(reaction_frames: int) -> None:
     console = Console()
-    manner = replace(HUMAN, reaction_frames=reaction_frames)
+    error_model = replace(HUMAN, reaction_frames=reaction_frames)
     plan = example_plans(BY_SLUG["column-3"])[0]
     lags = []
     for seed in range(8):
@@ -117,13 +113,13 @@ def test_what_it_does_answers_what_it_saw_a_reaction_time_ago(reaction_frames: i
             rng = np.random.default_rng(seed)
             recorder = Shoved(Episode(console, Start(4)), pushed)
             wanted = draw_hits(plan, rng)
-            PersonLikePlayer(recorder, wanted, Style(), manner, rng).play()
+            HumanLikePlayer(recorder, wanted, PlayStyle(), error_model, rng).play()
             keys.append(recorder.keys)
         left_alone, was_pushed = keys
         both = zip(left_alone, was_pushed, strict=False)
         lags += [frame - 60 for frame, (a, b) in enumerate(both) if a != b][:1]
     assert min(lags) > reaction_frames
-    # It does answer: soon after the reaction time in one of the games at least.
+    # And it does react: soon after the reaction time in one of the games at least.
     assert min(lags) < reaction_frames + 60
 
 
@@ -131,14 +127,16 @@ def test_what_it_does_answers_what_it_saw_a_reaction_time_ago(reaction_frames: i
 def human() -> list[Demonstration]:
     """The ranked demonstrations of the human kind, then two perfect ones."""
     tasks = example_tasks(BY_SLUG["column-2"], np.random.default_rng(0), 2, HUMAN_KIND)
-    return list(carry_out(tasks))
+    return list(execute(tasks))
 
 
-def test_human_games_come_near_their_plans_and_replay(human: list[Demonstration]) -> None:
+def test_human_games_stay_near_their_plans_and_replay(
+    human: list[Demonstration],
+) -> None:
     console = Console()
     assert len(human) == 14
     for made in human[:12]:
-        assert comes_near(made.plan, made.shown.hits) is None
+        assert tolerance_violation(made.plan, made.shown.hits) is None
         assert verify(made.recording, console=console).recording == made.recording
         assert made.conditions["manner"]["reaction_frames"] == 15
         exchanged = demonstration_object(made, 3)
@@ -181,7 +179,7 @@ def test_a_game_that_ends_by_a_hit_is_no_perfect_demonstration() -> None:
 
     def play(perfect: bool) -> Demonstration:
         rng = np.random.default_rng(0)
-        return demonstrate(no_alien, Start(4), rng, manner=careless, perfect=perfect)
+        return demonstrate(no_alien, Start(4), rng, error_model=careless, perfect=perfect)
 
     assert play(perfect=False).replay.end is EndReason.HIT
     with pytest.raises(DemonstrationFailed, match=r"ended at frame \d+: hit"):
@@ -191,31 +189,31 @@ def test_a_game_that_ends_by_a_hit_is_no_perfect_demonstration() -> None:
 def test_the_same_seed_gives_the_same_human_games(human: list[Demonstration]) -> None:
     def again(seed: int) -> list[Demonstration]:
         tasks = example_tasks(BY_SLUG["column-2"], np.random.default_rng(seed), 2, HUMAN_KIND)
-        return list(carry_out([tasks[3], tasks[11]], n_processes=1 + (seed == 0)))
+        return list(execute([tasks[3], tasks[11]], n_processes=1 + (seed == 0)))
 
     assert again(0) == [human[3], human[11]]
     assert again(1)[0].recording != human[3].recording
 
 
-def test_every_behaviour_has_human_games_near_the_best_and_the_worst_plan() -> None:
+def test_every_behaviour_has_human_games_for_the_best_and_the_worst_plan() -> None:
     for behaviour in BUILT_IN:
         tasks = example_tasks(behaviour, np.random.default_rng(2), 0, HUMAN_KIND)
-        best, worst = (made.shown.hits for made in carry_out([tasks[0], tasks[11]]))
+        best, worst = (made.shown.hits for made in execute([tasks[0], tasks[11]]))
         found = score(behaviour, best)
         assert found is not None
         assert found.targets - found.strays >= 4
         assert len(worst) >= 8
 
 
-def test_what_comes_near_a_plan() -> None:
+def test_human_games_may_deviate_from_their_plan_within_limits() -> None:
     six, five = example_plans(BY_SLUG["column-1"])[:2]
     column = [(row, 0) for row in range(6)]
-    assert comes_near(six, column) is None
-    assert comes_near(six, column[:5]) is None
-    assert comes_near(six, [*column[:5], (0, 1)]) is None
-    assert comes_near(five, column) is None
-    assert comes_near(six, column[:4]) == "It hits 4 aliens; planned were 6."
-    assert comes_near(six, [*column[:4], (0, 1), (1, 1)]) == (
+    assert tolerance_violation(six, column) is None
+    assert tolerance_violation(six, column[:5]) is None
+    assert tolerance_violation(six, [*column[:5], (0, 1)]) is None
+    assert tolerance_violation(five, column) is None
+    assert tolerance_violation(six, column[:4]) == "It hits 4 aliens; the plan has 6."
+    assert tolerance_violation(six, [*column[:4], (0, 1), (1, 1)]) == (
         "It hits row 1 of column 2, row 2 of column 2, which the plan leaves alone."
     )
 
@@ -223,9 +221,11 @@ def test_what_comes_near_a_plan() -> None:
 # The ranking
 
 
-def _game(n_targets: int, n_strays: int = 0, end: EndReason | None = EndReason.STEPS) -> ShownGame:
+def _game(
+    n_targets: int, n_strays: int = 0, end: EndReason | None = EndReason.STEPS
+) -> PlannedGame:
     hits = [(row, 1) for row in range(n_targets)] + [(row, 3) for row in range(n_strays)]
-    return ShownGame(1, tuple(hits), end)
+    return PlannedGame(1, tuple(hits), end)
 
 
 def test_human_games_are_ranked_by_what_they_hit_and_whether_they_were_survived() -> None:
@@ -239,24 +239,24 @@ def test_human_games_are_ranked_by_what_they_hit_and_whether_they_were_survived(
         16: _game(4),
         17: _game(0, 2),
     }
-    judgement = judge_example(BY_SLUG["column-2"], HUMAN_KIND, games, 0)
+    judgement = rank_example(BY_SLUG["column-2"], HUMAN_KIND, games, 0)
     assert judgement.true == Ranking(((11,), (13, 14), (16,), (15,), (12,), (17,), (10,)))
     assert judgement.given != judgement.true
     assert len(judgement.mistakes) == HUMAN_KIND.n_mistakes == 3
 
 
 def test_a_sweep_out_of_order_is_worth_less_than_none() -> None:
-    in_order = ShownGame(1, ((0, 0), (0, 1)), EndReason.STEPS)
-    out_of_order = ShownGame(1, ((0, 3), (0, 2)), EndReason.STEPS)
-    none = ShownGame(1, (), EndReason.STEPS)
+    in_order = PlannedGame(1, ((0, 0), (0, 1)), EndReason.STEPS)
+    out_of_order = PlannedGame(1, ((0, 3), (0, 2)), EndReason.STEPS)
+    none = PlannedGame(1, (), EndReason.STEPS)
     kind = replace(HUMAN_KIND, n_mistakes=0)
-    judgement = judge_example(BY_SLUG["row-1"], kind, {0: out_of_order, 1: none, 2: in_order}, 0)
+    judgement = rank_example(BY_SLUG["row-1"], kind, {0: out_of_order, 1: none, 2: in_order}, 0)
     assert judgement.given == judgement.true == Ranking(((2,), (1,), (0,)))
 
 
 def test_flawless_games_are_ranked_by_their_plans_without_mistakes() -> None:
     games = {number: replace(_game(0), plan_number=number % 12 + 1) for number in range(24)}
-    judgement = judge_example(BY_SLUG["column-2"], kind_named("twenty-four"), games, 0)
+    judgement = rank_example(BY_SLUG["column-2"], kind_named("twenty-four"), games, 0)
     assert judgement.given == judgement.true
     assert judgement.true.tiers[0] == (0, 12)
     assert len(judgement.true.tiers) == 12
@@ -280,10 +280,10 @@ def test_as_many_pairs_are_swapped_as_asked_for(n_pairs: int) -> None:
     assert len(seen) > 1 or n_pairs == 0
 
 
-def test_swaps_that_there_are_too_few_tiers_for_are_refused() -> None:
+def test_swaps_need_two_tiers_each() -> None:
     with pytest.raises(Invalid, match="Expected 4 tiers for 2 swaps, got 3"):
         swap_neighbours(normalise([[0], [1], [2]]), 2, np.random.default_rng(0))
 
 
-def test_a_manner_is_written_down_whole() -> None:
-    assert Manner(**HUMAN.to_dict()) == HUMAN
+def test_an_error_model_survives_being_stored() -> None:
+    assert ErrorModel(**HUMAN.to_dict()) == HUMAN

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.errors import Conflict, Unavailable
 from tril.exchange import backup
 from tril.exchange.backup import BackupDamaged, check_backup, make_backup
@@ -69,7 +69,7 @@ def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_
     database.close()
 
 
-def test_it_is_one_state_however_much_is_written_meanwhile(
+def test_the_copy_is_consistent_while_writers_are_active(
     workplace: Workplace, tmp_path: Path
 ) -> None:
     stop, written = threading.Event(), threading.Event()
@@ -106,9 +106,7 @@ def test_it_is_one_state_however_much_is_written_meanwhile(
     assert finished == [True], "no write was refused"
 
 
-def test_what_can_be_made_again_and_what_is_secret_stays_behind(
-    workplace: Workplace, tmp_path: Path
-) -> None:
+def test_caches_and_secrets_are_not_backed_up(workplace: Workplace, tmp_path: Path) -> None:
     data = workplace.settings.data
     (data / "cache").mkdir()
     (data / "cache" / "a.frames").write_bytes(b"x")
@@ -132,20 +130,20 @@ def test_a_changed_or_missing_file_is_found(
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 1
     file.write_bytes(content)
-    with pytest.raises(BackupDamaged, match="is not what was written"):
+    with pytest.raises(BackupDamaged, match="was changed after"):
         check_backup(made.folder)
     file.unlink()
     with pytest.raises(BackupDamaged, match="is missing"):
         check_backup(made.folder)
 
 
-def test_what_is_no_backup_is_said(tmp_path: Path) -> None:
-    with pytest.raises(BackupDamaged, match="no backup of Tril"):
+def test_a_folder_that_is_not_a_backup_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BackupDamaged, match="not a Tril backup"):
         check_backup(tmp_path)
     manifest = tmp_path / "manifest.json"
     for content, reason in [
         ("{", "can't be read"),
-        ("[]", "something else"),
+        ("[]", "another format"),
         (json.dumps({"format": "tril-backup", "version": 9}), "another version"),
     ]:
         manifest.write_text(content)
@@ -172,7 +170,7 @@ def test_files_of_a_training_under_way_may_be_newer(workplace: Workplace, tmp_pa
     store.put(artifacts.path_of(run_id, "model.bin"), MODEL * 2)
     made = make_backup(workplace.settings, tmp_path / "backup")
     assert len(made.notices) == 1
-    assert "a moment newer" in made.notices[0]
+    assert "slightly newer" in made.notices[0]
 
 
 def test_a_training_deleted_between_the_copies_takes_another_try(
@@ -212,7 +210,7 @@ def test_nothing_is_overwritten(workplace: Workplace, tmp_path: Path) -> None:
     make_backup(workplace.settings, tmp_path / "empty")
 
 
-def test_too_little_room_is_said_before(
+def test_too_little_space_is_reported_before_copying(
     workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(backup, "free_bytes", lambda _folder: 10)

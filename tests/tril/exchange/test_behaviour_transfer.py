@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from tests.workplace import Workplace, make_workplace
-from tril.exchange.behaviour_transfer import export_whole, import_whole
-from tril.exchange.formats import BehaviourRefused, behaviour_schema
+from testsupport.workplace import Workplace, make_workplace
+from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
+from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_schema
 from tril.store import behaviours, players, rankings, recordings
 from tril.store.models import RecordingRow, Verification
 
@@ -50,7 +50,7 @@ def other(tmp_path: Path) -> Iterator[Workplace]:
 
 def exported(workplace: Workplace, slug: str = "column-1") -> File:
     with workplace.database.reading() as session:
-        content, notices = export_whole(session, behaviours.by_slug(session, slug))
+        content, notices = export_behaviour(session, behaviours.by_slug(session, slug))
     assert notices == []
     read: File = json.loads(json.dumps(content))
     return read
@@ -69,12 +69,12 @@ def renumbered(file: File) -> File:
     return changed
 
 
-def test_what_is_imported_elsewhere_and_exported_again_is_the_same_file(
+def test_an_imported_behaviour_exports_to_the_same_file(
     origin: Workplace, other: Workplace
 ) -> None:
     file = exported(origin)
     assert [row["change"] for row in file["rankings"]] == ["edit", "edit", "undo", "deletion"]
-    outcome = import_whole(other.database, json.dumps(file).encode())
+    outcome = import_behaviour(other.database, json.dumps(file).encode())
     # Column 1 has recordings there, so it isn't touched.
     assert (outcome.slug, outcome.was_there) == ("column-1-2", False)
     assert (outcome.n_recordings, outcome.n_revisions, outcome.notices) == (4, 4, [])
@@ -86,8 +86,8 @@ def test_what_is_imported_elsewhere_and_exported_again_is_the_same_file(
         assert len(recordings.listing(session, other.behaviour_id)) == 4
 
 
-def test_undo_goes_on_from_where_it_was(origin: Workplace, other: Workplace) -> None:
-    slug = import_whole(other.database, json.dumps(exported(origin)).encode()).slug
+def test_the_undo_history_is_preserved(origin: Workplace, other: Workplace) -> None:
+    slug = import_behaviour(other.database, json.dumps(exported(origin)).encode()).slug
     with other.database.writing() as session:
         behaviour = behaviours.by_slug(session, slug)
         newest = rankings.current(session, behaviour.id)
@@ -96,39 +96,37 @@ def test_undo_goes_on_from_where_it_was(origin: Workplace, other: Workplace) -> 
     assert sizes == [2, 1], "the tie is back, without the deleted recording"
 
 
-def test_a_behaviour_that_comes_ready_takes_it_where_it_is_empty(
-    origin: Workplace, other: Workplace
-) -> None:
+def test_an_empty_built_in_behaviour_is_filled(origin: Workplace, other: Workplace) -> None:
     file = exported(origin) | {
         "slug": "column-2",
         "name": "Column 2",
         "target": [[row, 1] for row in range(6)],
     }
     content = json.dumps(file).encode()
-    first = import_whole(other.database, content)
+    first = import_behaviour(other.database, content)
     assert (first.slug, first.was_there) == ("column-2", True)
-    second = import_whole(other.database, content)
+    second = import_behaviour(other.database, content)
     assert (second.slug, second.was_there) == ("column-2-2", False)
-    third = import_whole(other.database, content, name="Of a colleague")
+    third = import_behaviour(other.database, content, name="Of a colleague")
     assert (third.slug, third.was_there) == ("of-a-colleague", False)
 
 
-def test_what_is_not_verified_is_left_out_everywhere_and_said(origin: Workplace) -> None:
+def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> None:
     best = origin.ranked[0]
     with origin.database.writing() as session:
         session.get_one(RecordingRow, best).verification = Verification.FAILED
     with origin.database.reading() as session:
-        content, notices = export_whole(session, behaviours.by_slug(session, "column-1"))
-    assert notices == [f"Recording {best} is left out: it is not verified."]
+        content, notices = export_behaviour(session, behaviours.by_slug(session, "column-1"))
+    assert notices == [f"Recording {best} was left out because it is not verified."]
     assert best not in [one["number"] for one in content["recordings"]]
     assert best not in [key for row in content["rankings"] for tier in row["tiers"] for key in tier]
     assert all(one["parent"] is None for one in content["recordings"])
-    import_whole(origin.database, json.dumps(content).encode())
+    import_behaviour(origin.database, json.dumps(content).encode())
 
 
-def test_the_published_schema_is_the_codes_and_fits_what_is_written(origin: Workplace) -> None:
+def test_the_published_schema_is_current_and_accepts_exports(origin: Workplace) -> None:
     assert json.loads(SCHEMA_FILE.read_text()) == behaviour_schema(), (
-        "Make it again: python -m tril.exchange behaviour > docs/behaviour-format.schema.json"
+        "Regenerate it: python -m tril.exchange behaviour > docs/behaviour-format.schema.json"
     )
     Draft202012Validator.check_schema(behaviour_schema())
     Draft202012Validator(behaviour_schema()).validate(exported(origin))
@@ -138,7 +136,7 @@ def _refused(other: Workplace, content: bytes) -> str:
     with other.database.reading() as session:
         before = len(behaviours.listing(session)), len(players.names(session))
     with pytest.raises(BehaviourRefused) as refusal:
-        import_whole(other.database, content)
+        import_behaviour(other.database, content)
     with other.database.reading() as session:
         after = len(behaviours.listing(session)), len(players.names(session))
     assert before == after, "nothing of it is stored"
@@ -148,14 +146,14 @@ def _refused(other: Workplace, content: bytes) -> str:
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (b"", "which is JSON"),
-        (b"\x89PNG\r\n", "which is JSON"),
+        (b"", "is not JSON"),
+        (b"\x89PNG\r\n", "is not JSON"),
         (b"[1]", "got [1]"),
         (b'{"format": "zip"}', "got 'zip'"),
         (b'{"format":"tril-recording","version":1}\n{}', "tril recordings import"),
         (b'{"format":"tril-behaviour","version":2}', "newer version"),
         (b'{"format":"tril-behaviour","version":1}', "recordings is missing"),
-        (b"[" * 100_000, "no file of"),
+        (b"[" * 100_000, "is not JSON"),
     ],
 )
 def test_foreign_files_are_refused_with_what_they_are(
@@ -178,9 +176,9 @@ def _with(path: str, value: object) -> Callable[[File], None]:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (_with("recordings.0.recording.hits", [[5, 5]]), "Recording 1 is refused"),
+        (_with("recordings.0.recording.hits", [[5, 5]]), "Recording 1 was refused"),
         (_with("recordings.0.recording.rom_md5", "0" * 32), "another ROM"),
-        (_with("recordings.1.number", 1), "given to 2 recordings"),
+        (_with("recordings.1.number", 1), "2 recordings have the number"),
         (_with("recordings.1.parent.number", 77), "goes on from 77, which is not in the file"),
         (_with("recordings.1.parent.number", 2), "goes on from 2, which is itself"),
         (_with("recordings.0.recording.actions", ""), "recordings.0.recording.actions"),

@@ -16,16 +16,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from tril.exchange.formats import (
-    Exchanged,
-    from_exchange,
-    parse,
-    ranked,
-    read_lines,
-    schema,
-    to_exchange,
+from tril.exchange.formats.jsonl import read_lines
+from tril.exchange.formats.recording_file import (
+    ImportedRecording,
+    dump_recording,
+    load_recording,
+    ranking_of,
 )
-from tril.exchange.formats.recording_object import Source
+from tril.exchange.formats.recording_object import Source, parse_recording, recording_schema
 from tril.game.console import Console
 from tril.game.episode import EndReason, Episode, Start, evaluation_start
 from tril.game.space_invaders import Action, rom_md5
@@ -56,7 +54,7 @@ def played(console: Console) -> Recorder:
 @pytest.fixture(scope="module")
 def full(played: Recorder) -> dict[str, Any]:
     """An object with all members."""
-    return to_exchange(
+    return dump_recording(
         played.recording(),
         hits=played.episode.hits,
         end=played.episode.end,
@@ -77,7 +75,7 @@ def content(full: dict[str, Any]) -> dict[str, Any]:
 def _refusal(content: object, console: Console) -> str:
     # Not pytest.raises, whose traceback would keep the console alive until the very end.
     try:
-        from_exchange(content, console)
+        load_recording(content, console)
     except RecordingRefused as refusal:
         return str(refusal)
     pytest.fail("It was accepted.")
@@ -86,11 +84,11 @@ def _refusal(content: object, console: Console) -> str:
 # Form: the schema and the code
 
 
-def test_the_published_schema_is_the_codes() -> None:
-    assert json.loads(SCHEMA_FILE.read_text()) == schema(), (
-        "Make it again: python -m tril.exchange > docs/exchange-format.schema.json"
+def test_the_published_schema_is_current() -> None:
+    assert json.loads(SCHEMA_FILE.read_text()) == recording_schema(), (
+        "Regenerate it: python -m tril.exchange > docs/exchange-format.schema.json"
     )
-    Draft202012Validator.check_schema(schema())
+    Draft202012Validator.check_schema(recording_schema())
 
 
 MINIMAL: dict[str, Any] = {
@@ -138,26 +136,26 @@ def test_the_code_accepts_what_the_schema_accepts(
         if isinstance(content.get("start"), dict):
             content["start"].pop(key, None)
     # "$" in a schema is the very end, which Python's re reads as "or before a last newline".
-    patterned = [k for k, v in schema()["properties"].items() if "pattern" in v]
+    patterned = [k for k, v in recording_schema()["properties"].items() if "pattern" in v]
     strict = not any(str(content.get(key, "")).endswith("\n") for key in patterned)
-    valid = Draft202012Validator(schema()).is_valid(content) and strict
+    valid = Draft202012Validator(recording_schema()).is_valid(content) and strict
     if valid:
-        parse(content)
+        parse_recording(content)
     else:
         with pytest.raises(RecordingRefused):
-            parse(content)
+            parse_recording(content)
 
 
 @given(st.binary(max_size=12) | st.binary(max_size=12).map(lambda b: bytes(x % 6 for x in b)))
 def test_the_actions_pattern_accepts_exactly_the_actions(actions: bytes) -> None:
-    pattern = Draft202012Validator(schema()["properties"]["actions"])
+    pattern = Draft202012Validator(recording_schema()["properties"]["actions"])
     valid = bool(actions) and max(actions) < len(Action)
     assert pattern.is_valid(base64.b64encode(actions).decode()) == valid
 
 
 @given(st.text("ABCDEFQgwIMU=Zz+/", max_size=9))
 def test_the_actions_pattern_accepts_only_base64(text: str) -> None:
-    if Draft202012Validator(schema()["properties"]["actions"]).is_valid(text):
+    if Draft202012Validator(recording_schema()["properties"]["actions"]).is_valid(text):
         actions = base64.b64decode(text, validate=True)
         assert base64.b64encode(actions).decode() == text
         assert max(actions) < len(Action)
@@ -166,8 +164,8 @@ def test_the_actions_pattern_accepts_only_base64(text: str) -> None:
 def test_the_documented_members_are_the_schemas() -> None:
     page = (DOCS / "exchange-format.md").read_text()
     documented = re.findall(r"^\| `(\w+)` \| (required)?", page, re.MULTILINE)
-    assert [member for member, _ in documented] == list(schema()["properties"])
-    assert [member for member, required in documented if required] == schema()["required"]
+    assert [member for member, _ in documented] == list(recording_schema()["properties"])
+    assert [member for member, required in documented if required] == recording_schema()["required"]
     assert rom_md5() in page
 
 
@@ -177,7 +175,7 @@ def test_the_documented_example_writes_a_recording_that_is_accepted(console: Con
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
-    given = from_exchange(json.loads(done.stdout), console)
+    given = load_recording(json.loads(done.stdout), console)
     assert given.replay.end is EndReason.HIT
     assert given.notices == ()
 
@@ -189,11 +187,11 @@ def test_the_sources_are_those_of_the_library() -> None:
 # Content: replayed
 
 
-def test_a_recording_comes_back_as_it_went(
+def test_a_recording_survives_the_round_trip(
     console: Console, played: Recorder, content: dict[str, Any]
 ) -> None:
     through_json = json.loads(json.dumps(content, allow_nan=False))
-    assert from_exchange(through_json, console) == Exchanged(
+    assert load_recording(through_json, console) == ImportedRecording(
         recording=played.recording(),
         replay=played.replay(),
         tier=3,
@@ -210,7 +208,7 @@ def test_numbers_in_the_conditions_stay_as_they_are(
     console: Console, content: dict[str, Any]
 ) -> None:
     content["tier"] = 3.0
-    given = from_exchange(content, console)
+    given = load_recording(content, console)
     assert isinstance(given.tier, int)
     assert isinstance(given.conditions["delay_s"], float)
 
@@ -220,7 +218,7 @@ def test_numbers_in_the_conditions_stay_as_they_are(
     st.builds(Start, st.integers(0, 127), difficulty=st.integers(0, 1)),
     st.lists(st.sampled_from(Action), min_size=1, max_size=20),
 )
-def test_any_short_game_comes_back_as_it_went(
+def test_any_short_game_survives_the_round_trip(
     console: Console, start: Start, steps: list[Action]
 ) -> None:
     recorder = Recorder(Episode(console, start))
@@ -229,19 +227,19 @@ def test_any_short_game_comes_back_as_it_went(
             # Some of these games are lost on the way.
             if recorder.episode.end is None:
                 recorder.advance(action)
-    content = to_exchange(recorder.recording(), hits=recorder.episode.hits)
-    given = from_exchange(json.loads(json.dumps(content)), console)
+    content = dump_recording(recorder.recording(), hits=recorder.episode.hits)
+    given = load_recording(json.loads(json.dumps(content)), console)
     assert given.recording == recorder.recording()
     assert given.hits == recorder.episode.hits
     assert given.notices == ()
 
 
 def test_only_the_required_members_are_required(console: Console, played: Recorder) -> None:
-    content = to_exchange(played.recording())
+    content = dump_recording(played.recording())
     del content["ram_hashes"]
     content["start"] = {"idle_frames": 20}
     content["hits"] = None
-    given = from_exchange(content, console)
+    given = load_recording(content, console)
     assert given.recording == played.recording()
     assert (given.tier, given.perfect, given.source, given.notes) == (None, False, None, "")
     for member in [key for key in content if key != "hits"]:
@@ -251,32 +249,32 @@ def test_only_the_required_members_are_required(console: Console, played: Record
 
 def test_an_evaluation_start_is_accepted(console: Console) -> None:
     recording = Recording(evaluation_start(0), bytes(30))
-    assert from_exchange(to_exchange(recording), console).recording.start == evaluation_start(0)
+    assert load_recording(dump_recording(recording), console).recording.start == evaluation_start(0)
 
 
-def test_what_follows_the_hit_is_cut_with_a_notice(
+def test_actions_after_the_hit_are_cut_with_a_notice(
     console: Console, played: Recorder, content: dict[str, Any]
 ) -> None:
     content["actions"] = base64.b64encode(played.episode.actions + bytes(130)).decode()
     del content["ram_hashes"]
-    given = from_exchange(content, console)
+    given = load_recording(content, console)
     assert given.recording == played.recording()
     (notice,) = given.notices
     assert notice == (
-        f"Cut at frame {played.episode.frame}, where the player was hit: 130 more actions were"
-        " left out."
+        f"Cut at frame {played.episode.frame}, where the player was hit; 130 more actions were"
+        " ignored."
     )
 
 
-def test_what_follows_300_steps_is_cut_with_a_notice(console: Console) -> None:
+def test_actions_after_300_steps_are_cut_with_a_notice(console: Console) -> None:
     content = json.loads(DEMONSTRATIONS.read_text().splitlines()[6])
     actions = base64.b64decode(content["actions"])
     assert len(actions) == 1200
     content["actions"] = base64.b64encode(actions + bytes(10)).decode()
-    given = from_exchange(content, console)
+    given = load_recording(content, console)
     assert given.recording.n_frames == 1200
     assert given.notices == (
-        "Cut at frame 1200, where 300 steps were over: 10 more actions were left out.",
+        "Cut at frame 1200, where 300 steps were over; 10 more actions were ignored.",
     )
 
 
@@ -284,19 +282,29 @@ def test_a_game_that_goes_on_is_accepted_and_its_end_commented(
     console: Console, played: Recorder
 ) -> None:
     begun = replace(played.recording(), actions=bytes(40), ram_hashes=())
-    content = to_exchange(begun, end=EndReason.HIT)
-    given = from_exchange(content, console)
+    content = dump_recording(begun, end=EndReason.HIT)
+    given = load_recording(content, console)
     assert given.replay.end is None
-    assert given.notices == ("It says that it ended by 'hit'; in the replay nothing ended it.",)
-    assert from_exchange({**content, "end": None}, console).notices == ()
+    assert given.notices == ("The given end is 'hit', but the replay does not end.",)
+    assert load_recording({**content, "end": None}, console).notices == ()
+
+
+@pytest.mark.parametrize("end", ["died", "a bomb from above hit the player's cannon", 7, ["hit"]])
+def test_an_end_in_other_words_is_compared_and_the_known_ones_named(
+    console: Console, played: Recorder, end: object
+) -> None:
+    content = {**dump_recording(played.recording()), "end": end}
+    (notice,) = load_recording(content, console).notices
+    assert notice.startswith("The given end is ")
+    assert notice.endswith("Known ends: hit, lives, landed, cleared, steps.")
 
 
 def test_unknown_members_are_left_out_with_a_notice(
     console: Console, content: dict[str, Any]
 ) -> None:
     content |= {"tiers": 4, "start": {**content["start"], "seed": 1}}
-    (notice,) = from_exchange(content, console).notices
-    assert notice == "Unknown members were left out: tiers, start.seed."
+    (notice,) = load_recording(content, console).notices
+    assert notice == "Unknown members were ignored: tiers, start.seed."
 
 
 @pytest.mark.parametrize(
@@ -311,7 +319,7 @@ def test_unknown_members_are_left_out_with_a_notice(
         ("start", {"idle_frames": 128}, "start.idle_frames"),
         ("start", {"idle_frames": -1}, "start.idle_frames"),
         ("start", {"idle_frames": True}, "start.idle_frames"),
-        ("start", {"idle_frames": 3, "mode": 4}, "start.mode: expected 0, got 4. Reading"),
+        ("start", {"idle_frames": 3, "mode": 4}, "start.mode: expected 0, got 4. Alien detection"),
         ("start", {"idle_frames": 3, "difficulty": 2}, "start.difficulty: expected 0 or 1"),
         ("start", {}, "start.idle_frames is missing"),
         ("start", 3, "start: "),
@@ -332,7 +340,7 @@ def test_unknown_members_are_left_out_with_a_notice(
         ("notes", "a" * 4001, "notes: "),
         ("notes", "a\0b", "can't be stored: 'a\\x00b'"),
         ("notes", "a\ud800b", "can't be stored: 'a\\ud800b'"),
-        ("conditions", {"a": [{"b": math.inf}]}, "A number in it is too large"),
+        ("conditions", {"a": [{"b": math.inf}]}, "A number is too large"),
     ],
 )
 def test_each_refusal_names_its_reason(
@@ -369,6 +377,18 @@ def test_deep_nesting_is_refused(console: Console, content: dict[str, Any]) -> N
     for _ in range(20_000):
         deep = [deep]
     assert "nested too deeply" in _refusal({**content, "conditions": {"a": deep}}, console)
+
+
+@pytest.mark.parametrize("member", ["conditions", "parent"])
+def test_what_a_recording_carries_along_is_at_most_16_levels_deep(
+    member: str, console: Console, content: dict[str, Any]
+) -> None:
+    carried: dict[str, Any] = {}
+    for _ in range(15):
+        carried = {"a": carried}
+    load_recording({**content, member: carried}, console)
+    refusal = _refusal({**content, member: {"a": carried}}, console)
+    assert f"{member}: expected at most 16 levels of nesting" in refusal
 
 
 # Files
@@ -423,8 +443,8 @@ def test_one_broken_object_over_several_lines_is_one_refusal() -> None:
 
 
 @pytest.mark.parametrize("file", ["", "\n \n"])
-def test_an_empty_file_says_so(file: str) -> None:
-    assert _read(file) == [(1, None, "There is no recording in it.")]
+def test_an_empty_file_is_refused(file: str) -> None:
+    assert _read(file) == [(1, None, "The file has no recordings.")]
 
 
 def test_lines_that_are_too_long_are_refused_alone() -> None:
@@ -432,16 +452,16 @@ def test_lines_that_are_too_long_are_refused_alone() -> None:
     file = f'{{"a": 1}}\n{long}\n{{"a": 2}}\n{long}'
     assert _read(file, max_object_bytes=100) == [
         (1, {"a": 1}, None),
-        (2, None, "Longer than 100 bytes."),
+        (2, None, "The line is longer than 100 bytes."),
         (3, {"a": 2}, None),
-        (4, None, "Longer than 100 bytes."),
+        (4, None, "The line is longer than 100 bytes."),
     ]
 
 
 def test_more_recordings_than_allowed_are_refused_unread() -> None:
     lines = _read('{"a": 1}\n' * 5, max_objects=3)
     assert lines[:3] == [(n, {"a": 1}, None) for n in (1, 2, 3)]
-    assert lines[3:] == [(4, None, "More than 3 recordings; split the file.")]
+    assert lines[3:] == [(4, None, "The file has more than 3 recordings. Split it.")]
 
 
 def test_a_file_without_line_ends_is_not_read_into_memory() -> None:
@@ -455,7 +475,7 @@ def test_a_file_without_line_ends_is_not_read_into_memory() -> None:
             return b"x" * size if self.n_read < 10_000_000 else b""
 
     (line,) = read_lines(Endless(), max_object_bytes=5000)
-    assert line.refusal == "Longer than 5000 bytes."
+    assert line.refusal == "The line is longer than 5000 bytes."
 
 
 @settings(deadline=None)
@@ -467,11 +487,11 @@ def test_lines_are_the_same_whatever_the_pieces_they_are_read_in(
     expected: list[tuple[int, object, str | None]] = [
         (number, json.loads(text), None)
         if len(text) <= limit
-        else (number, None, f"Longer than {limit} bytes.")
+        else (number, None, f"The line is longer than {limit} bytes.")
         for number, text in enumerate(texts, start=1)
     ]
     found = _read("\n".join(texts), max_object_bytes=limit)
-    assert found == (expected or [(1, None, "There is no recording in it.")])
+    assert found == (expected or [(1, None, "The file has no recordings.")])
 
 
 @pytest.mark.parametrize("text", ["[" * 30_000, '{"a":' * 9_000, '{"a": ' + "1" * 30_000 + "}"])
@@ -485,11 +505,11 @@ def test_hostile_json_is_refused(text: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def one(console: Console, full: dict[str, Any]) -> Exchanged:
-    return from_exchange(full, console)
+def one(console: Console, full: dict[str, Any]) -> ImportedRecording:
+    return load_recording(full, console)
 
 
-def _tiered(one: Exchanged, *tiers: int | None) -> Iterator[Exchanged]:
+def _tiered(one: ImportedRecording, *tiers: int | None) -> Iterator[ImportedRecording]:
     return (replace(one, tier=tier) for tier in tiers)
 
 
@@ -505,11 +525,11 @@ def _tiered(one: Exchanged, *tiers: int | None) -> Iterator[Exchanged]:
     ],
 )
 def test_the_lines_order_is_the_ranking_and_equal_tiers_are_ties(
-    one: Exchanged,
+    one: ImportedRecording,
     tiers: tuple[int | None, ...],
     expected: tuple[tuple[int, ...], ...],
     noticed: bool,
 ) -> None:
-    ranking, notices = ranked(list(_tiered(one, *tiers)))
+    ranking, notices = ranking_of(list(_tiered(one, *tiers)))
     assert ranking.tiers == expected
     assert bool(notices) == noticed

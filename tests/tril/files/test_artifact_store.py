@@ -18,7 +18,7 @@ def store(request: pytest.FixtureRequest, tmp_path: Path) -> ArtifactStore:
     return ArtifactStore(root)
 
 
-def test_what_is_put_is_got_and_replaced(store: ArtifactStore) -> None:
+def test_files_are_written_read_and_replaced(store: ArtifactStore) -> None:
     assert store.put("runs/a/model.bin", b"one") == 3
     assert store.get("runs/a/model.bin") == b"one"
     store.put("runs/a/model.bin", b"second")

@@ -13,7 +13,7 @@ import pytest
 from tril.files.cache import Cache
 
 
-def test_what_was_made_is_not_made_again(tmp_path: Path) -> None:
+def test_cached_files_are_not_made_again(tmp_path: Path) -> None:
     made = []
 
     def make() -> bytes:
@@ -25,7 +25,7 @@ def test_what_was_made_is_not_made_again(tmp_path: Path) -> None:
     assert len(made) == 1
 
 
-def test_threads_that_ask_at_once_make_it_once(tmp_path: Path) -> None:
+def test_concurrent_callers_make_a_file_once(tmp_path: Path) -> None:
     cache = Cache(tmp_path, 1000)
     barrier = threading.Barrier(6)
     made = []
@@ -64,21 +64,21 @@ def test_files_of_other_processes_count(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["ours.x"]
 
 
-def test_what_is_larger_than_the_limit_is_given_but_not_kept(tmp_path: Path) -> None:
+def test_a_file_larger_than_the_limit_is_returned_uncached(tmp_path: Path) -> None:
     cache = Cache(tmp_path / "cache", 10)
     assert cache.get("a.x", lambda: bytes(11)) == bytes(11)
     assert Cache(tmp_path / "cache", 0).get("a.x", lambda: b"y") == b"y"
     assert not (tmp_path / "cache").exists()
 
 
-def test_a_disk_that_takes_nothing_is_no_reason_not_to_answer(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_returned(tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file where the folder should be")
     with pytest.raises(NotADirectoryError):
         list((tmp_path / "cache").iterdir())
     assert Cache(tmp_path / "cache", 1000).get("a.x", lambda: b"made") == b"made"
 
 
-def test_what_a_killed_process_left_is_swept_away(tmp_path: Path) -> None:
+def test_temporary_files_of_killed_processes_are_removed(tmp_path: Path) -> None:
     (tmp_path / ".a.x-tmp").write_bytes(bytes(50))
     (tmp_path / ".b.x-tmp").write_bytes(bytes(50))
     old = time.time() - 3600
@@ -93,7 +93,7 @@ def test_only_plain_names_are_taken(tmp_path: Path, name: str) -> None:
         Cache(tmp_path, 100).get(name, lambda: b"")
 
 
-def test_a_maker_that_fails_leaves_nothing(tmp_path: Path) -> None:
+def test_a_failed_make_leaves_no_file(tmp_path: Path) -> None:
     cache = Cache(tmp_path, 100)
 
     def fail() -> bytes:

@@ -28,7 +28,7 @@ def test_a_game_lasts_at_most_300_steps(console: Console) -> None:
         game.step(0)
 
 
-def test_a_game_that_has_not_begun_says_so(console: Console) -> None:
+def test_a_game_that_has_not_begun_can_not_be_stepped(console: Console) -> None:
     with pytest.raises(RuntimeError, match="call reset"):
         AgentGame(console).step(0)
 
@@ -47,21 +47,7 @@ def test_sticky_actions_repeat_the_action_before_about_as_often_as_told(console:
     assert 0.15 < repeated / frames < 0.35
 
 
-def test_what_sticky_actions_executed_replays_to_the_same_game(console: Console) -> None:
-    game = AgentGame(console, sticky=StickyActions(0.25, np.random.default_rng(1)))
-    game.reset(Start(70))
-    for action in random_actions(seed=1, frames=100, hold=5):
-        if game.end is None:
-            game.step(action)
-    replay = AgentGame(Console())
-    replay.reset(Start(70))
-    for action in game.episode.actions:
-        replay.advance(action)
-    assert (replay.hits, replay.end) == (game.hits, game.end)
-    np.testing.assert_array_equal(replay.observation, game.observation)
-
-
-def test_the_chance_is_torch_generator_from_the_given_generator_only(console: Console) -> None:
+def test_sticky_actions_are_drawn_from_the_given_generator_only(console: Console) -> None:
     def executed(seed: int) -> bytes:
         game = AgentGame(console, sticky=StickyActions(0.5, np.random.default_rng(seed)))
         game.reset(Start(70))

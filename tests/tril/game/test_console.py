@@ -18,18 +18,6 @@ def play(console: Console, actions: list[int]) -> list[tuple[bytes, bytes]]:
     return seen
 
 
-@pytest.mark.parametrize("start", [Start(0), Start(77), Start(40, difficulty=1)])
-def test_a_replay_equals_the_play_frame_by_frame(console: Console, start: Start) -> None:
-    actions = random_actions(seed=1, frames=FRAMES)
-    console.start(start)
-    first = play(console, actions)
-    console.start(start)
-    assert play(console, actions) == first
-    other = Console()
-    other.start(start)
-    assert play(other, actions) == first
-
-
 def test_a_start_is_the_intro_and_the_idle_frames_unseen() -> None:
     console = Console()
     console.start(Start(0))

@@ -45,7 +45,7 @@ def test_it_plays_the_game_that_agents_play(console: Console) -> None:
     assert points == sum(5 * (row + 1) for row, _ in hits) > 0
 
 
-def test_missiles_can_be_what_pays() -> None:
+def test_the_reward_can_be_the_missiles_fired() -> None:
     env = SpaceInvadersEnv(start=Start(12), reward="shots")
     game = AgentGame(Console())
     game.reset(Start(12))
@@ -57,7 +57,7 @@ def test_missiles_can_be_what_pays() -> None:
     assert paid == game.episode.shots > len(game.hits) > 0
 
 
-def test_the_reward_can_be_left_to_a_learned_one() -> None:
+def test_the_reward_can_be_turned_off() -> None:
     env = SpaceInvadersEnv(start=Start(12), reward="none")
     env.reset(seed=0)
     assert {env.step(1)[1] for _ in range(90)} == {0.0}

@@ -56,13 +56,13 @@ def test_observations_equal_those_of_ales_own_vector_environment(console: Consol
 def test_the_newest_screen_is_the_brighter_of_the_last_two_frames(console: Console) -> None:
     for seed, start in enumerate((Start(1), Start(94), Start(30, difficulty=1))):
         episode, view = Episode(console, start), AgentView()
-        view.begin(console)
+        view.reset(console)
         expected = [view.observation[0]] * 4
         gray = console.screen_grayscale()
         for action in random_actions(seed=seed, frames=1200):
             before, gray = gray, console.screen_grayscale()
             episode.advance(action)
-            view.watch(console, episode.frame)
+            view.update(console, episode.frame)
             before, gray = gray, console.screen_grayscale()
             if episode.frame % 4 == 0:
                 np.testing.assert_array_equal(preprocess(before, gray), reference(before, gray))
@@ -143,10 +143,10 @@ def test_demonstrations_and_training_see_equal_observations_for_equal_frames(
     trained = AgentGame(console)
     play_to_the_hit(trained)
     episode, view = Episode(Console(), Start(0)), AgentView()
-    view.begin(episode.console)
+    view.reset(episode.console)
     for action in trained.episode.actions:
         episode.advance(action)
-        view.watch(episode.console, episode.frame)
+        view.update(episode.console, episode.frame)
     view.finish_step(episode.console, episode.frame)
     np.testing.assert_array_equal(view.observation, trained.observation)
 
@@ -155,13 +155,13 @@ def test_demonstrations_and_training_see_equal_observations_for_equal_frames(
 def test_a_restored_view_goes_on_from_any_frame_of_a_step(console: Console, frame: int) -> None:
     actions = random_actions(seed=5, frames=200, hold=3)
     episode, view = Episode(console, Start(8)), AgentView()
-    view.begin(console)
+    view.reset(console)
 
     def advance(actions: list[int]) -> list[Observation]:
         seen = []
         for action in actions:
             episode.advance(action)
-            view.watch(console, episode.frame)
+            view.update(console, episode.frame)
             seen.append(view.observation)
         return seen
 
@@ -174,7 +174,7 @@ def test_a_restored_view_goes_on_from_any_frame_of_a_step(console: Console, fram
     np.testing.assert_array_equal(advance(actions[frame:]), expected)
 
 
-def test_games_that_are_seen_together_are_seen_as_if_alone() -> None:
+def test_batched_views_equal_single_views() -> None:
     """Also where some of them end, begin anew, are restored or stand still."""
     count = 4
     together = [AgentGame(Console(), view=view) for view in AgentViews(count)]

@@ -8,13 +8,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 from dbos import DBOSClient
 
-from tests.waiting import wait_until
-from tests.workplace import Workplace
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
 from tril.errors import Conflict
 from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
@@ -22,7 +21,6 @@ from tril.jobs.queue import open_client
 from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 
-WORKER = Path(__file__).with_name("claiming_worker.py")
 LOST_AFTER_S = 1.0
 PATIENCE_S = 20.0
 
@@ -42,9 +40,9 @@ def queue(workplace: Workplace) -> Iterator[DBOSClient]:
 
 
 @contextmanager
-def claiming_worker(workplace: Workplace, name: str) -> Iterator[subprocess.Popen[str]]:
+def idle_worker(workplace: Workplace, name: str) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(
-        [sys.executable, str(WORKER), str(workplace.settings.data), name],
+        [sys.executable, "-m", "tests.tril.jobs.idle_worker", str(workplace.settings.data), name],
         stdout=subprocess.PIPE,
         text=True,
     ) as process:
@@ -111,7 +109,7 @@ def test_a_crash_between_cancelling_and_the_job_leaves_a_job_with_nothing_to_do(
     jobs.enqueue(run_id)
     with workplace.database.writing() as session:
         runs.request_cancel(session, run_id)
-    with claiming_worker(workplace, "worker-0") as process:
+    with idle_worker(workplace, "worker-0") as process:
         assert said(process) == f"nothing to do {run_id}"
     assert workplace.run(run_id).status == RunStatus.CANCELLED
 
@@ -136,15 +134,14 @@ def test_the_run_of_a_worker_that_is_gone_passes_to_another(
 ) -> None:
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
-    with claiming_worker(workplace, "worker-0") as process:
-        assert said(process) == f"claimed {run_id}"
-        row = workplace.run(run_id)
-        old = leases.Lease(run_id, "worker-0", row.epoch)
-    with claiming_worker(workplace, "worker-1") as process:
+    with idle_worker(workplace, "worker-0") as process:
+        assert said(process) == f"leased {run_id}"
+        old = leases.Lease(run_id, "worker-0", workplace.run(run_id).epoch)
+    with idle_worker(workplace, "worker-1") as process:
         jobs.reconcile()
         assert workplace.run(run_id).worker == "worker-0"
         until(jobs, lambda: workplace.run(run_id).worker == "worker-1")
-        assert said(process) == f"claimed {run_id}"
+        assert said(process) == f"leased {run_id}"
     with pytest.raises(leases.LeaseLost), workplace.database.writing() as session:
         leases.report(session, old, "reward", 0.5, None)
 
@@ -152,16 +149,16 @@ def test_the_run_of_a_worker_that_is_gone_passes_to_another(
 def test_a_worker_that_lives_keeps_its_run(workplace: Workplace, jobs: Jobs) -> None:
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
-    with claiming_worker(workplace, "worker-0") as process:
-        assert said(process) == f"claimed {run_id}"
-        claim = leases.Lease(run_id, "worker-0", workplace.run(run_id).epoch)
+    with idle_worker(workplace, "worker-0") as process:
+        assert said(process) == f"leased {run_id}"
+        lease = leases.Lease(run_id, "worker-0", workplace.run(run_id).epoch)
         end = time.monotonic() + 2.5 * LOST_AFTER_S
         while time.monotonic() < end:
             with workplace.database.writing() as session:
-                assert leases.beat(session, claim)
+                assert leases.beat(session, lease)
             jobs.reconcile()
             time.sleep(0.1)
-        assert workplace.run(run_id).epoch == claim.epoch
+        assert workplace.run(run_id).epoch == lease.epoch
 
 
 def test_cancelling_the_run_of_a_worker_that_is_gone_ends_it(
@@ -169,7 +166,7 @@ def test_cancelling_the_run_of_a_worker_that_is_gone_ends_it(
 ) -> None:
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
-    with claiming_worker(workplace, "worker-0") as process:
+    with idle_worker(workplace, "worker-0") as process:
         said(process)
     jobs.cancel(run_id)
     until(jobs, lambda: workplace.run(run_id).status == RunStatus.CANCELLED)
@@ -179,10 +176,9 @@ def test_cancelling_the_run_of_a_worker_that_is_gone_ends_it(
 
 def test_a_done_run_is_neither_cancelled_nor_resumed(workplace: Workplace, jobs: Jobs) -> None:
     run_id = workplace.make_run()
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", {})
-        assert claim is not None
-        leases.end(session, claim, RunStatus.DONE)
+        leases.end(session, lease, RunStatus.DONE)
     with pytest.raises(Conflict):
         jobs.cancel(run_id)
     with pytest.raises(Conflict):
@@ -194,15 +190,14 @@ def test_a_run_that_the_queue_has_given_up_fails_with_a_reason_and_can_be_resume
 ) -> None:
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
-    with workplace.database.writing() as session:
-        leases.claim(session, run_id, "worker-0", {})
+    workplace.lease(run_id)
     with sqlite3.connect(workplace.settings.data / "jobs.sqlite") as connection:
         connection.execute("UPDATE workflow_status SET status = ?, queue_name = NULL", (GIVEN_UP,))
     connection.close()
     jobs.reconcile()
     row = workplace.run(run_id)
     assert row.status == RunStatus.FAILED
-    assert "ended without a word" in row.message
+    assert "died each time" in row.message
     jobs.resume(run_id)
     assert job_status(queue, run_id) == "ENQUEUED"
 
@@ -212,6 +207,24 @@ def test_reconciling_in_the_background_heals_without_being_asked(
 ) -> None:
     jobs.start_reconciling(every_s=0.05)
     run_id = workplace.make_run()
-    deadline = time.monotonic() + PATIENCE_S
-    while job_status(queue, run_id) != "ENQUEUED":
-        assert time.monotonic() < deadline
+    wait_until(lambda: job_status(queue, run_id) == "ENQUEUED", PATIENCE_S)
+
+
+def test_a_run_that_can_not_be_healed_keeps_no_other_from_it(
+    workplace: Workplace, queue: DBOSClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken, waiting = workplace.make_run(), workplace.make_run()
+    deliver = Jobs._deliver
+
+    def fail_at_one(self: Jobs, run_id: str) -> None:
+        if run_id == broken:
+            raise RuntimeError("unexpected")
+        deliver(self, run_id)
+
+    monkeypatch.setattr(Jobs, "_deliver", fail_at_one)
+    jobs = Jobs(workplace.database, workplace.settings)
+    jobs.start_reconciling(every_s=0.02)
+    wait_until(lambda: job_status(queue, waiting) == "ENQUEUED", PATIENCE_S)
+    monkeypatch.setattr(Jobs, "_deliver", deliver)
+    wait_until(lambda: job_status(queue, broken) == "ENQUEUED", PATIENCE_S)
+    jobs.close()

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import pytest
 
-from tests.workplace import TINY, Workplace
-from tril.jobs import STAGES, RunEta, estimate, overall_progress, stages_of
-from tril.jobs.stages import expected_seconds
+from testsupport.workplace import TINY, Workplace
+from tril.jobs import RunEta, estimate, overall_progress
+from tril.jobs.durations import expected_seconds
 from tril.recipes import FAST, RECIPES, Recipe
+from tril.stages import Stage, stages_of
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import leases
 
 
 def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
-    finished = STAGES[1 : STAGES.index(stage)]
+    finished = itertools.takewhile(lambda one: one != stage, stages_of(example=False))
     return RunRow(
         recipe=recipe.to_dict(),
         steps=300_000,
@@ -31,7 +33,7 @@ def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
 def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> None:
     values = [
         overall_progress(run_at(stage, done, recipe))
-        for stage in STAGES[1:]
+        for stage in stages_of(example=False)
         for done in (0.0, 0.5, 1.0)
     ]
     assert values == sorted(values)
@@ -40,18 +42,16 @@ def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> N
 
 
 def test_the_demonstrations_are_a_stage_of_examples_only() -> None:
-    run = run_at("trajectories", 0.0)
-    assert "demonstrations" not in stages_of(run)
-    run.example = True
-    assert stages_of(run) == STAGES
+    assert stages_of(example=True) == tuple(Stage)
+    assert stages_of(example=False) == tuple(Stage)[1:]
 
 
 def test_only_the_imitator_takes_longer_with_more_steps() -> None:
     few, more, most = (expected_seconds(FAST, steps) for steps in (0, 100_000, 1_000_000))
-    assert most["imitator"] - few["imitator"] == pytest.approx(
-        10 * (more["imitator"] - few["imitator"])
+    assert most[Stage.IMITATOR] - few[Stage.IMITATOR] == pytest.approx(
+        10 * (more[Stage.IMITATOR] - few[Stage.IMITATOR])
     )
-    del few["imitator"], most["imitator"]
+    del few[Stage.IMITATOR], most[Stage.IMITATOR]
     assert few == most
 
 
@@ -62,10 +62,10 @@ def test_a_run_of_an_unknown_recipe_still_has_a_progress() -> None:
 
 
 def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
-    forecast = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
-    assert forecast.remaining_s({}, "reward", None) == pytest.approx(130.0)
-    # Twice as slow as foreseen so far; the imitator's own rate says 60 s.
-    assert forecast.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
+    eta = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
+    assert eta.remaining_s({}, "reward", None) == pytest.approx(130.0)
+    # Twice as slow as expected so far; the imitator's own rate says 60 s.
+    assert eta.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
 
 
 @pytest.mark.parametrize("recipe", [TINY, replace(FAST, name="tiny")], ids=["tiny", "fast"])
@@ -78,12 +78,11 @@ def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(
     # However few its steps were: what judging policies takes is not mistaken for training.
     steps = 1_000
     run_id = workplace.make_run(recipe, steps)
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", {})
-        assert claim is not None
         for stage, seconds in expected_seconds(recipe, steps).items():
-            leases.finish_stage(session, claim, stage, 2 * seconds)
-        leases.end(session, claim, RunStatus.DONE)
+            leases.finish_stage(session, lease, stage, 2 * seconds)
+        leases.end(session, lease, RunStatus.DONE)
     with workplace.database.reading() as session:
         measured = estimate(session, recipe)
     assert measured.measured

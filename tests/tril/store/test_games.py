@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy.orm import Session
 
-from tests.workplace import Workplace, make_workplace
+from testsupport.workplace import Workplace, make_workplace
 from tril.errors import NotFound
 from tril.game.console import Console
 from tril.game.episode import Episode, Start

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -23,8 +24,14 @@ def open_database(folder: Path) -> Database:
     return create_database(f"sqlite:///{folder / 'tril.sqlite'}")
 
 
-def test_an_upgrade_makes_every_table_and_fills_in_what_comes_ready(tmp_path: Path) -> None:
-    database = open_database(tmp_path)
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    made = open_database(tmp_path)
+    yield made
+    made.close()
+
+
+def test_an_upgrade_makes_every_table_and_adds_what_is_built_in(database: Database) -> None:
     with pytest.raises(Unavailable, match="tril migrate"):
         check_schema(database)
     upgrade(database)
@@ -37,7 +44,6 @@ def test_an_upgrade_makes_every_table_and_fills_in_what_comes_ready(tmp_path: Pa
     with database.reading() as session:
         assert players.owner(session).name == "Ada", "a second upgrade changes nothing"
         assert len(behaviours.listing(session)) == 7
-    database.close()
 
 
 def test_processes_that_upgrade_at_once_do_not_get_into_each_others_way(tmp_path: Path) -> None:
@@ -72,28 +78,24 @@ def test_a_fresh_file_can_be_switched_to_wal_while_others_do_the_same(tmp_path: 
     slow.close()
 
 
-def test_a_newer_database_is_refused_and_left_alone(tmp_path: Path) -> None:
-    database = open_database(tmp_path)
+def test_a_newer_database_is_refused_and_left_alone(database: Database) -> None:
     upgrade(database)
     with database.engine.begin() as connection:
         connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     for work in (check_schema, upgrade):
         with pytest.raises(Unavailable, match="newer version"):
             work(database)
-    database.close()
 
 
 def test_an_older_database_says_how_to_bring_it_up_to_date(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    database = open_database(tmp_path)
     upgrade(database)
     monkeypatch.setattr(
         "tril.store.schema.ScriptDirectory.get_current_head", lambda _directory: "later"
     )
     with pytest.raises(Unavailable, match=r"older version.*tril migrate.*Nothing is lost"):
         check_schema(database)
-    database.close()
 
 
 def test_a_database_that_can_not_be_opened_is_named_so(tmp_path: Path) -> None:
@@ -122,8 +124,7 @@ def test_writers_wait_for_each_other_and_lose_nothing(tmp_path: Path) -> None:
         database.close()
 
 
-def test_a_failed_transaction_leaves_nothing(tmp_path: Path) -> None:
-    database = open_database(tmp_path)
+def test_a_failed_transaction_leaves_nothing(database: Database) -> None:
     upgrade(database)
 
     def fail() -> None:
@@ -135,11 +136,9 @@ def test_a_failed_transaction_leaves_nothing(tmp_path: Path) -> None:
         fail()
     with database.reading() as session:
         assert players.owner(session).name == players.OWNER_NAME
-    database.close()
 
 
-def test_runs_of_the_first_version_learned_from_the_ordinary_example(tmp_path: Path) -> None:
-    database = open_database(tmp_path)
+def test_runs_of_the_first_version_learned_from_the_ordinary_example(database: Database) -> None:
     config = alembic_config()
     with database.engine.begin() as connection:
         config.attributes["connection"] = connection
@@ -161,4 +160,3 @@ def test_runs_of_the_first_version_learned_from_the_ordinary_example(tmp_path: P
     upgrade(database)
     with database.reading() as session:
         assert runs.get(session, "a").example_kind == "scripted"
-    database.close()

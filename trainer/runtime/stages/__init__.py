@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from trainer.progress import Progress
 from trainer.runtime.run_data import RunData
@@ -17,17 +16,19 @@ from trainer.runtime.stages.learning import (
     learn_reward,
     replay_demonstrations,
 )
+from tril.analysis.outcome import RunOutcome
+from tril.stages import Stage
 
-StageWork = Callable[[RunData, Progress], dict[str, Any]]
-"""Does a stage; returns what it adds to the run's outcome."""
+StageWork = Callable[[RunData, Progress], RunOutcome | None]
+"""Does a stage; returns what it adds to the run's outcome, if anything."""
 
-STAGE_WORK: Mapping[str, StageWork] = {
-    "demonstrations": make_demonstrations,
-    "trajectories": replay_demonstrations,
-    "reward": learn_reward,
-    "check": check_reward,
-    "clone": learn_clone,
-    "imitator": learn_imitator,
-    "evaluation": evaluate,
-    "attention": draw_attention,
+STAGE_WORK: Mapping[Stage, StageWork] = {
+    Stage.DEMONSTRATIONS: make_demonstrations,
+    Stage.TRAJECTORIES: replay_demonstrations,
+    Stage.REWARD: learn_reward,
+    Stage.CHECK: check_reward,
+    Stage.CLONE: learn_clone,
+    Stage.IMITATOR: learn_imitator,
+    Stage.EVALUATION: evaluate,
+    Stage.ATTENTION: draw_attention,
 }

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import io
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from trainer.explain.attention import NamedState, attention_map, pick_states
-from trainer.progress import Part, Progress
+from trainer.progress import Progress, ScaledProgress
 from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import AttentionDetails
 from tril.game.console import Console
 from tril.game.episode import Episode
 from tril.game.space_invaders import FRAMES_PER_STEP
@@ -23,7 +23,7 @@ SUMMARY = "summary.md"
 FIGURES = ("aliens.png", "returns.png", "extrapolation.png", "curves.png")
 
 
-def draw_attention(data: RunData, progress: Progress) -> dict[str, Any]:
+def draw_attention(data: RunData, progress: Progress) -> None:
     """Draw the attention maps of the states of minimum, high and maximum reward, and sum up."""
     rewards = []
     for trajectory in data.ranked_trajectories:
@@ -31,24 +31,20 @@ def draw_attention(data: RunData, progress: Progress) -> dict[str, Any]:
         data.context.check_cancelled()
     states = pick_states(rewards)
     for index, state in enumerate(states):
-        part = Part(progress, index / len(states), (index + 1) / len(states))
+        part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
         _draw_state(data, state, part)
     _sum_up(data)
-    return {}
 
 
 def _draw_state(data: RunData, state: NamedState, progress: Progress) -> None:
     observation = data.ranked_trajectories[state.trajectory].observations[state.step]
     maps = attention_map(data.reward_model, observation, progress)
-    number = data.ranked[state.trajectory]
+    number = data.snapshot.ranked[state.trajectory]
     screen = screen_at(data.recordings([number])[number], state.step)
     name = f"attention-{state.name.replace(' ', '-')}"
-    details = {
-        "state": state.name,
-        "reward": state.reward,
-        "recording_id": number,
-        "step": state.step,
-    }
+    details = AttentionDetails(
+        state=state.name, reward=state.reward, recording_id=number, step=state.step
+    ).model_dump(mode="json")
     files = {
         ("attention_map", f"{name}.png", PNG): attention_picture(maps.sum(0), "perceptual"),
         ("attention_red_blue", f"{name}-red-blue.png", PNG): attention_picture(

@@ -9,17 +9,18 @@ from sqlalchemy.orm import Session
 
 from trainer.progress import Progress
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import ExampleOutcome, RunOutcome, RunSnapshot
 from tril.demonstrator import (
     N_PERFECT,
     SCRIPTED,
     Demonstration,
     ExampleKind,
     Judgement,
-    ShownGame,
-    carry_out,
+    PlannedGame,
     example_tasks,
-    judge_example,
+    execute,
     kind_named,
+    rank_example,
 )
 from tril.game.console import Console
 from tril.game.episode import EndReason
@@ -41,7 +42,7 @@ SEED = "example_seed"
 """Of what seeds the ranking mistakes; absent in the ordinary one."""
 
 
-def make_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
+def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
     """Make the demonstrations that the behaviour lacks, rank them, and freeze them for the run.
 
     An example always learns from its own demonstrations in the order that they were made to have.
@@ -54,21 +55,21 @@ def make_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
         the one that they are given.
     """
     context = data.context
-    kind = kind_named(context.example_kind)
-    rng = np.random.default_rng(context.training_seed)
+    kind = kind_named(context.run.example_kind)
+    rng = np.random.default_rng(context.run.training_seed)
     tasks = example_tasks(context.behaviour, rng, N_PERFECT, kind)
     with context.database.reading() as session:
-        made = set(_made(session, context.behaviour_id, kind))
+        made = set(_made(session, context.run.behaviour_id, kind))
     console = Console()
     for number, task in enumerate(tasks):
         if number not in made:
-            (demonstration,) = carry_out([task])
+            (demonstration,) = execute([task])
             verified = verify(demonstration.recording, console=console)
             with context.database.writing() as session:
-                leases.owned(session, context.claim)
+                leases.owned(session, context.lease)
                 recordings.add(
                     session,
-                    context.behaviour_id,
+                    context.run.behaviour_id,
                     verified.recording,
                     verified.replay,
                     Source.SCRIPTED,
@@ -76,11 +77,13 @@ def make_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
                     perfect=demonstration.perfect,
                     notes=demonstration.notes,
                     conditions=_conditions(number, demonstration)
-                    | _conditions_of_kind(kind, context.training_seed),
+                    | _conditions_of_kind(kind, context.run.training_seed),
                 )
         progress.advance(number + 1, len(tasks))
     judgement = _freeze(data, kind)
-    return {} if kind == SCRIPTED else {"example": {"kind": kind.name, **judgement.to_dict()}}
+    if kind == SCRIPTED:
+        return None
+    return RunOutcome(example=ExampleOutcome(kind=kind.name, **judgement.to_dict()))
 
 
 def _conditions(number: int, demonstration: Demonstration) -> dict[str, Any]:
@@ -108,27 +111,28 @@ def _made(session: Session, behaviour_id: int, kind: ExampleKind) -> dict[int, R
 def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     context = data.context
     with context.database.writing() as session:
-        run = leases.owned(session, context.claim)
-        made = [row for _, row in sorted(_made(session, context.behaviour_id, kind).items())]
+        run = leases.owned(session, context.lease)
+        made = [row for _, row in sorted(_made(session, context.run.behaviour_id, kind).items())]
         shown = {row.id: _shown(row) for row in made if row.conditions[TIER] is not None}
         perfect = [row.id for row in made if row.conditions[TIER] is None]
-        example_seed = made[0].conditions.get(SEED, context.training_seed)
-        judgement = judge_example(context.behaviour, kind, shown, example_seed)
+        example_seed = made[0].conditions.get(SEED, context.run.training_seed)
+        judgement = rank_example(context.behaviour, kind, shown, example_seed)
         tiers = [list(tier) for tier in judgement.given.tiers]
-        ranking = rankings.current(session, context.behaviour_id)
+        ranking = rankings.current(session, context.run.behaviour_id)
         if kind == SCRIPTED and not ranking.tiers:
             ranking = rankings.save(
-                session, context.behaviour_id, ranking.revision, tiers, change="example"
+                session, context.run.behaviour_id, ranking.revision, tiers, change="example"
             )
-        run.snapshot = context.snapshot = {
-            "ranking_revision": ranking.revision if ranking.tiers == tiers else None,
-            "tiers": tiers,
-            "perfect": perfect,
-        }
+        run.snapshot = RunSnapshot(
+            ranking_revision=ranking.revision if ranking.tiers == tiers else None,
+            tiers=tiers,
+            perfect=perfect,
+        )
+    context.run = run
     return judgement
 
 
-def _shown(row: RecordingRow) -> ShownGame:
+def _shown(row: RecordingRow) -> PlannedGame:
     hits = tuple((hit.row, hit.column) for hit in recordings.hits_of(row))
     end = None if row.end is None else EndReason(row.end)
-    return ShownGame(row.conditions[TIER], hits, end)
+    return PlannedGame(row.conditions[TIER], hits, end)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from trainer.policy.evaluation import PlayedGame, play, stickiness
-from trainer.progress import Part, Progress
+from trainer.policy.evaluation import EvaluatedGame, play, stickiness
+from trainer.progress import Progress, ScaledProgress
 from trainer.runtime.run_data import RunData
+from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
 from tril.game.console import Console
 from tril.game.episode import Ending
@@ -24,7 +25,7 @@ from tril.store.training.evaluations import (
 )
 
 
-def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
+def evaluate(data: RunData, progress: Progress) -> RunOutcome:
     """Play the missing evaluation games of both policies, with each action selection."""
     context = data.context
     recipe = context.recipe.evaluation
@@ -35,7 +36,7 @@ def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
     rounds = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
     for index, (policy, action_selection) in enumerate(rounds):
         missing = [n for n in numbers if EvaluationKey(policy, action_selection, n) not in played]
-        part = Part(progress, index / len(rounds), (index + 1) / len(rounds))
+        part = ScaledProgress(progress, index / len(rounds), (index + 1) / len(rounds))
         if missing:
             games = play(
                 data.actor(policy),
@@ -43,13 +44,13 @@ def evaluate(data: RunData, progress: Progress) -> dict[str, Any]:
                 action_selection,
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),
-                sampling_seed=context.training_seed,
-                n_processes=min(len(missing), context.courtesy.threads),
+                sampling_seed=context.run.training_seed,
+                n_processes=min(len(missing), context.throttle.threads),
                 progress=part,
             )
             keep_games(data, policy, action_selection, missing, games, console)
         part.advance(1, 1)
-    return {"headline": headline(data)}
+    return RunOutcome(headline=headline(data))
 
 
 def keep_games(
@@ -57,7 +58,7 @@ def keep_games(
     policy: str,
     action_selection: ActionSelection,
     numbers: Sequence[int],
-    games: Sequence[PlayedGame],
+    games: Sequence[EvaluatedGame],
     console: Console,
 ) -> None:
     """Verify a policy's games by replaying them on a console and store them, all or none."""
@@ -68,11 +69,11 @@ def keep_games(
         verified.append(verify(game.recording, console=console))
         context.check_cancelled()
     with context.database.writing() as session:
-        leases.owned(session, context.claim)
+        leases.owned(session, context.lease)
         for number, game, confirmed in zip(numbers, games, verified, strict=True):
             row = recordings.add(
                 session,
-                context.behaviour_id,
+                context.run.behaviour_id,
                 confirmed.recording,
                 confirmed.replay,
                 Source.POLICY,
@@ -103,21 +104,21 @@ def conditions_of(policy: str, action_selection: ActionSelection) -> dict[str, A
 
 def starts_seen(data: RunData) -> set[int]:
     """Return the evaluation starts from which demonstrations or training games of the run began."""
-    shown = data.recordings([*data.ranked, *data.perfect])
+    shown = data.recordings(data.snapshot.recordings)
     numbers = {evaluation_number(recording.start) for recording in shown.values()}
     shown_from = {number for number in numbers if number is not None}
     return shown_from | set(data.context.recipe.policy.own_starts)
 
 
-def headline(data: RunData) -> dict[str, Any]:
-    """Return the run's figures for the lists: means of the greedy games from held-out starts."""
+def headline(data: RunData) -> Headline:
+    """Return the run's figures for the lists."""
     context = data.context
-    check = context.outcome["check"]
+    assert context.run.outcome.check is not None
     with context.database.reading() as session:
         games = evaluations.listing(session, context.run_id)
     found = evaluations.summaries(games)
-    greedy = {policy: found.get((policy, "greedy")) for policy in POLICIES}
-    return {
-        **{policy: summary and summary.to_dict() for policy, summary in greedy.items()},
-        **{name: check[name] for name in ("tau", "pair_accuracy", "held_out_accuracy")},
-    }
+    return Headline(
+        **context.run.outcome.check.figures,
+        imitator=found.get(("imitator", "greedy")),
+        clone=found.get(("clone", "greedy")),
+    )

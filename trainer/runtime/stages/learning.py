@@ -2,111 +2,110 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import asdict, replace
 
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
 from trainer.policy.dagger import train_by_dagger
-from trainer.policy.gail import train_by_gail
-from trainer.policy.imitator import ImitationTask, train_imitator
+from trainer.policy.imitation import ImitationTask
+from trainer.policy.imitator import train_imitator
+from trainer.policy.networks import save_policy
 from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.runtime.run_data import RunData
-
-TRAINING = {"ppo": train_imitator, "dagger": train_by_dagger, "gail": train_by_gail}
-"""What trains the imitator, by the recipe's method."""
+from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome
 
 
-def replay_demonstrations(data: RunData, progress: Progress) -> dict[str, Any]:
+def replay_demonstrations(data: RunData, progress: Progress) -> None:
     """Replay every demonstration of the run through an agent's eyes."""
-    data.trajectories([*data.ranked, *data.perfect], progress)
-    return {}
+    data.trajectories(data.snapshot.recordings, progress)
 
 
-def learn_reward(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_reward(data: RunData, progress: Progress) -> None:
     """Learn the reward model from the ranking and keep it."""
     context = data.context
     model = train_reward_model(
-        data.ranked_trajectories,
-        data.index_tiers,
-        context.recipe.reward,
-        context.training_seed,
+        data.preference_dataset,
+        context.run.training_seed,
         progress,
         context.stage_folder("reward"),
-        data.perfect_games,
         context.device,
     )
     data.keep_reward_model(model)
-    return {}
 
 
-def check_reward(data: RunData, progress: Progress) -> dict[str, Any]:
+def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     """Check whether the reward model has understood the ranking."""
     context = data.context
     check = check_ranking(
         data.reward_model,
-        data.ranked_trajectories,
-        data.index_tiers,
-        context.recipe.reward,
-        context.training_seed,
+        data.preference_dataset,
+        context.run.training_seed,
         progress,
         context.stage_folder("check"),
-        data.perfect_games,
         context.device,
     )
-    data.forget_copies()
-    found = check.to_dict()
-    found["predicted_returns"] = {
-        str(data.ranked[index]): value for index, value in check.predicted_returns.items()
+    data.forget_perturbed()
+    ranked = data.snapshot.ranked
+    returns = {ranked[index]: value for index, value in check.predicted_returns.items()}
+    found = asdict(check) | {
+        "predicted_returns": returns,
+        "advice": advice(check),
+        "warning": warning(check),
     }
-    return {"check": {**found, "advice": advice(check), "warning": warning(check)}}
+    return RunOutcome(check=CheckOutcome.model_validate(found))
 
 
-def learn_clone(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_clone(data: RunData, progress: Progress) -> None:
     """Learn the clone of the perfect demonstrations and keep it."""
     context = data.context
     path = context.stage_folder("clone") / "clone.zip"
-    train_clone(
+    policy, _ = train_clone(
         data.perfect_trajectories,
         context.recipe.cloning,
-        context.training_seed,
-        path,
+        context.run.training_seed,
         progress,
         context.device,
     )
+    save_policy(policy, path)
     data.keep_policy("clone", path)
-    return {}
 
 
-def learn_imitator(data: RunData, progress: Progress) -> dict[str, Any]:
+def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """Train the imitator as its recipe says, from its checkpoint if there is one; keep it."""
     context = data.context
-    demonstrations = data.recordings([*data.ranked, *data.perfect])
     task = ImitationTask(
         model=data.reward_model,
-        recordings=[demonstrations[number] for number in data.ranked],
+        recordings=list(data.recordings(data.snapshot.ranked).values()),
         tiers=data.index_tiers,
         recipe=context.recipe,
-        steps=context.steps,
-        training_seed=context.training_seed,
+        steps=context.run.steps,
+        training_seed=context.run.training_seed,
         behaviour=context.behaviour,
-        perfect=[demonstrations[number] for number in data.perfect],
+        perfect=list(data.recordings(data.snapshot.perfect).values()),
     )
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
-    with data.policy_file("clone") as clone:
-        result = TRAINING[context.recipe.method](
-            replace(task, clone=clone),
-            path,
-            folder,
-            progress,
-            n_processes=min(context.courtesy.threads, context.recipe.policy.n_envs),
-            precision=Precision.of(context.settings.learning_precision, context.device),
-            device=context.device,
-        )
+    with data.artifact_file("clone") as clone:
+        if context.recipe.method == "dagger":
+            result = train_by_dagger(task, path, folder, progress, context.device)
+        else:
+            result = train_imitator(
+                replace(task, clone=clone),
+                path,
+                folder,
+                progress,
+                n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
+                precision=Precision.of(context.settings.learning_precision, context.device),
+                device=context.device,
+            )
     data.keep_policy("imitator", path)
-    learned = {"precision": str(result.precision), "device": context.device.type}
-    return {"imitator": {"best_steps": result.best_steps, **learned}}
+    return RunOutcome(
+        imitator=ImitatorOutcome(
+            best_steps=result.best_steps,
+            precision=str(result.precision),
+            device=context.device.type,
+        )
+    )

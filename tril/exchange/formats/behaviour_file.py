@@ -1,7 +1,7 @@
-"""The form of a behaviour's file: what is taught, its recordings, every ranking revision.
+"""The model of a behaviour file: the behaviour, its recordings, every revision of the ranking.
 
-docs/behaviour-format.md explains it. docs/behaviour-format.schema.json is generated from the model
-by ``python -m tril.exchange behaviour``.
+See docs/behaviour-format.md. ``python -m tril.exchange behaviour`` generates
+docs/behaviour-format.schema.json from it.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from pydantic import AwareDatetime, BeforeValidator, ConfigDict, Field, Validati
 from tril.errors import Invalid
 from tril.exchange.formats.recording_object import (
     FORMAT,
-    Cell,
+    CellArray,
     RecordingObject,
     StrictModel,
-    number,
-    plain,
-    reasons,
-    shortened,
+    describe_errors,
+    normalise_json,
+    reject_bool,
+    truncated,
 )
 from tril.game.space_invaders import COLUMNS, MAX_FRAMES, ROWS
 from tril.recording import RecordingRefused
@@ -38,14 +38,14 @@ _Time = Annotated[AwareDatetime, Field(strict=False)]
 
 
 class BehaviourRefused(Invalid):
-    """A file that is no behaviour of Tril, or contradicts itself."""
+    """A file that is not a valid behaviour file."""
 
 
-class _Closed(StrictModel):
+class _ClosedModel(StrictModel):
     model_config = ConfigDict(strict=True, extra="forbid")
 
 
-class ParentObject(_Closed):
+class ParentObject(_ClosedModel):
     """The recording that another goes on from."""
 
     model_config = ConfigDict(title="Parent")
@@ -54,7 +54,7 @@ class ParentObject(_Closed):
     frame: int = Field(ge=0, le=MAX_FRAMES, description="The last frame that both share.")
 
 
-class NumberedRecording(_Closed):
+class NumberedRecording(_ClosedModel):
     """A recording in the library of a behaviour."""
 
     model_config = ConfigDict(title="Numbered recording")
@@ -72,7 +72,7 @@ class NumberedRecording(_Closed):
     parent: ParentObject | None = None
 
 
-class RevisionObject(_Closed):
+class RevisionObject(_ClosedModel):
     """One revision of the ranking, as it was saved."""
 
     model_config = ConfigDict(title="Revision")
@@ -88,18 +88,18 @@ class RevisionObject(_Closed):
     redo_to: int | None = Field(default=None, ge=1, description="What a redo brings back.")
 
 
-class BehaviourObject(_Closed):
+class BehaviourObject(_ClosedModel):
     """One behaviour of Tril with all that was played and ranked of it, see behaviour-format.md."""
 
     model_config = ConfigDict(title="Tril behaviour")
 
     format: Literal["tril-behaviour"]
-    version: Annotated[Literal[1], BeforeValidator(number)]
+    version: Annotated[Literal[1], BeforeValidator(reject_bool)]
     game: Literal["space_invaders"]
     slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
     name: str = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)
-    target: list[Cell] | None = Field(
+    target: list[CellArray] | None = Field(
         default=None,
         min_length=1,
         max_length=ROWS * COLUMNS,
@@ -114,7 +114,7 @@ class BehaviourObject(_Closed):
 
 
 def behaviour_schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a behaviour's file."""
+    """Return the JSON Schema (2020-12) of a behaviour file."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **BehaviourObject.model_json_schema(),
@@ -122,19 +122,18 @@ def behaviour_schema() -> dict[str, Any]:
 
 
 def parse_behaviour(content: bytes) -> BehaviourObject:
-    """Check the form of a behaviour's file; nothing is played.
+    """Parse and validate a behaviour file without replaying its recordings.
 
     Raises:
-        BehaviourRefused: It is something else, of a newer version, or contradicts itself; the
-            message names what is wrong.
+        BehaviourRefused: It is not a behaviour file, of a newer version, or inconsistent.
     """
     given = _object(content)
     try:
-        behaviour = BehaviourObject.model_validate(plain(given))
+        behaviour = BehaviourObject.model_validate(normalise_json(given))
     except RecursionError:
-        raise BehaviourRefused("It is nested too deeply to be a behaviour.") from None
+        raise BehaviourRefused("The file is nested too deeply.") from None
     except ValidationError as error:
-        raise BehaviourRefused(" ".join(reasons(error))) from None
+        raise BehaviourRefused(" ".join(describe_errors(error))) from None
     except RecordingRefused as error:
         raise BehaviourRefused(str(error)) from None
     contradictions = list(_contradictions(behaviour))
@@ -145,30 +144,30 @@ def parse_behaviour(content: bytes) -> BehaviourObject:
 
 
 def _object(content: bytes) -> dict[str, Any]:
-    """Return the object in a file, telling what a file of another kind is."""
+    """Return the object in a file; refuse other formats and newer versions."""
     first = content.lstrip().partition(b"\n")[0]
     if f'"{FORMAT}"'.encode() in first and f'"{BEHAVIOUR_FORMAT}"'.encode() not in first:
         raise BehaviourRefused(
-            "It holds recordings, not a behaviour. Import them into a behaviour with `tril "
-            "recordings import`."
+            "The file holds recordings, not a behaviour. Import them into a behaviour with `tril"
+            " recordings import`."
         )
     try:
         given = json.loads(content.decode("utf-8-sig"))
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise BehaviourRefused(
-            f"It is no file of `tril behaviours export`, which is JSON: {error}."
+            f"The file was not written by `tril behaviours export`: it is not JSON ({error})."
         ) from None
     if not isinstance(given, dict) or given.get("format") != BEHAVIOUR_FORMAT:
         found = given.get("format") if isinstance(given, dict) else given
         raise BehaviourRefused(
-            "It is no file of `tril behaviours export`: expected the format"
-            f" {BEHAVIOUR_FORMAT!r}, got {shortened(repr(found))}."
+            "The file was not written by `tril behaviours export`: expected the format"
+            f" {BEHAVIOUR_FORMAT!r}, got {truncated(repr(found))}."
         )
     version = given.get("version")
     if isinstance(version, int) and version > BEHAVIOUR_VERSION:
         raise BehaviourRefused(
-            f"It was written by a newer version of Tril (format version {version}, this one reads"
-            f" {BEHAVIOUR_VERSION}). Update Tril."
+            f"The file was written by a newer version of Tril (format version {version}; this"
+            f" version reads {BEHAVIOUR_VERSION}). Update Tril."
         )
     return given
 
@@ -178,7 +177,7 @@ def _contradictions(behaviour: BehaviourObject) -> Iterator[str]:
     twice = Counter(played.number for played in behaviour.recordings)
     for found, times in twice.items():
         if times > 1:
-            yield f"The number {found} is given to {times} recordings."
+            yield f"{times} recordings have the number {found}."
     for played in behaviour.recordings:
         parent = played.parent
         if parent is not None and (
@@ -212,4 +211,4 @@ def _wrong_revision(place: int, saved: RevisionObject, known: set[int]) -> Itera
         yield f"Revision {place} ranks a recording twice: {', '.join(map(str, twice[:10]))}."
     for what, other in (("undo_to", saved.undo_to), ("redo_to", saved.redo_to)):
         if other is not None and other >= place:
-            yield f"{what} of revision {place} is {other}, which comes not before it."
+            yield f"{what} of revision {place} is {other}; expected an earlier revision."

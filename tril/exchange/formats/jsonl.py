@@ -1,4 +1,4 @@
-"""Files of recordings: one object, or JSON Lines, read within limits."""
+"""Read files of recordings, one object or JSON Lines, within limits."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import BinaryIO
 
-from tril.exchange.formats.recording_object import shortened
+from tril.exchange.formats.recording_object import truncated
 
 MAX_OBJECT_BYTES = 64 * 1024
-"""Longest recording in the exchange format, as UTF-8: one line, or one file with one object."""
+"""Maximum size of a recording in the exchange format, as UTF-8."""
 MAX_OBJECTS = 10_000
-"""Most recordings in one file."""
+"""Maximum number of recordings in a file."""
 
 
 @dataclass(frozen=True)
-class Line:
+class JsonLine:
     """One object of a file.
 
     Attributes:
-        number: The line it begins in, counted from 1.
-        content: The parsed JSON, for from_exchange; None if it was refused.
-        refusal: Why it was refused, None if it wasn't.
+        number: Its first line, counted from 1.
+        content: The parsed JSON, None if refused.
+        refusal: The reason for a refusal, None otherwise.
     """
 
     number: int
@@ -35,16 +35,16 @@ def read_lines(
     file: BinaryIO | bytes | str,
     max_object_bytes: int = MAX_OBJECT_BYTES,
     max_objects: int = MAX_OBJECTS,
-) -> Iterator[Line]:
+) -> Iterator[JsonLine]:
     """Read a file with one recording, or with one in each line (JSON Lines).
 
     Args:
         file: A file opened for reading bytes, or its content.
-        max_object_bytes: Lines that are longer are refused, unread.
-        max_objects: What follows so many recordings is refused, unread.
+        max_object_bytes: Longer lines are refused unread.
+        max_objects: Further recordings are refused unread.
 
     Yields:
-        Each object with its line, or why that line was refused; blank lines are passed over.
+        Each object or refused line; blank lines are skipped.
     """
     if isinstance(file, str):
         file = file.encode()
@@ -58,19 +58,21 @@ def read_lines(
         if text is not None and not text.strip():
             continue
         if found == max_objects:
-            yield Line(number, None, f"More than {max_objects} recordings; split the file.")
+            yield JsonLine(
+                number, None, f"The file has more than {max_objects} recordings. Split it."
+            )
             return
         found += 1
         if text is None:
-            yield Line(number, None, f"Longer than {max_object_bytes} bytes.")
+            yield JsonLine(number, None, f"The line is longer than {max_object_bytes} bytes.")
         else:
             yield _parsed(number, text)
     if not found:
-        yield Line(1, None, "There is no recording in it.")
+        yield JsonLine(1, None, "The file has no recordings.")
 
 
-def _one_object(head: bytes) -> Line | None:
-    """The object of a file that holds a single one, which may span lines; None otherwise."""
+def _one_object(head: bytes) -> JsonLine | None:
+    """Return the only object of a file, which may span lines, None if there are several."""
     first = len(head) - len(head.lstrip())
     whole = _parsed(1 + head[:first].count(b"\n"), head)
     if whole.refusal is None:
@@ -83,7 +85,7 @@ def _one_object(head: bytes) -> Line | None:
 
 
 def _lines(head: bytes, stream: BinaryIO, limit: int) -> Iterator[tuple[int, bytes | None]]:
-    """Number and content of each line of head and what follows it; None for one that's too long."""
+    """Yield the number and content of each line; None for a line that is too long."""
     number, rest, too_long = 1, head, False
     while True:
         *whole, rest = rest.split(b"\n")
@@ -100,23 +102,23 @@ def _lines(head: bytes, stream: BinaryIO, limit: int) -> Iterator[tuple[int, byt
         rest += more
 
 
-def _parsed(number: int, text: bytes) -> Line:
+def _parsed(number: int, text: bytes) -> JsonLine:
     try:
         content = json.loads(text.decode("utf-8-sig"), parse_constant=_refuse_constant)
     except UnicodeDecodeError as error:
-        return Line(number, None, f"Not UTF-8: {error.reason} at byte {error.start}.")
+        return JsonLine(number, None, f"Not UTF-8: {error.reason} at byte {error.start}.")
     except json.JSONDecodeError as error:
         line = number + error.lineno - 1
-        return Line(line, None, f"Not JSON: {error.msg} at character {error.colno}.")
+        return JsonLine(line, None, f"Not JSON: {error.msg} at character {error.colno}.")
     except RecursionError:
-        return Line(number, None, "Not a recording: nested too deeply.")
+        return JsonLine(number, None, "The recording is nested too deeply.")
     except ValueError as error:
-        return Line(number, None, f"Not JSON: {error}.")
+        return JsonLine(number, None, f"Not JSON: {error}.")
     if not isinstance(content, dict):
-        got = shortened(repr(content))
-        return Line(number, None, f"Expected one JSON object per line, got {got}.")
-    return Line(number, content)
+        got = truncated(repr(content))
+        return JsonLine(number, None, f"Expected one JSON object per line, got {got}.")
+    return JsonLine(number, content)
 
 
 def _refuse_constant(name: str) -> object:
-    raise ValueError(f"{name} is no JSON number")
+    raise ValueError(f"{name} is not a JSON number")

@@ -1,4 +1,4 @@
-"""Recordings to and from the exchange format."""
+"""Dump recordings to the exchange format and load and verify them."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from tril.exchange.formats.recording_object import (
     VERSION,
     RecordingObject,
     Source,
-    parse,
-    shortened,
+    parse_recording,
+    truncated,
 )
 from tril.game import space_invaders as game
 from tril.game.console import Console
-from tril.game.episode import EndReason, Hit, Start
+from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.ranking import Ranking
 from tril.recording import Recording, Replay, verify
 
 
 @dataclass(frozen=True)
-class Exchanged:
-    """A verified recording out of the exchange format, with what was said about it.
+class ImportedRecording:
+    """A verified recording from the exchange format with its metadata.
 
     Attributes:
         recording: The recording, cut at the end of its episode, with all RAM hashes.
-        replay: What a replay of it gave.
-        tier: Its place in a ranking, equal meaning a tie; None if it has none.
+        replay: The outcome of its replay.
+        tier: Place in a ranking, equal meaning a tie; None if unranked.
         perfect: Whether it is marked as perfect.
-        source: Who played it; None if it doesn't say.
-        notes: A person's remarks.
+        source: Who played it, None if unknown.
+        notes: A person's notes.
         conditions: How it was played.
-        parent: What it goes on from.
-        notices: What was left out or is worth knowing, in sentences.
+        parent: The recording that it continues.
+        notices: Messages about what was ignored or differs.
     """
 
     recording: Recording
@@ -54,7 +54,7 @@ class Exchanged:
         return self.replay.hits
 
 
-def to_exchange(
+def dump_recording(
     recording: Recording,
     *,
     hits: Sequence[Hit] | None = None,
@@ -66,13 +66,14 @@ def to_exchange(
     parent: dict[str, Any] | str | None = None,
     notes: str = "",
 ) -> dict[str, Any]:
-    """Write a recording in the exchange format, as an object ready for json.dumps."""
+    """Return a recording in the exchange format, ready for json.dumps."""
     optional = {
         "hits": None if hits is None else [[hit.row, hit.column] for hit in hits],
         "tier": tier,
         "perfect": perfect,
         "source": source,
         "end": None if end is None else str(end),
+        "ending": None if recording.ending is Ending.HIT else str(recording.ending),
         "ram_hashes": list(recording.ram_hashes) or None,
         "conditions": conditions or None,
         "parent": parent,
@@ -93,27 +94,28 @@ def to_exchange(
     } | {key: value for key, value in optional.items() if value is not None}
 
 
-def from_exchange(content: object, console: Console | None = None) -> Exchanged:
-    """Read a recording from the exchange format and verify it by replaying it.
+def load_recording(content: object, console: Console | None = None) -> ImportedRecording:
+    """Load a recording from the exchange format and verify it by a replay.
 
     Args:
         content: Parsed JSON.
         console: The console to replay on; None loads one.
 
     Raises:
-        RecordingRefused: It is not of this format, was played on another ROM, or its replay
-            differs from its hits or its RAM hashes.
+        RecordingRefused: The content is invalid, was played on another ROM, or its hits or RAM
+            hashes differ from the replay's.
     """
-    given = parse(content)
+    given = parse_recording(content)
     recording = Recording(
         start=Start(given.start.idle_frames, given.start.mode, given.start.difficulty),
         actions=base64.b64decode(given.actions),
         ram_hashes=tuple(given.ram_hashes or ()),
         rom_md5=given.rom_md5,
+        ending=Ending(given.ending or Ending.HIT),
     )
     hits = None if given.hits is None else [(row, column) for row, column in given.hits]
     verified = verify(recording, hits, console)
-    return Exchanged(
+    return ImportedRecording(
         recording=verified.recording,
         replay=verified.replay,
         tier=given.tier,
@@ -126,12 +128,11 @@ def from_exchange(content: object, console: Console | None = None) -> Exchanged:
     )
 
 
-def ranked(recordings: Sequence[Exchanged]) -> tuple[Ranking, tuple[str, ...]]:
-    """The ranking that a file of recordings stands for, as indices into it, and notices.
+def ranking_of(recordings: Sequence[ImportedRecording]) -> tuple[Ranking, tuple[str, ...]]:
+    """Return the ranking given by a file of recordings, as indices into it, and notices.
 
-    The order of the lines is the order from best to worst, and recordings of equal tier are tied.
-    Lines that follow neither the rising nor the falling order of their tiers are sorted by tier,
-    the lowest first, which a notice says.
+    Lines are ordered from best to worst; recordings of equal tier are tied. If the tiers neither
+    rise nor fall from line to line, the recordings are sorted by tier, lowest first, with a notice.
     """
     tiers = [recording.tier for recording in recordings]
     known = [tier for tier in tiers if tier is not None]
@@ -139,7 +140,9 @@ def ranked(recordings: Sequence[Exchanged]) -> tuple[Ranking, tuple[str, ...]]:
     order = list(range(len(recordings)))
     if len(known) == len(tiers) and known not in (sorted(known), sorted(known, reverse=True)):
         order.sort(key=lambda index: known[index])
-        notices = ("The lines are not in the order of their tiers; tier 1 was taken as the best.",)
+        notices = (
+            "The lines are not in the order of their tiers; they were sorted with tier 1 first.",
+        )
     groups: dict[object, list[int]] = {}
     for index in order:
         tier = tiers[index]
@@ -151,18 +154,18 @@ def _notices(given: RecordingObject, played: Replay, n_cut: int) -> Iterator[str
     if n_cut:
         why = {
             EndReason.HIT: "the player was hit",
+            EndReason.LIVES: "the player lost a life",
             EndReason.LANDED: "the aliens landed",
             EndReason.CLEARED: "no alien was left",
         }.get(played.end or EndReason.STEPS, f"{game.MAX_STEPS} steps were over")
-        yield f"Cut at frame {played.n_frames}, where {why}: {n_cut} more actions were left out."
+        yield f"Cut at frame {played.n_frames}, where {why}; {n_cut} more actions were ignored."
     elif given.end is not None and given.end != played.end:
-        yield (
-            f"It says that it ended by {given.end!r}; in the replay"
-            f" {'it ended by ' + repr(str(played.end)) if played.end else 'nothing ended it'}."
-        )
+        end = f"ends with {str(played.end)!r}" if played.end else "does not end"
+        hint = "" if given.end in [*EndReason] else f" Known ends: {', '.join(EndReason)}."
+        yield f"The given end is {truncated(repr(given.end))}, but the replay {end}.{hint}"
     unknown = [
         *(given.model_extra or {}),
         *(f"start.{key}" for key in given.start.model_extra or {}),
     ]
     if unknown:
-        yield f"Unknown members were left out: {shortened(', '.join(unknown), 200)}."
+        yield f"Unknown members were ignored: {truncated(', '.join(unknown), 200)}."

@@ -1,1 +1,1 @@
-"""Many games stepped together by processes over shared memory."""
+"""Vectors of games, stepped together by processes over shared memory."""

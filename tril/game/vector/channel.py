@@ -1,4 +1,4 @@
-"""Messages between a vector and its processes: few system calls, and an end that is noticed."""
+"""Messages between a vector and its processes, with few system calls and closure detection."""
 
 import socket
 import struct
@@ -9,24 +9,24 @@ _CHUNK_BYTES = 1 << 16
 
 
 class ChannelClosed(ConnectionError):
-    """The process at the other end has closed its end or is gone."""
+    """The other end was closed or its process has ended."""
 
 
 class Channel:
     """One end of a stream of messages, each a kind of one byte and a value."""
 
     def __init__(self, end: socket.socket) -> None:
-        """Take over the end of a socket pair."""
+        """Take ownership of an end of a socket pair."""
         self._socket = end
 
     @classmethod
     def pair(cls) -> tuple[Self, socket.socket]:
-        """Return a channel and the socket of its other end, to be handed to another process."""
+        """Return a channel and the socket of its other end, for another process."""
         ours, theirs = socket.socketpair()
         return cls(ours), theirs
 
-    def wake_after(self, timeout_s: int) -> None:
-        """Make `receive` return None when nothing has come for so long."""
+    def set_timeout(self, timeout_s: int) -> None:
+        """Make `receive` return None after so long without a message."""
         timeval = struct.pack("@ll", timeout_s, 0)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeval)
 
@@ -34,21 +34,21 @@ class Channel:
         """Send a message.
 
         Raises:
-            ChannelClosed: there is nobody at the other end.
+            ChannelClosed: the other end is closed.
         """
         try:
             self._socket.sendall(_HEADER.pack(kind, len(value)) + value)
         except (BrokenPipeError, ConnectionResetError) as error:
-            raise ChannelClosed("There is nobody at the other end.") from error
+            raise ChannelClosed("The other end of the channel is closed.") from error
 
     def receive(self) -> tuple[bytes, bytes] | None:
         """Wait for a message and return its kind and value; None after a timeout.
 
         Raises:
-            ChannelClosed: the other end was closed.
+            ChannelClosed: the other end is closed.
         """
         try:
-            # One call for a short message, header and all: the other end waits for the answer.
+            # A single call for short messages: the other end waits for the reply.
             data = self._receive(_CHUNK_BYTES)
         except BlockingIOError:
             return None
@@ -66,9 +66,9 @@ class Channel:
         try:
             data = self._socket.recv(size)
         except ConnectionResetError as error:
-            raise ChannelClosed("The other end was closed.") from error
+            raise ChannelClosed("The other end of the channel is closed.") from error
         if not data:
-            raise ChannelClosed("The other end was closed.")
+            raise ChannelClosed("The other end of the channel is closed.")
         return data
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The games of a vector: episode after episode, in groups that one process plays."""
+"""The games of a vector, in groups that are each played by one process."""
 
 import json
 import mmap
@@ -12,18 +12,22 @@ import numpy as np
 
 from tril.game import space_invaders as game
 from tril.game.agent import AgentGame, StickyActions
-from tril.game.console import Console, KnownStarts
+from tril.game.console import Console, StartCache
 from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.game.observation import OBSERVATION_SHAPE, AgentView, AgentViews
 from tril.game.saved_game import pack_game, unpack_game
-from tril.game.vector.reset_distribution import DemonstrationLog, DemonstrationStep, StartSource
+from tril.game.vector.reset_distribution import (
+    DemonstrationLog,
+    DemonstrationStep,
+    ResetDistribution,
+)
 
 _SNAPSHOT_HEADER = struct.Struct("<BI")
 _SNAPSHOT_VERSION = 1
 
 
 class Command(Enum):
-    """What a group of games is told to do."""
+    """A command to a group of games."""
 
     RESET = b"R"
     STEP = b"S"
@@ -33,15 +37,15 @@ class Command(Enum):
 
 @dataclass(frozen=True)
 class FinishedGame:
-    """An episode that a vector has played to its end.
+    """A finished episode of a vector.
 
     Attributes:
         game: index of the game in the vector.
         start: how it began.
-        actions: the action executed at every frame from the start on, one byte each; those of a
-            demonstration included, if it began in one.
-        first_step: the step from which on the vector's actions were played; 0 unless the game
-            began in a demonstration.
+        actions: the action executed at every frame since the start, one byte each, including those
+            of the demonstration that it began in.
+        first_step: the first step played by the vector; 0 unless the episode began in a
+            demonstration.
         hits: the aliens shot, in order of time, since the start.
         end: why it ended.
         shots: missiles that left the cannon since the start.
@@ -63,43 +67,42 @@ class FinishedGame:
 
 
 @dataclass(frozen=True)
-class Assignment:
-    """Which games of a vector are a group, and how they are played.
+class GroupConfig:
+    """The configuration of a group of games.
 
     Attributes:
-        n_games: games in the whole vector.
-        games: indices of those in the group.
-        starts: where they begin.
+        n_games: number of games in the whole vector.
+        games: indices of the group's games.
+        reset_distribution: where episodes begin.
         ending: which rule for the player's death ends an episode.
-        max_frames: after how many frames an episode ends in any case.
+        max_frames: maximum length of an episode.
         sticky_action_probability: see StickyActions.
-        training_seed: each game draws from generators of its own, made of this and its index or
-            start.
+        training_seed: seeds the games' generators, together with their indices or starts.
     """
 
     n_games: int
     games: range
-    starts: StartSource
+    reset_distribution: ResetDistribution
     ending: Ending
     max_frames: int
     sticky_action_probability: float
     training_seed: int
 
 
-Answer = list[FinishedGame] | list[bytes] | None
+Reply = list[FinishedGame] | list[bytes] | None
 
 
 class SharedArrays:
     """The arrays that a vector shares with its processes, in one block of memory.
 
     Attributes:
-        observations: uint8 (2, n, 4, 84, 84); the two halves take turns.
-        half: uint8 (1,): the half that the command under way fills.
+        observations: uint8 (2, n, 4, 84, 84), double-buffered.
+        half: uint8 (1,): the buffer that the current command fills.
         terminal_observations: uint8 (n, 4, 84, 84), valid where ended.
         actions: uint8 (n,).
         ended: bool (n,): whether the last step ended an episode.
-        resting: bool (n,): whether the game has been played and is not stepped any more.
-        steps: int32 (n,): steps of the episode that was stepped, since its start.
+        inactive: bool (n,): whether the game has no further episode.
+        steps: int32 (n,): steps since the start of the episode last stepped.
     """
 
     def __init__(self, memory: mmap.mmap, n_games: int) -> None:
@@ -112,7 +115,7 @@ class SharedArrays:
         self.steps = self._array((n_games,), np.int32)
         self.actions = self._array((n_games,), np.uint8)
         self.ended = self._array((n_games,), np.bool_)
-        self.resting = self._array((n_games,), np.bool_)
+        self.inactive = self._array((n_games,), np.bool_)
         self.half = self._array((1,), np.uint8)
 
     def _array(self, shape: tuple[int, ...], dtype: type[np.generic]) -> Any:
@@ -124,26 +127,26 @@ class SharedArrays:
 
     @staticmethod
     def size(n_games: int) -> int:
-        """Return how many bytes the arrays take, rounded up."""
+        """Return an upper bound of the arrays' size in bytes."""
         return n_games * (3 * int(np.prod(OBSERVATION_SHAPE)) + 8) + 7 * 64
 
 
 class DemonstrationStates:
-    """The states before every step of the demonstrations, replayed when first asked for."""
+    """The states before every step of the demonstrations, replayed on first use."""
 
-    def __init__(self, logs: tuple[DemonstrationLog, ...], known_starts: KnownStarts) -> None:
+    def __init__(self, logs: tuple[DemonstrationLog, ...], start_cache: StartCache) -> None:
         self._logs = logs
-        self._known_starts = known_starts
+        self._start_cache = start_cache
         self._states: dict[int, list[bytes]] = {}
 
     def state(self, at: DemonstrationStep) -> bytes:
-        """Return the packed game before this step."""
+        """Return the packed game before a step."""
         if at.demonstration not in self._states:
             self._states[at.demonstration] = self._replay(self._logs[at.demonstration])
         return self._states[at.demonstration][at.step]
 
     def _replay(self, log: DemonstrationLog) -> list[bytes]:
-        replay = AgentGame(Console(self._known_starts), max_frames=len(log.actions))
+        replay = AgentGame(Console(self._start_cache), max_frames=len(log.actions))
         replay.reset(log.start)
         states = []
         for frame, action in enumerate(log.actions):
@@ -154,29 +157,29 @@ class DemonstrationStates:
 
 
 class GameSlot:
-    """One game of a vector: episode after episode, with generators of its own."""
+    """One game of a vector, with its own generators and automatic reset."""
 
     def __init__(
         self,
         index: int,
-        assignment: Assignment,
+        config: GroupConfig,
         shared: SharedArrays,
         demonstrations: DemonstrationStates,
         view: AgentView,
         console: Console,
     ) -> None:
         self._index = index
-        self._starts = assignment.starts
+        self._resets = config.reset_distribution
         self._shared = shared
         self._demonstrations = demonstrations
-        seed = assignment.training_seed
+        seed = config.training_seed
         self._start_rng = np.random.default_rng((seed, index, 0))
-        self._sticky_rng = np.random.default_rng((seed, *self._starts.generator_key(index), 1))
-        sticky_probability = assignment.sticky_action_probability
+        self._sticky_rng = np.random.default_rng((seed, *self._resets.rng_key(index), 1))
+        sticky_probability = config.sticky_action_probability
         self._game = AgentGame(
             console,
-            assignment.ending,
-            assignment.max_frames,
+            config.ending,
+            config.max_frames,
             StickyActions(sticky_probability, self._sticky_rng) if sticky_probability else None,
             view,
         )
@@ -184,21 +187,21 @@ class GameSlot:
         self._first_step = 0
 
     def begin(self) -> None:
-        """Begin the next episode, or rest when there is none."""
-        beginning = self._starts.beginning(self._start_rng, self._index, self._games_before)
+        """Begin the next episode; become inactive if there is none."""
+        sample = self._resets.sample(self._start_rng, self._index, self._games_before)
         self._first_step = 0
-        if beginning is None:
-            self._shared.resting[self._index] = True
-        elif isinstance(beginning, DemonstrationStep):
-            self._first_step = beginning.step
-            self._game.restore(unpack_game(self._demonstrations.state(beginning)))
+        if sample is None:
+            self._shared.inactive[self._index] = True
+        elif isinstance(sample, DemonstrationStep):
+            self._first_step = sample.step
+            self._game.restore(unpack_game(self._demonstrations.state(sample)))
         else:
-            self._game.reset(beginning)
+            self._game.reset(sample)
 
     def step(self) -> bool:
-        """Play the step whose action is in the shared memory; tell whether it ended the game."""
+        """Play the step whose action is in shared memory; return whether it ended the episode."""
         shared, index = self._shared, self._index
-        if shared.resting[index]:
+        if shared.inactive[index]:
             shared.ended[index] = False
             return False
         self._game.step(int(shared.actions[index]))
@@ -208,7 +211,7 @@ class GameSlot:
         return ended
 
     def finish(self) -> FinishedGame:
-        """Hand over the episode that has ended and begin the next one."""
+        """Return the episode that has ended and begin the next one."""
         self._game.observe(self._shared.terminal_observations[self._index])
         episode = self._game.episode
         if episode.end is None:
@@ -227,20 +230,20 @@ class GameSlot:
         return finished
 
     def snapshot(self) -> bytes:
-        """Return all that the game's future depends on, actions apart."""
+        """Return the state of the game and its generators."""
         small = {
             "start_rng": self._start_rng.bit_generator.state,
             "sticky_rng": self._sticky_rng.bit_generator.state,
             "games_before": self._games_before,
             "first_step": self._first_step,
-            "resting": bool(self._shared.resting[self._index]),
+            "resting": bool(self._shared.inactive[self._index]),
         }
         text = json.dumps(small).encode()
         header = _SNAPSHOT_HEADER.pack(_SNAPSHOT_VERSION, len(text))
         return header + text + pack_game(self._game.save())
 
     def restore(self, snapshot: bytes) -> None:
-        """Go on from a snapshot."""
+        """Restore a snapshot."""
         version, size = _SNAPSHOT_HEADER.unpack_from(snapshot)
         if version != _SNAPSHOT_VERSION:
             raise ValueError(f"Expected snapshot version {_SNAPSHOT_VERSION}, got {version}.")
@@ -250,46 +253,46 @@ class GameSlot:
         self._sticky_rng.bit_generator.state = small["sticky_rng"]
         self._games_before = small["games_before"]
         self._first_step = small["first_step"]
-        self._shared.resting[self._index] = small["resting"]
+        self._shared.inactive[self._index] = small["resting"]
         self._game.restore(unpack_game(snapshot[end:]))
 
 
 class GameGroup:
-    """Some of a vector's games, played by one process."""
+    """The games of a vector that one process plays."""
 
-    def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
-        known_starts: KnownStarts = {}
-        consoles = [Console(known_starts) for _ in assignment.games]
-        # All at once: one passes the others on its way, and no step has to wait for one later.
-        for start in sorted(assignment.starts.possible_starts):
+    def __init__(self, config: GroupConfig, shared: SharedArrays) -> None:
+        start_cache: StartCache = {}
+        consoles = [Console(start_cache) for _ in config.games]
+        # In order, since each start is reached from the one before, and now, so that no step waits.
+        for start in sorted(config.reset_distribution.possible_starts):
             consoles[0].start(start)
-        demonstrations = DemonstrationStates(assignment.starts.demonstrations, known_starts)
-        own = slice(assignment.games.start, assignment.games.stop)
+        demonstrations = DemonstrationStates(config.reset_distribution.demonstrations, start_cache)
+        own = slice(config.games.start, config.games.stop)
         self._half = shared.half
         self._halves = [half[own] for half in shared.observations]
-        self._views = AgentViews(len(assignment.games), self._halves[0])
+        self._views = AgentViews(len(config.games), self._halves[0])
         self._slots = [
-            GameSlot(index, assignment, shared, demonstrations, view, console)
-            for index, view, console in zip(assignment.games, self._views, consoles, strict=True)
+            GameSlot(index, config, shared, demonstrations, view, console)
+            for index, view, console in zip(config.games, self._views, consoles, strict=True)
         ]
 
-    def answer(self, command: Command, snapshots: Sequence[bytes] | None = None) -> Answer:
-        """Carry out a command.
+    def execute(self, command: Command, snapshots: Sequence[bytes] | None = None) -> Reply:
+        """Execute a command.
 
         Args:
-            command: what to do.
-            snapshots: of the games, to restore.
+            command: the command.
+            snapshots: the games' snapshots for RESTORE.
 
         Returns:
-            The games that a step ended; the games' snapshots; else None.
+            The finished games for STEP, the games' snapshots for SNAPSHOT, else None.
         """
-        self._views.turn_to(self._halves[self._half[0]])
+        self._views.set_output(self._halves[self._half[0]])
         if command is Command.STEP:
-            # First all steps, then all observations, then all new games: see AgentViews.
+            # All steps, then all observations, then all resets: AgentViews batches them.
             ended = [slot for slot in self._slots if slot.step()]
-            self._views.complete()
+            self._views.flush()
             finished = [slot.finish() for slot in ended]
-            self._views.complete()
+            self._views.flush()
             return finished or None
         if command is Command.SNAPSHOT:
             return [slot.snapshot() for slot in self._slots]
@@ -299,5 +302,5 @@ class GameGroup:
         else:
             for slot, snapshot in zip(self._slots, snapshots or (), strict=True):
                 slot.restore(snapshot)
-        self._views.complete()
+        self._views.flush()
         return None

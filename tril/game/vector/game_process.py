@@ -1,8 +1,7 @@
-"""A process that plays a group of a vector's games: its program, and its parent's side.
+"""A process that plays a group of a vector's games: its main function and its parent's side.
 
-The process is a plain subprocess: it imports neither the parent's main module nor torch, ignores
-Ctrl-C (the parent closes it) and ends when the parent's end of the channel closes, however the
-parent ended.
+It is a plain subprocess that imports neither the parent's main module nor torch, ignores Ctrl-C
+(the parent closes it), and ends when the parent's end of the channel closes for any reason.
 """
 
 import mmap
@@ -18,7 +17,7 @@ from collections.abc import Sequence
 import cv2
 
 from tril.game.vector.channel import Channel, ChannelClosed
-from tril.game.vector.game_group import Answer, Assignment, Command, GameGroup, SharedArrays
+from tril.game.vector.game_group import Command, GameGroup, GroupConfig, Reply, SharedArrays
 
 PARENT_CHECK_S = 2
 CLOSE_TIMEOUT_S = 5.0
@@ -26,12 +25,12 @@ CLOSE_TIMEOUT_S = 5.0
 # Kinds of messages besides the commands.
 _ASSIGN, _DONE, _ERROR = b"A", b"D", b"E"
 
-# Not -m: run as a main module, its classes would be others than the ones pickled by the parent.
+# Not -m: the classes of a main module differ from those pickled by the parent.
 _PROGRAM = "import sys; from tril.game.vector.game_process import main; sys.exit(main(sys.argv))"
 
 
 class GameProcessFailed(RuntimeError):
-    """A process that plays games ended or failed; the message says how."""
+    """A game process failed or ended."""
 
 
 class GameProcess:
@@ -41,16 +40,16 @@ class GameProcess:
         games: the indices of its games in the vector.
     """
 
-    def __init__(self, assignment: Assignment, memory_fd: int) -> None:
+    def __init__(self, config: GroupConfig, memory_fd: int) -> None:
         """Start the process; the first `receive` returns when it is ready.
 
         Args:
-            assignment: what it plays.
-            memory_fd: file descriptor of the memory of the vector's SharedArrays.
+            config: the games to play.
+            memory_fd: file descriptor of the vector's shared memory.
         """
-        self.games = assignment.games
+        self.games = config.games
         self._channel, theirs = Channel.pair()
-        # One thread each: the parallelism is in the processes.
+        # One thread each: the processes are the parallelism.
         environment = os.environ | {
             "PYTHONPATH": os.pathsep.join(os.path.abspath(path) for path in sys.path),
             "OMP_NUM_THREADS": "1",
@@ -64,10 +63,10 @@ class GameProcess:
                 env=environment,
                 stdin=subprocess.DEVNULL,
             )
-        self._send(_ASSIGN, pickle.dumps(assignment))
+        self._send(_ASSIGN, pickle.dumps(config))
 
     def send(self, command: Command, snapshots: Sequence[bytes] | None = None) -> None:
-        """Begin a command; see GameGroup.answer.
+        """Send a command; see GameGroup.execute.
 
         Raises:
             GameProcessFailed: the process has ended.
@@ -80,8 +79,8 @@ class GameProcess:
         except ChannelClosed:
             raise self._failure() from None
 
-    def receive(self) -> Answer:
-        """Wait for the answer to the last command.
+    def receive(self) -> Reply:
+        """Wait for the reply to the last command.
 
         Raises:
             GameProcessFailed: the command failed or the process has ended.
@@ -93,28 +92,28 @@ class GameProcess:
             raise self._failure() from None
         kind, value = message
         if kind == _ERROR:
-            raise GameProcessFailed(f"A process that plays games failed:\n{value.decode()}")
-        # Both ends of the channel are this program's own.
-        answer: Answer = pickle.loads(value) if value else None
-        return answer
+            raise GameProcessFailed(f"A game process failed:\n{value.decode()}")
+        # Trusted: both ends of the channel belong to this program.
+        reply: Reply = pickle.loads(value) if value else None
+        return reply
 
     def _failure(self) -> GameProcessFailed:
         code = self._process.wait(CLOSE_TIMEOUT_S)
         return GameProcessFailed(
-            f"A process that plays games {list(self.games)} ended with exit code {code}. It may"
-            " have been killed for want of memory; go on from the last checkpoint."
+            f"The process of games {list(self.games)} ended with exit code {code}. It may have been"
+            " killed for lack of memory; resume from the last checkpoint."
         )
 
-    def run_on(self, core: int) -> None:
+    def pin_to_core(self, core: int) -> None:
         """Keep the process on one core."""
         os.sched_setaffinity(self._process.pid, {core})
 
     def close(self) -> None:
-        """Tell the process to end; `wait` waits until it has."""
+        """Ask the process to end; see `wait`."""
         self._channel.close()
 
     def wait(self) -> None:
-        """Wait until the closed process has ended; a process that does not end is killed."""
+        """Wait until the closed process has ended; kill it after a timeout."""
         try:
             self._process.wait(CLOSE_TIMEOUT_S)
         except subprocess.TimeoutExpired:
@@ -123,10 +122,10 @@ class GameProcess:
 
 
 def _next_message(channel: Channel, parent: int) -> tuple[bytes, bytes] | None:
-    """Wait for the parent's next message; None when the parent has closed or is gone."""
+    """Return the parent's next message, None once the parent has closed or ended."""
     try:
         while (message := channel.receive()) is None:
-            # A process that the parent forked may hold its end of the socket open.
+            # A fork of the parent may keep its end of the socket open.
             if os.getppid() != parent:
                 return None
     except ChannelClosed:
@@ -138,7 +137,7 @@ def main(arguments: Sequence[str]) -> int:
     """Play until the parent closes the channel.
 
     Args:
-        arguments: the program's name, the socket's and the shared memory's file descriptor.
+        arguments: program name, file descriptor of the socket, file descriptor of the memory.
 
     Returns:
         The exit code.
@@ -148,19 +147,19 @@ def main(arguments: Sequence[str]) -> int:
     cv2.setNumThreads(1)
     socket_fd, memory_fd = map(int, arguments[1:])
     channel = Channel(socket.socket(fileno=socket_fd))
-    channel.wake_after(PARENT_CHECK_S)
+    channel.set_timeout(PARENT_CHECK_S)
     memory = mmap.mmap(memory_fd, 0)
     os.close(memory_fd)
     try:
         if (first := _next_message(channel, parent)) is None:
             return 0
-        assignment: Assignment = pickle.loads(first[1])
-        games = GameGroup(assignment, SharedArrays(memory, assignment.n_games))
+        config: GroupConfig = pickle.loads(first[1])
+        games = GameGroup(config, SharedArrays(memory, config.n_games))
         channel.send(_DONE)
         while (message := _next_message(channel, parent)) is not None:
             kind, value = message
-            answer = games.answer(Command(kind), pickle.loads(value) if value else None)
-            channel.send(_DONE, b"" if answer is None else pickle.dumps(answer))
+            reply = games.execute(Command(kind), pickle.loads(value) if value else None)
+            channel.send(_DONE, b"" if reply is None else pickle.dumps(reply))
     except ChannelClosed:
         return 0
     except Exception:  # noqa: BLE001 - the parent raises it

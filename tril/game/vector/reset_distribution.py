@@ -1,6 +1,7 @@
-"""Where the games of a vector begin."""
+"""Reset distributions: where the episodes of a vector's games begin."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from tril.game.starts import TRAINING_IDLE_FRAMES, Start, UnknownStart
 
 @dataclass(frozen=True)
 class DemonstrationLog:
-    """What a demonstration executed, from which its states are replayed.
+    """The executed actions of a demonstration, from which its states are replayed.
 
     Attributes:
         start: how the demonstration began.
@@ -21,13 +22,13 @@ class DemonstrationLog:
     actions: bytes
 
     def __post_init__(self) -> None:
-        """Check that there is something to replay."""
+        """Check that there are actions."""
         if not self.actions:
             raise ValueError("Expected a demonstration of at least one frame, got none.")
 
     @property
     def steps(self) -> int:
-        """How many steps begin within the demonstration."""
+        """Number of steps that begin within the demonstration."""
         return -(-len(self.actions) // game.FRAMES_PER_STEP)
 
 
@@ -36,7 +37,7 @@ class DemonstrationStep:
     """The state of a demonstration before one of its steps.
 
     Attributes:
-        demonstration: index into the source's demonstrations.
+        demonstration: index into the distribution's demonstrations.
         step: from 0, the demonstration's start.
     """
 
@@ -44,16 +45,45 @@ class DemonstrationStep:
     step: int
 
 
+class ResetDistribution(Protocol):
+    """Where the episodes of a vector's games begin."""
+
+    @property
+    def demonstrations(self) -> tuple[DemonstrationLog, ...]:
+        """The demonstrations in whose states episodes may begin."""
+
+    @property
+    def possible_starts(self) -> set[Start]:
+        """The starts that episodes may begin from."""
+
+    def check(self, n_games: int) -> None:
+        """Check that the distribution fits a vector of n games; raises ValueError."""
+
+    def sample(
+        self, rng: np.random.Generator, game_index: int, games_before: int
+    ) -> Start | DemonstrationStep | None:
+        """Return where a game's next episode begins, None if it has none.
+
+        Args:
+            rng: the game's own generator.
+            game_index: the game.
+            games_before: number of episodes it has finished.
+        """
+
+    def rng_key(self, game_index: int) -> tuple[int, ...]:
+        """Return the part of the sticky-action seed that identifies a game."""
+
+
 @dataclass(frozen=True)
 class TrainingStarts:
-    """Every game begins anew at a drawn start, or within a drawn demonstration.
+    """Episodes begin at a uniformly drawn start or at a drawn step of a demonstration.
 
-    A game that begins at a step of a demonstration has the rest of the 300 steps left.
+    An episode from a demonstration's step counts the steps before it towards the limit.
 
     Attributes:
         idle_frames: the idle frames to draw from; by default none of an evaluation start.
-        demonstrations: whose states games may begin in.
-        demonstration_share: share of the games that do, 0 to 1.
+        demonstrations: the demonstrations in whose states episodes may begin.
+        demonstration_share: share of the episodes that do, 0 to 1.
     """
 
     idle_frames: tuple[int, ...] = TRAINING_IDLE_FRAMES
@@ -73,27 +103,30 @@ class TrainingStarts:
 
     @property
     def possible_starts(self) -> set[Start]:
-        """The starts that games may begin from."""
+        """All starts with these idle frames."""
         return {Start(idle_frames) for idle_frames in self.idle_frames}
 
-    def beginning(
+    def check(self, n_games: int) -> None:
+        """Accept any number of games."""
+
+    def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
     ) -> Start | DemonstrationStep | None:
-        """Return where a game's next episode begins, drawn from the game's own generator."""
+        """Draw a start or a step of a demonstration."""
         if self.demonstration_share > 0.0 and rng.random() < self.demonstration_share:
             demonstration = int(rng.integers(len(self.demonstrations)))
             step = int(rng.integers(self.demonstrations[demonstration].steps))
             return DemonstrationStep(demonstration, step)
         return Start(self.idle_frames[int(rng.integers(len(self.idle_frames)))])
 
-    def generator_key(self, game_index: int) -> tuple[int, ...]:
-        """Return what tells a game's generator of repeated actions from the other games'."""
+    def rng_key(self, game_index: int) -> tuple[int, ...]:
+        """Return the game's index."""
         return (game_index,)
 
 
 @dataclass(frozen=True)
 class FixedStarts:
-    """Every game is played once, from its own start, and rests when it has ended.
+    """Every game plays one episode from its own start and is inactive afterwards.
 
     Attributes:
         starts: one for each game.
@@ -103,29 +136,30 @@ class FixedStarts:
 
     @property
     def demonstrations(self) -> tuple[DemonstrationLog, ...]:
-        """No game begins in a demonstration."""
+        """None."""
         return ()
 
     @property
     def possible_starts(self) -> set[Start]:
-        """The starts that games may begin from."""
+        """The games' starts."""
         return set(self.starts)
 
-    def beginning(
+    def check(self, n_games: int) -> None:
+        """Check that there is one start per game."""
+        if len(self.starts) != n_games:
+            raise ValueError(f"Expected {n_games} starts, one per game, got {len(self.starts)}.")
+
+    def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
     ) -> Start | DemonstrationStep | None:
-        """Return the game's start, or None when it has been played."""
+        """Return the game's start, None once it has been played."""
         return self.starts[game_index] if games_before == 0 else None
 
-    def generator_key(self, game_index: int) -> tuple[int, ...]:
-        """Return what tells a game's generator of repeated actions from the other games'.
+    def rng_key(self, game_index: int) -> tuple[int, ...]:
+        """Return the game's start and the number of games before it with the same start.
 
-        It is the game's start, and how many games before it have the same one, so that a game does
-        not depend on which others are played beside it.
+        A game then does not depend on the other games of the vector.
         """
         start = self.starts[game_index]
         earlier = self.starts[:game_index].count(start)
         return (start.idle_frames, start.mode, start.difficulty, earlier)
-
-
-StartSource = TrainingStarts | FixedStarts

@@ -1,4 +1,4 @@
-"""Many games in processes over shared memory."""
+"""A vector of games played by processes over shared memory."""
 
 import itertools
 import mmap
@@ -7,7 +7,6 @@ import tempfile
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
@@ -18,11 +17,11 @@ from tril.game import space_invaders as game
 from tril.game.episode import Ending, EndReason
 from tril.game.observation import Observation
 from tril.game.vector.game_group import (
-    Answer,
-    Assignment,
     Command,
     FinishedGame,
     GameGroup,
+    GroupConfig,
+    Reply,
     SharedArrays,
 )
 from tril.game.vector.game_process import GameProcess, GameProcessFailed
@@ -30,7 +29,7 @@ from tril.game.vector.reset_distribution import (
     DemonstrationLog,
     DemonstrationStep,
     FixedStarts,
-    StartSource,
+    ResetDistribution,
     TrainingStarts,
 )
 
@@ -40,7 +39,7 @@ __all__ = [
     "FinishedGame",
     "FixedStarts",
     "GameProcessFailed",
-    "StartSource",
+    "ResetDistribution",
     "TrainingStarts",
     "VectorGame",
     "VectorSnapshot",
@@ -50,16 +49,16 @@ __all__ = [
 
 @dataclass(frozen=True)
 class VectorStep:
-    """What one step of all games gave.
+    """The result of one step of all games.
 
     Attributes:
-        observations: uint8 (n, 4, 84, 84): where a game ended, of the next one already. A view
-            that stays as it is during the next step and is overwritten by the one after that.
+        observations: uint8 (n, 4, 84, 84), of the next episode where one ended. A view that stays
+            valid during the next step and is overwritten by the one after.
         ended: bool (n,): the games whose episode this step ended.
-        terminal_observations: uint8 (n, 4, 84, 84): the last observation of the episode where
-            ended, anything elsewhere. A view that the next step overwrites.
+        terminal_observations: uint8 (n, 4, 84, 84): the episode's last observation where ended,
+            undefined elsewhere. A view that the next step overwrites.
         reasons: why the episode ended, by game; None where it goes on.
-        steps: int32 (n,): steps of the episode that was stepped, since its start.
+        steps: int32 (n,): steps since the start of the episode just stepped.
         finished: the episodes that ended, in order of their games.
     """
 
@@ -73,11 +72,7 @@ class VectorStep:
 
 @dataclass(frozen=True)
 class VectorSnapshot:
-    """All that the future of a vector depends on, actions apart.
-
-    Attributes:
-        games: one saved game with its generators each.
-    """
+    """The state of a vector: each game with its generators, as bytes."""
 
     games: tuple[bytes, ...]
 
@@ -95,20 +90,20 @@ class VectorSnapshot:
 
 
 class VectorGame:
-    """Many AgentGames, stepped together by processes that share the observations with this one.
+    """AgentGames stepped together by processes that share observations with this one.
 
-    A game's episodes depend on the training seed, its index and its actions only, so that the
-    number of processes changes the speed and nothing else. The processes are plain subprocesses:
-    they import neither the caller's main module nor its libraries, and end with the caller.
+    A game's episodes depend only on the training seed, its index and its actions, so the number of
+    processes affects nothing but speed. The processes are plain subprocesses that end with the
+    caller.
 
     Attributes:
-        n_games: how many games are played side by side.
+        n_games: number of games.
     """
 
     def __init__(
         self,
         n_games: int,
-        starts: StartSource,
+        reset_distribution: ResetDistribution,
         *,
         n_processes: int | None = None,
         ending: Ending = Ending.HIT,
@@ -119,50 +114,47 @@ class VectorGame:
         """Start the processes and wait until they are ready, about a second.
 
         Args:
-            n_games: how many games are played side by side.
-            starts: where they begin.
-            n_processes: by default one for each core, and at most one for each game. With one,
-                the caller plays all games itself.
+            n_games: number of games.
+            reset_distribution: where episodes begin.
+            n_processes: by default one per core, at most one per game. With one, the caller's
+                process plays all games.
             ending: which rule for the player's death ends an episode.
-            max_frames: after how many frames an episode ends in any case.
-            sticky_action_probability: of repeating the action of the frame before.
-            training_seed: of the draws of starts and of repeated actions.
+            max_frames: maximum length of an episode.
+            sticky_action_probability: probability of repeating the previous frame's action.
+            training_seed: seed of resets and repeated actions.
 
         Raises:
-            ValueError: the numbers contradict each other.
-            GameProcessFailed: a process could not be made ready.
+            ValueError: n_games is not positive or does not fit the reset distribution.
+            GameProcessFailed: a process failed to start.
         """
         if n_games < 1:
             raise ValueError(f"Expected at least one game, got {n_games}.")
-        if isinstance(starts, FixedStarts) and len(starts.starts) != n_games:
-            raise ValueError(f"Expected {n_games} starts, one per game, got {len(starts.starts)}.")
-        if n_processes is None:
-            n_processes = core_count()
+        reset_distribution.check(n_games)
         self.n_games = n_games
         self._pending = False
-        memory_fd = _memory_file(SharedArrays.size(n_games))
+        memory_fd = _anonymous_memory(SharedArrays.size(n_games))
         self._shared = SharedArrays(mmap.mmap(memory_fd, 0), n_games)
         processes: list[GameProcess] = []
         self._finalizer = weakref.finalize(self, _close_all, processes)
-        assignments = [
-            Assignment(
-                n_games=n_games,
-                games=games,
-                starts=starts,
-                ending=ending,
-                max_frames=max_frames,
-                sticky_action_probability=sticky_action_probability,
-                training_seed=training_seed,
+        configs = [
+            GroupConfig(
+                n_games,
+                games,
+                reset_distribution,
+                ending,
+                max_frames,
+                sticky_action_probability,
+                training_seed,
             )
-            for games in _split(n_games, min(n_processes, n_games))
+            for games in _split(n_games, min(n_processes or core_count(), n_games))
         ]
-        self._groups: Sequence[GameProcess | _OwnGames] = processes
+        self._groups: Sequence[GameProcess | _LocalGroup] = processes
         try:
-            if len(assignments) == 1:
-                self._groups = [_OwnGames(assignments[0], self._shared)]
+            if len(configs) == 1:
+                self._groups = [_LocalGroup(configs[0], self._shared)]
             else:
-                processes.extend(GameProcess(one, memory_fd) for one in assignments)
-                _spread(processes)
+                processes.extend(GameProcess(one, memory_fd) for one in configs)
+                _pin_to_cores(processes)
             for process in processes:
                 process.receive()
         except BaseException:
@@ -172,7 +164,7 @@ class VectorGame:
             os.close(memory_fd)
 
     def reset(self) -> Observation:
-        """Begin all games and return their observations, uint8 (n, 4, 84, 84); once only."""
+        """Begin all games and return their observations, uint8 (n, 4, 84, 84). Call it once."""
         self._call_all(Command.RESET)
         return self._observations
 
@@ -182,7 +174,7 @@ class VectorGame:
         return self.step_wait()
 
     def step_async(self, actions: npt.NDArray[np.integer[Any]]) -> None:
-        """Begin a step; step_wait returns what it gave."""
+        """Begin a step; step_wait returns its result."""
         actions = np.asarray(actions)
         if actions.shape != (self.n_games,):
             raise ValueError(f"Expected actions of shape ({self.n_games},), got {actions.shape}.")
@@ -193,11 +185,11 @@ class VectorGame:
         self._send_all(Command.STEP)
 
     def step_wait(self) -> VectorStep:
-        """Wait for the step that step_async began and return what it gave."""
+        """Return the result of the step that step_async began."""
         reasons: list[EndReason | None] = [None] * self.n_games
         finished: list[FinishedGame] = []
-        for news in self._receive_all():
-            finished.extend(news or ())
+        for reply in self._receive_all():
+            finished.extend(reply or ())
         for one in finished:
             reasons[one.game] = one.end
         return VectorStep(
@@ -210,24 +202,24 @@ class VectorGame:
         )
 
     @property
-    def resting(self) -> npt.NDArray[np.bool_]:
-        """The games that have been played and are stepped no more, bool (n,)."""
-        return np.array(self._shared.resting)
+    def inactive(self) -> npt.NDArray[np.bool_]:
+        """The games that have no further episode, bool (n,)."""
+        return np.array(self._shared.inactive)
 
     @property
     def _observations(self) -> Observation:
         return np.asarray(self._shared.observations[self._shared.half[0]], np.uint8)
 
     def snapshot(self) -> VectorSnapshot:
-        """Return all that the future of the games depends on, actions apart."""
+        """Return the state of the games and their generators."""
         parts = self._call_all(Command.SNAPSHOT)
         return VectorSnapshot(tuple(one for part in parts for one in part))
 
     def restore(self, snapshot: VectorSnapshot) -> Observation:
-        """Go on from a snapshot of a vector with as many games and the same settings.
+        """Restore a snapshot of a vector with as many games and the same settings.
 
         Returns:
-            The observations, uint8 (n, 4, 84, 84), as they were.
+            The observations at the snapshot, uint8 (n, 4, 84, 84).
         """
         if len(snapshot.games) != self.n_games:
             raise ValueError(
@@ -238,18 +230,13 @@ class VectorGame:
         return self._observations
 
     def close(self) -> None:
-        """End the processes; closing twice is fine."""
+        """End the processes. May be called more than once."""
         self._finalizer()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _call_all(
@@ -277,20 +264,20 @@ class VectorGame:
         return answers
 
 
-class _OwnGames:
-    """The one group of games of a vector without processes: the caller plays them."""
+class _LocalGroup:
+    """The single group of a vector without processes."""
 
-    def __init__(self, assignment: Assignment, shared: SharedArrays) -> None:
-        self.games = assignment.games
-        self._group = GameGroup(assignment, shared)
+    def __init__(self, config: GroupConfig, shared: SharedArrays) -> None:
+        self.games = config.games
+        self._group = GameGroup(config, shared)
         self._command: tuple[Command, Sequence[bytes] | None] | None = None
 
     def send(self, command: Command, snapshots: Sequence[bytes] | None = None) -> None:
         self._command = command, snapshots
 
-    def receive(self) -> Answer:
+    def receive(self) -> Reply:
         command, self._command = self._command, None
-        return None if command is None else self._group.answer(*command)
+        return None if command is None else self._group.execute(*command)
 
 
 def _close_all(processes: list[GameProcess]) -> None:
@@ -300,28 +287,28 @@ def _close_all(processes: list[GameProcess]) -> None:
         process.wait()
 
 
-def _spread(processes: Sequence[GameProcess]) -> None:
-    """Give each process a core of its own, where there are as many processes as cores.
+def _pin_to_cores(processes: Sequence[GameProcess]) -> None:
+    """Pin each process to its own core if there are as many processes as cores.
 
-    All of them wait for the slowest in every step. Left alone, the scheduler often wakes two on
-    one core, next to the caller that has called them, which costs 7% of the speed and more.
+    Every step waits for the slowest process. Without pinning, the scheduler often wakes two on the
+    caller's core, which costs 7% of the speed and more.
     """
     if not hasattr(os, "sched_setaffinity"):  # Not Linux.
         return
     cores = sorted(os.sched_getaffinity(0))
     if len(cores) == len(processes):
         for process, core in zip(processes, cores, strict=True):
-            process.run_on(core)
+            process.pin_to_core(core)
 
 
 def _split(count: int, parts: int) -> list[range]:
-    """Return ranges as equal as possible that make up range(count)."""
+    """Split range(count) into ranges as equal as possible."""
     edges = [count * part // parts for part in range(parts + 1)]
     return [range(begin, end) for begin, end in itertools.pairwise(edges)]
 
 
-def _memory_file(size: int) -> int:
-    """Return a file descriptor of memory without a name, so that nothing can be left behind."""
+def _anonymous_memory(size: int) -> int:
+    """Return a file descriptor of anonymous shared memory."""
     if hasattr(os, "memfd_create"):
         fd = os.memfd_create("tril-games")
     else:  # Not Linux.

@@ -1,14 +1,19 @@
-"""Which files of a run there are; the files themselves lie in the artifact store."""
+"""The files of runs, which lie in the artifact store."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from tril.errors import NotFound
+from tril.files.artifact_store import ArtifactStore
 from tril.store.changes import note_change
+from tril.store.database import Database
 from tril.store.models import ArtifactRow, now
 
 
@@ -31,7 +36,7 @@ def save(
     size_bytes: int,
     details: dict[str, Any] | None = None,
 ) -> ArtifactRow:
-    """Note a file that lies in the artifact store; one of the same name is replaced."""
+    """Add or replace the row of a file that lies in the artifact store."""
     row = find(session, run_id, name)
     if row is None:
         row = ArtifactRow(run_id=run_id, name=name)
@@ -61,6 +66,19 @@ def of_kind(session: Session, run_id: str, kind: str) -> ArtifactRow:
     if row is None:
         raise NotFound(f"This training has no {kind.replace('_', ' ')} yet.")
     return row
+
+
+@contextmanager
+def local_file(database: Database, store: ArtifactStore, run_id: str, kind: str) -> Iterator[Path]:
+    """Give the newest file of a kind as a path on this machine.
+
+    Raises:
+        NotFound: The run has none yet.
+    """
+    with database.reading() as session:
+        path = of_kind(session, run_id, kind).path
+    with store.local(path) as file:
+        yield file
 
 
 def get(session: Session, artifact_id: int) -> ArtifactRow:

@@ -4,36 +4,29 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
-from tril.analysis.summary import GameFigures, PolicySummary, summarise
+from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.behaviours import Score
-from tril.game.episode import EndReason
+from tril.game.episode import DEATHS
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
 
-POLICIES = ("imitator", "clone")
+POLICIES: tuple[Policy, ...] = ("imitator", "clone")
 
 ActionSelection = Literal["greedy", "sampled", "sticky"]
 ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")
-"""How a policy's actions come about: the likeliest one; drawn by their probabilities; the likeliest
-one, repeated at random by the machine. Runs of earlier versions have no sticky games."""
+"""How a policy's actions are selected: the likeliest one; drawn by their probabilities; the
+likeliest one, while the machine repeats actions at random. Runs of earlier versions have no sticky
+games."""
 
 
-@dataclass(frozen=True)
-class EvaluationKey:
-    """Names one evaluation game of a run.
-
-    Attributes:
-        policy: One of POLICIES.
-        action_selection: One of ACTION_SELECTIONS.
-        start_number: The evaluation start.
-    """
+class EvaluationKey(NamedTuple):
+    """Names one evaluation game of a run."""
 
     policy: str
     action_selection: str
@@ -55,16 +48,14 @@ def add(
         session: The transaction.
         run_id: The run whose policy played.
         key: Which game.
-        recording_id: The recording that it left.
+        recording_id: Its recording.
         held_out: Whether no demonstration of the run began from this start.
         predicted_return: Sum of R over the game's observations.
-        score: How its hits compare with the target; None for behaviours without one.
+        score: Its hits compared with the target; None for behaviours without one.
     """
     row = EvaluationRow(
         run_id=run_id,
-        policy=key.policy,
-        action_selection=key.action_selection,
-        start_number=key.start_number,
+        **key._asdict(),
         held_out=held_out,
         recording_id=recording_id,
         predicted_return=predicted_return,
@@ -82,9 +73,7 @@ def played(session: Session, run_id: str) -> set[EvaluationKey]:
     """Return which games of a run have been played."""
     query = select(EvaluationRow.policy, EvaluationRow.action_selection, EvaluationRow.start_number)
     rows = session.execute(query.where(EvaluationRow.run_id == run_id))
-    return {
-        EvaluationKey(policy, action_selection, number) for policy, action_selection, number in rows
-    }
+    return {EvaluationKey(*row) for row in rows}
 
 
 def listing(session: Session, run_id: str) -> list[EvaluationRow]:
@@ -99,13 +88,13 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
 
 
 def figures_of(row: EvaluationRow) -> GameFigures:
-    """Return an evaluation game, loaded with its recording, in numbers."""
+    """Return the figures of an evaluation game, loaded with its recording."""
     return GameFigures(
         targets=row.targets,
         strays=row.strays,
         order_errors=row.order_errors,
         steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
-        died=row.recording.end == EndReason.HIT,
+        died=row.recording.end in DEATHS,
         predicted_return=row.predicted_return,
     )
 

@@ -9,12 +9,15 @@ from sqlalchemy.orm import Session
 
 from tril.store.models import MetricRow
 
-Series = dict[str, dict[str, list[tuple[int, float]]]]
-"""By stage and name of the series: (step, value) in order of steps."""
+Curve = list[tuple[int, float]]
+"""(step, value) in order of steps."""
+
+Series = dict[str, dict[str, Curve]]
+"""By stage and name."""
 
 
 def add(session: Session, run_id: str, stage: str, step: int, values: Mapping[str, float]) -> None:
-    """Add a point to several series of a stage; a second one at the same step completes it."""
+    """Add a point to several series of a stage; merged with an earlier one at the same step."""
     here = (MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step == step)
     earlier = session.scalar(select(MetricRow).where(*here))
     merged = {**(earlier.values if earlier else {}), **values}
@@ -25,7 +28,7 @@ def add(session: Session, run_id: str, stage: str, step: int, values: Mapping[st
 
 
 def drop_after(session: Session, run_id: str, stage: str, step: int) -> None:
-    """Drop a stage's points beyond a step: the run goes on from there and will make them anew."""
+    """Drop a stage's points beyond a step, from which the run goes on."""
     session.execute(
         delete(MetricRow).where(
             MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step > step
@@ -33,17 +36,8 @@ def drop_after(session: Session, run_id: str, stage: str, step: int) -> None:
     )
 
 
-def curves(
-    session: Session, run_id: str, stage: str, names: Sequence[str]
-) -> dict[str, list[tuple[int, float]]]:
-    """Return some of a stage's series, (step, value) in order of steps; quicker than all of them.
-
-    Args:
-        session: The transaction.
-        run_id: The run.
-        stage: One of its stages.
-        names: Of the series; one without points is empty.
-    """
+def curves(session: Session, run_id: str, stage: str, names: Sequence[str]) -> dict[str, Curve]:
+    """Return the named series of a stage; one without points is empty."""
     values = (MetricRow.values[name].as_float() for name in names)
     rows = session.execute(
         select(MetricRow.step, *values)
@@ -57,13 +51,13 @@ def curves(
 
 
 def series(session: Session, run_id: str, after: int = 0) -> tuple[int, Series]:
-    """Return the points that were written after a point's id.
+    """Return the points that were written after the one with the id ``after``.
 
     A point replaces an earlier one of the same stage, name and step: those beyond a checkpoint
     are written again when a run goes on from it.
 
     Returns:
-        The id to pass as ``after`` next time, and the points.
+        The newest point's id, for the next call, and the points.
     """
     rows = session.scalars(
         select(MetricRow)

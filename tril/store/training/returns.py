@@ -1,4 +1,4 @@
-"""What a run's reward model says of its demonstrations and of its evaluation games."""
+"""The predicted returns of a run's demonstrations and evaluation games."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import cast, get_args
 
 from sqlalchemy.orm import Session
 
-from tril.analysis.extrapolation import JudgedGame, JudgedGames, Player, true_quantity
+from tril.analysis.extrapolation import JudgedGame, JudgedGames, PlayerKind, true_quantity
 from tril.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import EvaluationRow, RunRow, Source
 
-_PLAYERS: dict[str, Player] = {
+_PLAYERS: dict[str, PlayerKind] = {
     Source.PERSON: "person",
     Source.SCRIPTED: "demonstrator",
     Source.POLICY: "imitator",
@@ -31,14 +31,14 @@ def judged_games(
         games: Its evaluation games, loaded with their recordings.
 
     Returns:
-        By who played; nothing for behaviours without target cells, where no game has a worth.
+        By player; empty for behaviours without target cells, whose games have no true quantity.
     """
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     if behaviour.target is None:
         return []
-    check = run.outcome.get("check", {})
-    returns = {int(key): value for key, value in check.get("predicted_returns", {}).items()}
-    found: dict[tuple[Player, bool], list[JudgedGame]] = defaultdict(list)
+    check = run.outcome.check
+    returns = {} if check is None else check.predicted_returns
+    found: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(returns)).items():
         worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
         assert worth is not None
@@ -50,14 +50,14 @@ def judged_games(
             continue
         quantity = true_quantity(played.targets, played.strays)
         game = JudgedGame(quantity, played.predicted_return, played.recording_id)
-        found[cast(Player, played.policy), False].append(game)
+        found[cast(PlayerKind, played.policy), False].append(game)
     return [
         JudgedGames(player, demonstrated, tuple(found[player, demonstrated]))
         for player, demonstrated in sorted(found, key=_place)
     ]
 
 
-def _place(group: tuple[Player, bool]) -> tuple[bool, int]:
-    """Return what puts the demonstrations first and those who play in their usual order."""
+def _place(group: tuple[PlayerKind, bool]) -> tuple[bool, int]:
+    """Return the key that sorts demonstrations first, then by player."""
     player, demonstrated = group
-    return not demonstrated, get_args(Player).index(player)
+    return not demonstrated, get_args(PlayerKind).index(player)

@@ -1,21 +1,20 @@
-"""Runs as people see them: made, listed, cancelled, resumed, deleted. Workers: see claims.py."""
+"""Runs as people see them: made, listed, cancelled, resumed, deleted."""
 
 from __future__ import annotations
 
 import uuid
 from collections.abc import Iterable
-from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.demonstrator import SCRIPTED, check_expert, kind_named
+from tril.analysis.outcome import RunSnapshot
+from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
-from tril.recipes import MOST_DAGGER_STEPS, Recipe
-from tril.store import behaviours, rankings, recordings
+from tril.recipes import MAX_DAGGER_STEPS, Recipe
+from tril.store import behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
-from tril.store.models import RecordingState, RunRow, RunStatus, Verification, now
-from tril.store.processes import is_fresh
+from tril.store.models import NOT_OVER, RecordingState, RunRow, RunStatus, Verification, now
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
 
@@ -33,34 +32,34 @@ def create(
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
 
-    The run waits until ``tril.jobs`` has enqueued it; that it gets lost in between is healed there.
+    It waits until ``tril.jobs`` has enqueued it, which also happens after a crash in between.
 
     Args:
         session: The transaction.
         behaviour_id: What is taught.
-        recipe: How it is learned; stored whole.
+        recipe: How it is learned; stored in full.
         steps: Steps of the imitator's training games.
         training_seed: Feeds every random choice of learning.
         go_on_anyway: Whether the imitator is trained even when the check of the ranking fails.
-        example: Whether the scripted demonstrations are made and ranked first where they are
-            missing; the snapshot is then frozen once they exist.
+        example: Whether missing scripted demonstrations are made and ranked first; the snapshot is
+            frozen once they exist.
         player_id: Who started it.
         example_kind: Which demonstrations an example has, see tril.demonstrator.KINDS.
 
     Raises:
         NotFound: No such behaviour.
-        Invalid: The ranking or the perfect demonstrations don't suffice, or the recipe is not
-            for this behaviour or this many steps; says what to do.
+        Invalid: The ranking or the perfect demonstrations don't suffice, or the recipe does not
+            allow this behaviour or this many steps.
     """
     behaviour = behaviours.get(session, behaviour_id)
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")
     if recipe.method == "dagger":
-        check_expert(behaviours.as_behaviour(behaviour))
-        if steps > MOST_DAGGER_STEPS:
+        example_plans(behaviours.as_behaviour(behaviour))
+        if steps > MAX_DAGGER_STEPS:
             raise Invalid(
                 f"DAgger keeps every state that it has seen: train it for at most"
-                f" {MOST_DAGGER_STEPS:,} steps, not {steps:,}."
+                f" {MAX_DAGGER_STEPS:,} steps, not {steps:,}."
             )
     row = RunRow(
         id=str(uuid.uuid4()),
@@ -82,14 +81,11 @@ def create(
     return row
 
 
-def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
+def snapshot(session: Session, behaviour_id: int) -> RunSnapshot:
     """Freeze a behaviour's ranking and perfect demonstrations for a run.
 
-    Returns:
-        ``{"ranking_revision", "tiers", "perfect"}``: tiers are lists of recording ids, best first.
-
     Raises:
-        Invalid: They don't suffice for learning; says what to do.
+        Invalid: They don't suffice for learning.
     """
     ranking = rankings.current(session, behaviour_id)
     tiers = [list(tier) for tier in rankings.as_ranking(ranking).tiers]
@@ -105,7 +101,7 @@ def snapshot(session: Session, behaviour_id: int) -> dict[str, Any]:
             "The clone learns from perfect demonstrations and there are none. Mark at least one "
             "recording as perfect first."
         )
-    return {"ranking_revision": ranking.revision, "tiers": tiers, "perfect": perfect}
+    return RunSnapshot(ranking_revision=ranking.revision, tiers=tiers, perfect=perfect)
 
 
 def _check_usable(session: Session, behaviour_id: int, numbers: list[int]) -> None:
@@ -138,16 +134,11 @@ def _numbers(numbers: Iterable[int]) -> str:
     return ", ".join(str(number) for number in sorted(set(numbers)))
 
 
-def get(session: Session, run_id: str) -> RunRow:
-    """Return a run; raises NotFound if there is none or it was deleted."""
-    row = session.get(RunRow, run_id)
-    if row is None or row.deleted_at is not None:
-        raise NotFound("There is no such training (any more).")
-    return row
-
-
-def _for_change(session: Session, run_id: str) -> RunRow:
-    row = session.get(RunRow, run_id, with_for_update=True, populate_existing=True)
+def get(session: Session, run_id: str, *, for_update: bool = False) -> RunRow:
+    """Return a run, locked if asked for; raises NotFound if there is none or it was deleted."""
+    row = session.get(
+        RunRow, run_id, with_for_update=for_update or None, populate_existing=for_update
+    )
     if row is None or row.deleted_at is not None:
         raise NotFound("There is no such training (any more).")
     return row
@@ -162,14 +153,13 @@ def listing(session: Session, behaviour_id: int | None = None) -> list[RunRow]:
 
 
 def not_over(session: Session) -> list[RunRow]:
-    """Return the runs that a worker should have or get, oldest first."""
-    waiting = (RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING)
-    query = select(RunRow).where(RunRow.deleted_at.is_(None), RunRow.status.in_(waiting))
+    """Return the runs that are not over, oldest first."""
+    query = select(RunRow).where(RunRow.deleted_at.is_(None), RunRow.status.in_(NOT_OVER))
     return list(session.scalars(query.order_by(RunRow.created_at, RunRow.id)))
 
 
 def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
-    """Return which of these runs are done or deleted, so that nothing will go on with them."""
+    """Return which of these runs are done or deleted and so can't be resumed."""
     query = select(RunRow.id).where(
         RunRow.id.in_(list(run_ids)),
         (RunRow.status == RunStatus.DONE) | RunRow.deleted_at.is_not(None),
@@ -178,12 +168,21 @@ def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
 
 
 def latest_done(session: Session, recipe_name: str) -> RunRow | None:
-    """Return the newest finished run of a recipe, whose times tell how fast this place is."""
+    """Return the newest finished run of a recipe."""
     return session.scalar(
         select(RunRow)
         .where(RunRow.recipe_name == recipe_name, RunRow.status == RunStatus.DONE)
         .order_by(RunRow.finished_at.desc())
         .limit(1)
+    )
+
+
+def has_worker(session: Session, row: RunRow) -> bool:
+    """Whether a living worker has the run, as far as can be told."""
+    return (
+        row.status in {RunStatus.RUNNING, RunStatus.CANCELLING}
+        and processes.is_fresh(session, row.heartbeat_at)
+        and not processes.has_ended(session, row.worker)
     )
 
 
@@ -193,13 +192,13 @@ def request_cancel(session: Session, run_id: str) -> RunRow:
     Raises:
         Conflict: The run is over already.
     """
-    row = _for_change(session, run_id)
+    row = get(session, run_id, for_update=True)
     status = RunStatus(row.status)
     if status is RunStatus.CANCELLED:
         return row
     if status.is_over:
         raise Conflict(f"This training is already over ({status}); nothing is left to cancel.")
-    if status is not RunStatus.QUEUED and is_fresh(row.heartbeat_at):
+    if has_worker(session, row):
         row.status = RunStatus.CANCELLING
     else:
         row.status, row.finished_at, row.message = RunStatus.CANCELLED, now(), CANCELLED_MESSAGE
@@ -210,14 +209,12 @@ def request_cancel(session: Session, run_id: str) -> RunRow:
 
 
 def queue_again(session: Session, run_id: str) -> RunRow:
-    """Put a cancelled, stopped or failed run back into the queue; it goes on where it was.
-
-    Resuming a run that the check of its ranking stopped means to go on anyway.
+    """Queue a cancelled, stopped or failed run again; one that the check stopped goes on anyway.
 
     Raises:
         Conflict: The run is done, or not over yet.
     """
-    row = _for_change(session, run_id)
+    row = get(session, run_id, for_update=True)
     status = RunStatus(row.status)
     if status is RunStatus.DONE:
         raise Conflict("This training is done. Start a new one to train again.")
@@ -231,12 +228,12 @@ def queue_again(session: Session, run_id: str) -> RunRow:
 
 
 def delete(session: Session, run_id: str) -> None:
-    """Take a run out of every list; its games and files stay readable by those who name them.
+    """Take a run out of every list; its games and files stay readable by id.
 
     Raises:
-        Conflict: A worker has it; cancel it first.
+        Conflict: The run is not over.
     """
-    row = _for_change(session, run_id)
+    row = get(session, run_id, for_update=True)
     if not RunStatus(row.status).is_over:
         raise Conflict("This training is not over yet. Cancel it first, then delete it.")
     row.deleted_at = now()

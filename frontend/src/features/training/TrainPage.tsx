@@ -3,20 +3,9 @@ import { useQuery } from "@tanstack/react-query";
 import { recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { Failed, Loading } from "@/components/feedback/States";
-import { describeStage, stageName } from "@/lib/runs";
 
 import { TrainForm } from "./TrainForm";
 import styles from "./TrainPage.module.css";
-
-const STAGES = [
-  "trajectories",
-  "reward",
-  "check",
-  "clone",
-  "imitator",
-  "evaluation",
-  "attention",
-] as const;
 
 /** Starts a run on the current ranking. */
 export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
@@ -31,12 +20,12 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
       <aside className={styles.side} aria-label="What a run does">
         <h2>What a run does</h2>
         <ol className={styles.stages}>
-          {STAGES.map((stage, index) => (
-            <li key={stage}>
+          {recipes[0].stages.map((stage, index) => (
+            <li key={stage.name}>
               <span>{index + 1}</span>
               <span>
-                <strong>{stageName(stage)}</strong>
-                {describeStage(stage)}
+                <strong>{stage.label}</strong>
+                {stage.summary}
               </span>
             </li>
           ))}

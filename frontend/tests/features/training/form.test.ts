@@ -11,6 +11,7 @@ const RECIPE = {
   steps_per_s: 500,
   steps_per_s_measured: true,
   overhead_s: 120,
+  stages: [],
 };
 
 function values(change: Partial<FormValues> = {}): FormValues {

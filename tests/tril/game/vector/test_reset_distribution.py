@@ -15,7 +15,7 @@ LOG = DemonstrationLog(Start(5), bytes([1] * 202))
 
 def test_training_starts_are_drawn_evenly_and_are_no_evaluation_starts() -> None:
     rng = np.random.default_rng(0)
-    drawn = [TrainingStarts().beginning(rng, 0, n) for n in range(3000)]
+    drawn = [TrainingStarts().sample(rng, 0, n) for n in range(3000)]
     assert {start.idle_frames for start in drawn if isinstance(start, Start)} == set(
         TRAINING_IDLE_FRAMES
     )
@@ -24,7 +24,7 @@ def test_training_starts_are_drawn_evenly_and_are_no_evaluation_starts() -> None
 def test_the_share_of_games_begins_at_any_step_of_any_demonstration() -> None:
     source = TrainingStarts(demonstrations=(LOG, LOG), demonstration_share=0.3)
     rng = np.random.default_rng(0)
-    drawn = [source.beginning(rng, 0, n) for n in range(5000)]
+    drawn = [source.sample(rng, 0, n) for n in range(5000)]
     steps = [one for one in drawn if isinstance(one, DemonstrationStep)]
     assert 0.27 < len(steps) / len(drawn) < 0.33
     assert {(one.demonstration, one.step) for one in steps} == {
@@ -35,8 +35,8 @@ def test_the_share_of_games_begins_at_any_step_of_any_demonstration() -> None:
 def test_a_fixed_start_is_played_once() -> None:
     source = FixedStarts((Start(1), Start(2)))
     rng = np.random.default_rng(0)
-    assert source.beginning(rng, 1, 0) == Start(2)
-    assert source.beginning(rng, 1, 1) is None
+    assert source.sample(rng, 1, 0) == Start(2)
+    assert source.sample(rng, 1, 1) is None
 
 
 def test_contradictions_are_refused() -> None:

@@ -21,7 +21,7 @@ from tril.game.vector.vector_game import (
     FinishedGame,
     FixedStarts,
     GameProcessFailed,
-    StartSource,
+    ResetDistribution,
     TrainingStarts,
     VectorGame,
     VectorSnapshot,
@@ -68,7 +68,7 @@ def play(vector: VectorGame, actions: npt.NDArray[np.int64], first: Observation)
 
 
 def traced(
-    starts: StartSource,
+    starts: ResetDistribution,
     *,
     n_games: int = 3,
     n_processes: int = 2,
@@ -97,8 +97,8 @@ def test_a_vector_gives_the_trajectories_of_one_console(console: Console) -> Non
         actions = actions_of(vector, 300)
         trace = play(vector, actions, vector.reset())
         terminal = vector.step(actions[0]).terminal_observations.copy()
-        resting = vector.resting
-    assert resting.all()
+        inactive = vector.inactive
+    assert inactive.all()
     assert [one.start for one in sorted(trace.finished, key=lambda one: one.game)] == list(starts)
     for index, start in enumerate(starts):
         game.reset(start)
@@ -226,7 +226,7 @@ def test_a_snapshot_of_another_number_of_games_is_refused() -> None:
             vector.restore(VectorSnapshot(snapshot.games[:1]))
 
 
-def test_wrong_use_is_refused_and_changes_nothing() -> None:
+def test_invalid_calls_are_refused_without_effect() -> None:
     with pytest.raises(ValueError, match="at least one game"):
         VectorGame(0, TrainingStarts(), training_seed=0)
     with pytest.raises(ValueError, match="2 starts, one per game, got 1"):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training
-from tests.workplace import Workplace
+from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training, checked
+from testsupport.workplace import Workplace
 from tril.store import behaviours
 from tril.store.training import metrics, runs
 from tril.store.training.alarms import alarm_of
@@ -16,8 +16,7 @@ def trained(workplace: Workplace, training: Training) -> str:
         for name, points in curves.items():
             for step, value in points:
                 metrics.add(session, run_id, "imitator", step, {name: value})
-        returns = {str(number): value for number, value in enumerate(DEMONSTRATED)}
-        runs.get(session, run_id).outcome = {"check": {"predicted_returns": returns}}
+        runs.get(session, run_id).outcome = checked(dict(enumerate(DEMONSTRATED)))
     return run_id
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.behaviours import Score
 from tril.store.training import evaluations
 from tril.store.training.evaluations import EvaluationKey

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.workplace import Workplace
+from testsupport.workplace import Workplace
 from tril.store.training import metrics
 
 

@@ -1,14 +1,15 @@
-"""Runs and claims on a migrated database."""
+"""Runs and leases on a migrated database."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import timedelta
+from datetime import datetime, timedelta, tzinfo
 
 import pytest
 from sqlalchemy import update
 
-from tests.workplace import TINY, Workplace
+from testsupport.workplace import TINY, Workplace
+from tril.analysis.outcome import RunSnapshot
 from tril.errors import Conflict, Invalid, NotFound
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.models import RunRow, RunStatus, now
@@ -27,11 +28,11 @@ def let_heartbeat_age(workplace: Workplace, run_id: str) -> None:
 def test_a_new_run_is_queued_with_the_ranking_frozen(workplace: Workplace) -> None:
     row = workplace.run(workplace.make_run())
     assert row.status == RunStatus.QUEUED
-    assert row.snapshot == {
-        "ranking_revision": 1,
-        "tiers": [[number] for number in workplace.ranked],
-        "perfect": [workplace.ranked[0]],
-    }
+    assert row.snapshot == RunSnapshot(
+        ranking_revision=1,
+        tiers=[[number] for number in workplace.ranked],
+        perfect=[workplace.ranked[0]],
+    )
     with workplace.database.writing() as session:
         recordings.delete(session, recordings.get(session, workplace.ranked[3]), None)
     assert workplace.run(row.id).snapshot == row.snapshot
@@ -86,25 +87,18 @@ def test_an_example_needs_no_ranking_yet(workplace: Workplace) -> None:
 def test_only_one_worker_gets_a_run(workplace: Workplace) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
-        first = leases.claim(session, run_id, "worker-0", VERSIONS)
+        assert leases.acquire(session, run_id, "worker-0", VERSIONS) is not None
     with workplace.database.writing() as session:
-        second = leases.claim(session, run_id, "worker-1", VERSIONS)
-    assert first is not None
-    assert second is None
+        assert leases.acquire(session, run_id, "worker-1", VERSIONS) is None
     assert workplace.run(run_id).worker == "worker-0"
     assert workplace.run(run_id).versions == VERSIONS
 
 
-def test_a_worker_that_comes_back_claims_its_run_again_and_the_old_claim_is_void(
+def test_a_worker_that_comes_back_leases_its_run_again_and_the_old_lease_is_void(
     workplace: Workplace,
 ) -> None:
     run_id = workplace.make_run()
-    with workplace.database.writing() as session:
-        old = leases.claim(session, run_id, "worker-0", VERSIONS)
-    with workplace.database.writing() as session:
-        new = leases.claim(session, run_id, "worker-0", VERSIONS)
-    assert old is not None
-    assert new is not None
+    old, new = workplace.lease(run_id), workplace.lease(run_id)
     assert new.epoch == old.epoch + 1
     with pytest.raises(LeaseLost), workplace.database.writing() as session:
         leases.report(session, old, "reward", 0.5, None)
@@ -116,19 +110,17 @@ def test_a_worker_that_comes_back_claims_its_run_again_and_the_old_claim_is_void
 
 def test_another_worker_gets_a_run_whose_worker_is_not_heard_of(workplace: Workplace) -> None:
     run_id = workplace.make_run()
-    with workplace.database.writing() as session:
-        leases.claim(session, run_id, "worker-0", VERSIONS)
+    workplace.lease(run_id)
     let_heartbeat_age(workplace, run_id)
-    with workplace.database.writing() as session:
-        assert leases.claim(session, run_id, "worker-1", VERSIONS) is not None
+    assert workplace.lease(run_id, "worker-1").epoch == 2
 
 
-def test_a_run_that_is_over_is_not_claimed(workplace: Workplace) -> None:
+def test_a_run_that_is_over_is_not_leased(workplace: Workplace) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
         runs.request_cancel(session, run_id)
     with workplace.database.writing() as session:
-        assert leases.claim(session, run_id, "worker-0", VERSIONS) is None
+        assert leases.acquire(session, run_id, "worker-0") is None
 
 
 def test_cancelling_a_queued_run_is_immediate(workplace: Workplace) -> None:
@@ -141,17 +133,13 @@ def test_cancelling_asks_a_living_worker_and_does_not_wait_for_a_dead_one(
     workplace: Workplace,
 ) -> None:
     run_id = workplace.make_run()
-    with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
-        assert claim is not None
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
         assert runs.request_cancel(session, run_id).status == RunStatus.CANCELLING
     with workplace.database.reading() as session:
-        assert leases.is_cancelling(session, claim)
+        assert leases.is_cancelling(session, lease)
     other = workplace.make_run()
-    with workplace.database.writing() as session:
-        lost = leases.claim(session, other, "worker-1", VERSIONS)
-        assert lost is not None
+    lost = workplace.lease(other, "worker-1")
     let_heartbeat_age(workplace, other)
     with workplace.database.writing() as session:
         assert runs.request_cancel(session, other).status == RunStatus.CANCELLED
@@ -159,22 +147,43 @@ def test_cancelling_asks_a_living_worker_and_does_not_wait_for_a_dead_one(
         leases.end(session, lost, RunStatus.DONE)
 
 
+class ClockAhead(datetime):
+    """A machine's clock that is a minute ahead of the others'."""
+
+    @classmethod
+    def now(cls, tz: tzinfo | None = None) -> ClockAhead:
+        return super().now(tz) + timedelta(minutes=1)
+
+
+def test_the_clocks_of_processes_need_not_agree(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_id = workplace.make_run()
+    workplace.lease(run_id)
+    with workplace.database.writing() as session:
+        processes.beat(session, "worker-0", "worker", {})
+    monkeypatch.setattr("tril.store.models.datetime", ClockAhead)
+    with workplace.database.writing() as session:
+        assert processes.is_kind_alive(session, "worker")
+        assert leases.acquire(session, run_id, "worker-1") is None
+        assert runs.request_cancel(session, run_id).status == RunStatus.CANCELLING
+
+
 def test_a_stage_that_fails_while_cancelling_ends_as_cancelled(workplace: Workplace) -> None:
     run_id = workplace.make_run()
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
-        assert claim is not None
         runs.request_cancel(session, run_id)
-        leases.end(session, claim, RunStatus.FAILED, "broken")
+        leases.end(session, lease, RunStatus.FAILED, "broken")
     assert workplace.run(run_id).status == RunStatus.CANCELLED
 
 
 def test_resuming_a_stopped_run_means_to_go_on_anyway(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         run_id = runs.create(session, workplace.behaviour_id, TINY, 10, 0).id
-        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
-        assert claim is not None
-        leases.end(session, claim, RunStatus.STOPPED, "confused")
+    lease = workplace.lease(run_id)
+    with workplace.database.writing() as session:
+        leases.end(session, lease, RunStatus.STOPPED, "confused")
     with workplace.database.writing() as session:
         row = runs.queue_again(session, run_id)
         assert row.status == RunStatus.QUEUED
@@ -186,10 +195,9 @@ def test_a_run_that_is_not_over_or_done_is_not_resumed(workplace: Workplace) -> 
     run_id = workplace.make_run()
     with pytest.raises(Conflict, match="not over"), workplace.database.writing() as session:
         runs.queue_again(session, run_id)
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
-        assert claim is not None
-        leases.end(session, claim, RunStatus.DONE)
+        leases.end(session, lease, RunStatus.DONE)
     with pytest.raises(Conflict, match="is done"), workplace.database.writing() as session:
         runs.queue_again(session, run_id)
     with pytest.raises(Conflict, match="already over"), workplace.database.writing() as session:
@@ -204,20 +212,19 @@ def test_deleting_waits_for_the_end_and_hides_the_run(workplace: Workplace) -> N
         runs.request_cancel(session, run_id)
         runs.delete(session, run_id)
         assert runs.listing(session) == []
-        assert leases.claim(session, run_id, "worker-0", VERSIONS) is None
+        assert leases.acquire(session, run_id, "worker-0") is None
     with pytest.raises(NotFound):
         workplace.run(run_id)
 
 
 def test_a_run_given_back_waits_again(workplace: Workplace) -> None:
     run_id = workplace.make_run()
+    lease = workplace.lease(run_id)
     with workplace.database.writing() as session:
-        claim = leases.claim(session, run_id, "worker-0", VERSIONS)
-        assert claim is not None
-        leases.finish_stage(session, claim, "trajectories", 1.5)
-        leases.release(session, claim)
+        leases.finish_stage(session, lease, "trajectories", 1.5)
+        leases.release(session, lease)
     row = workplace.run(run_id)
     assert row.status == RunStatus.QUEUED
     assert row.finished_stages == {"trajectories": 1.5}
     with pytest.raises(LeaseLost), workplace.database.writing() as session:
-        leases.finish_stage(session, claim, "reward", 1.0)
+        leases.finish_stage(session, lease, "reward", 1.0)

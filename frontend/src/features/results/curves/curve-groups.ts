@@ -128,7 +128,7 @@ const PLAN: readonly GroupPlan[] = [
         title: "Action accuracy",
         curves: [
           { key: "accuracy", name: "training" },
-          { key: "left_out_accuracy", name: "validation", dashed: true },
+          { key: "held_out_accuracy", name: "validation", dashed: true },
         ],
         format: percentage,
         range: SHARE,

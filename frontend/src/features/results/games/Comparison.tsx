@@ -7,7 +7,6 @@ import { describeEnd, hitCells } from "@/lib/recordings";
 import { playedBy, type Thing, THING_NAMES } from "@/lib/things";
 
 import styles from "./Comparison.module.css";
-import { furtherRows } from "./winner";
 
 interface ComparisonProps {
   results: RunResults;
@@ -17,8 +16,7 @@ interface ComparisonProps {
 
 /** Compares the games of imitator, clone and best demonstration, start by start. */
 export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
-  const { comparison, games, best_demonstration: best } = results;
-  const further = furtherRows(games, comparison);
+  const { comparison, further_comparison: further, best_demonstration: best } = results;
   const shared = { behaviour, best, onWatch };
   return (
     <>

@@ -3,13 +3,13 @@ import type { CSSProperties } from "react";
 import type { Run } from "@/api/types";
 import { classes } from "@/lib/classes";
 import { remaining } from "@/lib/format";
-import { isActive, describeStage, stageName, statusLine } from "@/lib/runs";
+import { currentStage, isActive, statusLine } from "@/lib/runs";
 
 import styles from "./Stages.module.css";
 
 /** The progress of a run, in total and by stage. */
 export function Stages({ run }: { run: Run }) {
-  const at = run.stages.indexOf(run.stage);
+  const at = run.stages.findIndex(({ name }) => name === run.stage);
   const running = run.status === "running" || run.status === "cancelling";
   return (
     <section aria-label="Progress">
@@ -21,15 +21,14 @@ export function Stages({ run }: { run: Run }) {
           </span>
         </p>
       )}
-      {running && <p className={styles.what}>{describeStage(run.stage)}</p>}
-      <br />
+      {running && <p className={styles.what}>{currentStage(run)?.summary}</p>}
       <ol className={styles.stages} style={{ "--count": run.stages.length } as CSSProperties}>
         {run.stages.map((stage, index) => {
           const done = doneOf(run, index, at);
           const current = running && index === at;
           return (
             <li
-              key={stage}
+              key={stage.name}
               className={classes(
                 styles.stage,
                 done === 1 && styles.done,
@@ -40,7 +39,7 @@ export function Stages({ run }: { run: Run }) {
               <span
                 className={styles.bar}
                 role="progressbar"
-                aria-label={stageName(stage)}
+                aria-label={stage.label}
                 aria-valuemin={0}
                 aria-valuemax={100}
                 aria-valuenow={Math.floor(done * 100)}
@@ -48,7 +47,7 @@ export function Stages({ run }: { run: Run }) {
                 <i style={{ transform: `scaleX(${done})` }} />
               </span>
               <span className={styles.name}>
-                {stageName(stage)}
+                {stage.label}
                 {current && ` ${Math.floor(done * 100)} %`}
               </span>
             </li>

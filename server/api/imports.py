@@ -1,0 +1,67 @@
+"""Uploads of recordings."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated
+
+from fastapi import APIRouter, HTTPException, Query, Request
+from starlette.concurrency import run_in_threadpool
+
+from server.api.schemas.recordings import ImportResult
+from server.dependencies import BehaviourId, services_of
+from server.web.problems import CONFLICT, NOT_FOUND
+from tril.exchange.recording_transfer import RecordingImportResult, import_recordings
+from tril.store import behaviours, players
+
+router = APIRouter(tags=["recordings"])
+
+MAX_IMPORTED = 200
+"""Most recordings in one upload: each is replayed, which takes about 0.1 s."""
+
+UPLOAD_TIMEOUT_S = 120
+"""How long a body may take to arrive while other uploads wait: 16 MiB at 1 Mbit/s."""
+
+
+@router.post(
+    "/behaviours/{behaviour_id}/recordings/import",
+    responses=NOT_FOUND | CONFLICT,
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "description": "Recordings in the exchange format: one object, or JSON Lines.",
+            # Each line is judged on its own, and the answer says which were refused.
+            "content": {"application/x-ndjson": {"schema": {}}, "application/json": {"schema": {}}},
+        }
+    },
+)
+async def import_recordings_file(
+    request: Request,
+    behaviour_id: BehaviourId,
+    rank: Annotated[bool, Query(description="The order is from best to worst.")] = False,
+    perfect: Annotated[bool, Query(description="All are perfect.")] = False,
+) -> ImportResult:
+    """Verify uploaded recordings and add those that replay; say why others are refused."""
+    try:
+        async with asyncio.timeout(UPLOAD_TIMEOUT_S):
+            content = await request.body()
+    except TimeoutError:
+        raise HTTPException(408, "The upload took too long. Try again.") from None
+    database = services_of(request).database
+
+    def add() -> RecordingImportResult:
+        with database.reading() as session:
+            behaviours.get(session, behaviour_id)
+            player_id = players.owner(session).id
+        return import_recordings(
+            database,
+            behaviour_id,
+            content,
+            rank=rank,
+            perfect=perfect,
+            player_id=player_id,
+            max_recordings=MAX_IMPORTED,
+        )
+
+    imported = await run_in_threadpool(add)
+    return ImportResult.of(imported, imported=imported.recording_ids)

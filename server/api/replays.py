@@ -1,0 +1,147 @@
+"""Answers for which a recording is replayed: its files, the ghost and rewards by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request
+from sqlalchemy.orm import Session
+from starlette.responses import Response
+
+from server.api.schemas.behaviours import Ghost
+from server.api.schemas.runs import RewardTrace
+from server.cannon_track import cannon_track
+from server.clips import MEDIA_TYPES, ClipKind
+from server.dependencies import BehaviourId, RecordingId, RunId, services_of
+from server.play.replays import ReplayTask
+from server.replay_cache import ReplayCache, version_of
+from server.web.problems import NOT_FOUND
+from tril.recording import Recording, trajectory
+from tril.store import behaviours, rankings, recordings
+from tril.store.models import RecordingRow
+from tril.store.training import runs
+
+router = APIRouter()
+
+_BYTES = "application/octet-stream"
+_IMMUTABLE = "private, max-age=31536000, immutable"
+
+
+@dataclass(frozen=True)
+class _Source:
+    """A recording whose files are asked for.
+
+    Attributes:
+        recording: The recording.
+        cache: Replays it.
+        cache_control: How long a browser may keep the answer.
+    """
+
+    recording: Recording
+    cache: ReplayCache
+    cache_control: str
+
+    def file(self, task: ReplayTask, media_type: str) -> Response:
+        """Answer with what a replay yields."""
+        return self.answer(self.cache.get(self.recording, task), media_type)
+
+    def answer(self, content: bytes, media_type: str, **headers: str) -> Response:
+        """Answer with a file."""
+        headers |= {"Cache-Control": self.cache_control}
+        return Response(content, media_type=media_type, headers=headers)
+
+
+def _source(
+    request: Request,
+    recording_id: RecordingId,
+    v: Annotated[
+        str | None, Query(max_length=40, description="Makes the answer cacheable.")
+    ] = None,
+) -> _Source:
+    services = services_of(request)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    cache_control = _IMMUTABLE if v == version_of(recording) else "private, no-cache"
+    return _Source(recording, services.replay_cache, cache_control)
+
+
+Source = Annotated[_Source, Depends(_source)]
+
+
+def _file_route(*media_types: str, **more: Any) -> dict[str, Any]:
+    """Return what the routes of a recording's files have in common."""
+    file = {"content": {media_type: {} for media_type in media_types}, **more}
+    return {
+        "response_class": Response,
+        "responses": NOT_FOUND | {200: file},
+        "tags": ["recordings"],
+    }
+
+
+@router.get(
+    "/recordings/{recording_id}/frames", **_file_route(_BYTES, description="docs/protocol.md")
+)
+def get_recording_frames(source: Source) -> Response:
+    """Return every frame of a recording, as docs/protocol.md describes."""
+    return source.file(ReplayTask.FRAMES, _BYTES)
+
+
+@router.get("/recordings/{recording_id}/thumbnail.png", **_file_route("image/png"))
+def get_recording_thumbnail(source: Source) -> Response:
+    """Return a picture of the moment after a recording's last hit, else of its last frame."""
+    return source.file(ReplayTask.THUMBNAIL, "image/png")
+
+
+@router.get("/recordings/{recording_id}/memory", **_file_route(_BYTES))
+def get_recording_memory(source: Source) -> Response:
+    """Return the RAM at the start and after every frame of a recording, 128 bytes each."""
+    return source.file(ReplayTask.MEMORY, _BYTES)
+
+
+@router.get("/recordings/{recording_id}/clip.{kind}", **_file_route(*MEDIA_TYPES.values()))
+def get_recording_clip(source: Source, recording_id: RecordingId, kind: ClipKind) -> Response:
+    """Return a recording as a moving picture; making it takes seconds the first time."""
+    content = source.cache.clip(source.recording, kind)
+    name = f'attachment; filename="recording-{recording_id}.{kind}"'
+    return source.answer(content, MEDIA_TYPES[kind], **{"Content-Disposition": name})
+
+
+@router.get("/behaviours/{behaviour_id}/ghost", responses=NOT_FOUND, tags=["behaviours"])
+def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
+    """Return where the cannon of the best demonstration stood in every frame.
+
+    The best one is the first of the ranking's best tier, without a ranking the newest one that is
+    marked as perfect; null if there is neither.
+    """
+    services = services_of(request)
+    with services.database.reading() as session:
+        behaviours.get(session, behaviour_id)
+        row = _best(session, behaviour_id)
+        if row is None:
+            return None
+        recording, key, source = recordings.as_recording(row), row.id, row.source
+    memory = services.replay_cache.get(recording, ReplayTask.MEMORY)
+    track = cannon_track(memory, recording.start.difficulty)
+    return Ghost.of(track, recording_id=key, source=source)
+
+
+@router.get("/runs/{run_id}/reward/{recording_id}", responses=NOT_FOUND, tags=["runs"])
+def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId) -> RewardTrace:
+    """Return what a training's reward model says of every observation of a recording."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        runs.get(session, str(run_id))
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    with services.consoles.lent() as console:
+        observations = trajectory(recording, console).observations
+    rewards = services.inference.reward(str(run_id), observations).tolist()
+    return RewardTrace(run_id=str(run_id), recording_id=recording_id, rewards=rewards)
+
+
+def _best(session: Session, behaviour_id: int) -> RecordingRow | None:
+    ranking = rankings.as_ranking(rankings.current(session, behaviour_id))
+    if ranking.tiers:
+        return recordings.get(session, ranking.tiers[0][0])
+    perfect = recordings.perfect_ids(session, behaviour_id)
+    return recordings.get(session, perfect[-1]) if perfect else None

@@ -1,0 +1,1 @@
+"""The bodies of requests and responses; the frontend's types are generated from them."""

@@ -1,0 +1,76 @@
+"""Behaviours, their checklists and ghosts."""
+
+from __future__ import annotations
+
+from pydantic import Field, StrictBool
+
+from server.api.schemas.base import Cell, Schema
+from tril.store.models import Source
+
+
+class Behaviour(Schema):
+    """A behaviour. ``target`` is None if hits do not describe it."""
+
+    id: int
+    slug: str
+    name: str
+    description: str
+    target: list[Cell] | None
+    ordered: bool
+    built_in: bool
+    n_recordings: int
+    n_ranked: int
+    n_perfect: int
+    n_runs: int
+    has_example: bool
+
+
+class BehaviourNew(Schema):
+    """A behaviour to add."""
+
+    name: str = Field(min_length=1, max_length=120)
+    description: str = Field(default="", max_length=2000)
+    target: list[Cell] | None = Field(default=None, max_length=36)
+    ordered: StrictBool = False
+
+
+class BehaviourUpdate(Schema):
+    """Omitted fields stay. A target can't change once runs exist (409)."""
+
+    name: str | None = Field(default=None, min_length=1, max_length=120)
+    description: str | None = Field(default=None, max_length=2000)
+    target: list[Cell] | None = Field(default=None, max_length=36)
+    ordered: StrictBool | None = None
+
+
+class PlannedDemonstration(Schema):
+    """One of the demonstrations that exemplify a behaviour.
+
+    ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
+    None while there is none.
+    """
+
+    number: int
+    description: str
+    recording_id: int | None
+
+
+class Checklist(Schema):
+    """``planned`` from best to worst; ``note`` says why it is empty."""
+
+    planned: list[PlannedDemonstration]
+    note: str
+
+
+class Ghost(Schema):
+    """The cannon's rectangle in a recording, in pixels of the screen.
+
+    ``lefts`` are its left edges at the start and after every frame.
+    """
+
+    recording_id: int
+    source: Source
+    lefts: list[int]
+    top: int
+    width: int
+    height: int

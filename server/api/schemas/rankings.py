@@ -1,0 +1,57 @@
+"""Rankings and their revisions."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from server.api.schemas.base import Id, Schema
+
+Tiers = Annotated[
+    list[Annotated[list[Id], Field(min_length=1, max_length=500)]], Field(max_length=500)
+]
+
+
+class Ranking(Schema):
+    """``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first."""
+
+    behaviour_id: int
+    revision: int
+    tiers: list[list[int]]
+    unranked: list[int]
+    n_pairs: int
+    can_undo: bool
+    can_redo: bool
+
+
+class RankingUpdate(Schema):
+    """``base_revision`` is the revision that was edited; an old one answers 409."""
+
+    base_revision: int = Field(strict=True, ge=0, le=2**31 - 1)
+    tiers: Tiers
+
+
+class RankingStep(Schema):
+    """Undo or redo from this revision."""
+
+    base_revision: int = Field(strict=True, ge=0, le=2**31 - 1)
+
+
+class RankingConflict(Schema):
+    """Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent."""
+
+    detail: str
+    current: Ranking
+    yours: list[list[int]]
+
+
+class RankingRevision(Schema):
+    """A revision of a ranking and the change that made it."""
+
+    revision: int
+    tiers: list[list[int]]
+    change: Literal["edit", "undo", "redo", "import", "deletion", "example"]
+    player: str | None
+    created_at: datetime

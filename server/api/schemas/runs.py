@@ -1,0 +1,233 @@
+"""Trainings and their results."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import Field, StrictBool
+
+from server.api.schemas.base import Id, Schema
+from server.api.schemas.recordings import Recording
+from tril.analysis.extrapolation import JudgedGame, PlayerKind
+from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline
+from tril.analysis.summary import Policy, PolicySummary, Winner
+from tril.stages import Stage
+from tril.store.models import RunStatus
+from tril.store.training.evaluations import ActionSelection
+
+
+class RunStage(Schema):
+    """A stage of a run, with its label and summary on the page."""
+
+    name: Stage
+    label: str
+    summary: str
+
+
+class Recipe(Schema):
+    """A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
+
+    ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
+    """
+
+    name: str
+    summary: str
+    default_steps: int
+    learning_rate: float
+    values: dict[str, Any]
+    stages: list[RunStage]
+    steps_per_s: float
+    steps_per_s_measured: bool
+    overhead_s: float
+
+
+class RunNew(Schema):
+    """A training to start. ``example`` first makes and ranks missing scripted demonstrations.
+
+    ``steps`` defaults to the recipe's.
+    """
+
+    behaviour_id: Id
+    recipe: str = "fast"
+    steps: int | None = Field(default=None, strict=True, ge=1, le=100_000_000)
+    learning_rate: float | None = Field(default=None, strict=True, gt=0, le=1)
+    training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
+    go_on_anyway: StrictBool = False
+    example: StrictBool = False
+
+
+class Run(Schema):
+    """A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order."""
+
+    id: str
+    behaviour_id: int
+    behaviour_name: str
+    example: bool
+    recipe: str
+    recipe_values: dict[str, Any]
+    steps: int
+    training_seed: int
+    learning_rate: float
+    go_on_anyway: bool
+    ranking_revision: int | None
+    n_ranked: int | None
+    n_perfect: int | None
+    status: RunStatus
+    stages: list[RunStage]
+    stage: Stage | Literal[""]
+    stage_progress: float
+    progress: float
+    remaining_s: float | None
+    message: str
+    worker_alive: bool
+    versions: dict[str, str]
+    headline: Headline | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+class Metrics(Schema):
+    """Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points."""
+
+    last: int
+    series: dict[str, dict[str, list[tuple[int, float]]]]
+
+
+class ConfusedTiers(Schema):
+    """Two tiers, counted from 1, best first, whose demonstrations the reward model confuses.
+
+    ``held_out``: it confuses them when one of the demonstrations is held out of learning.
+    ``better`` and ``worse`` are the recordings of the two tiers. ``n_right`` of ``n_compared``
+    comparisons were right; None in runs of earlier versions.
+    """
+
+    better_tier: int
+    worse_tier: int
+    held_out: bool
+    better: list[int]
+    worse: list[int]
+    n_right: int | None
+    n_compared: int | None
+
+
+class RankedReturn(Schema):
+    """A demonstration's predicted return (sum of R over its observations) by its tier, from 1."""
+
+    tier: int
+    recording: Recording
+    predicted_return: float
+
+
+class RankingCheck(CheckVerdict):
+    """How well the reward model agrees with the ranking, with the recordings concerned."""
+
+    confused: list[ConfusedTiers]
+    returns: list[RankedReturn]
+
+
+class AttentionMap(AttentionDetails):
+    """Attention of the reward model at one state; pictures are PNG artifacts."""
+
+    frame_url: str
+    map_url: str
+    red_blue_url: str
+
+
+class EvaluationGame(Schema):
+    """An evaluation game of a trained policy.
+
+    ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
+    "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
+    """
+
+    policy: Policy
+    action_selection: ActionSelection
+    start_number: int
+    held_out: bool
+    predicted_return: float | None
+    recording: Recording
+
+
+class ComparisonRow(Schema):
+    """A row of the thesis' table: both policies' greedy games from a start, and the winner."""
+
+    start_number: int
+    held_out: bool
+    imitator: EvaluationGame | None
+    clone: EvaluationGame | None
+    winner: Winner | None
+
+
+class PolicyGamesSummary(Schema):
+    """Means over a policy's games from held-out starts."""
+
+    policy: Policy
+    action_selection: ActionSelection
+    summary: PolicySummary
+
+
+class JudgedGames(Schema):
+    """The games of a player: demonstrations, or games that the reward model has not seen.
+
+    ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
+    quantities are equal.
+    """
+
+    player: PlayerKind
+    demonstrated: bool
+    games: list[JudgedGame]
+    tau: float | None
+
+
+class RewardAlarm(Schema):
+    """The predicted return of training games rose, but the games did not improve.
+
+    ``message`` says what this means and what to do.
+    """
+
+    from_step: int
+    to_step: int
+    message: str
+
+
+class RunResults(Schema):
+    """All results of a training; parts that are missing yet are None or empty.
+
+    ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
+    """
+
+    run: Run
+    check: RankingCheck | None
+    comparison: list[ComparisonRow]
+    further_comparison: list[ComparisonRow]
+    games: list[EvaluationGame]
+    summaries: list[PolicyGamesSummary]
+    best_demonstration: Recording | None
+    alarm: RewardAlarm | None
+    judged: list[JudgedGames]
+    attention: list[AttentionMap]
+    artifacts: list[Artifact]
+
+
+class Artifact(Schema):
+    """A file of a training."""
+
+    id: int
+    kind: str
+    name: str
+    media_type: str
+    size_bytes: int
+    url: str
+
+
+class RewardTrace(Schema):
+    """R (raw output) of every observation of a recording, by step, beginning with the start."""
+
+    run_id: str
+    recording_id: int
+    rewards: list[float]
+
+
+RunResults.model_rebuild()

@@ -1,0 +1,43 @@
+"""The processes and the disk usage."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from server.api.schemas.base import Schema
+
+
+class Health(Schema):
+    """The server runs; ``failing`` names the background tasks whose last run failed, if any."""
+
+    status: Literal["ok", "degraded"]
+    failing: list[str] | None = None
+
+
+class ProcessStatus(Schema):
+    """``alive`` is false after 15 s without a heartbeat."""
+
+    name: str
+    kind: Literal["server", "worker", "inference"]
+    alive: bool
+    details: dict[str, Any]
+
+
+class Storage(Schema):
+    """Disk usage of the data folder by purpose; the cache is kept below its limit."""
+
+    databases_bytes: int
+    artifacts_bytes: int
+    cache_bytes: int
+    cache_limit_bytes: int
+    other_bytes: int
+
+
+class System(Schema):
+    """State of the installation. ``data_bytes`` is the sum of the parts of ``storage``."""
+
+    version: str
+    processes: list[ProcessStatus]
+    disk_free_bytes: int
+    data_bytes: int
+    storage: Storage

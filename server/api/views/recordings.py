@@ -1,0 +1,88 @@
+"""Recordings as several resources show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from sqlalchemy.orm import Session
+
+from server.api.schemas.recordings import Branch, Hit, Recording
+from server.play.conditions import PlayConditions
+from server.replay_cache import version_of
+from tril.behaviours import Behaviour, score
+from tril.game.episode import evaluation_number
+from tril.game.space_invaders import COLUMNS
+from tril.store import behaviours, players, rankings
+from tril.store.models import BehaviourRow, RecordingRow
+from tril.store.recordings import as_recording, hits_of
+
+
+def parent_of(row: RecordingRow) -> Branch | None:
+    """Show the recording that this one continues."""
+    if row.parent_id is None or row.parent_frame is None:
+        return None
+    return Branch(recording_id=row.parent_id, frame=row.parent_frame)
+
+
+class RecordingViews:
+    """Shows recordings; what they share is queried once.
+
+    Args:
+        session: The transaction.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._names = players.names(session)
+        self._behaviours: dict[int, Behaviour] = {}
+        self._ranked: dict[int, frozenset[int]] = {}
+
+    def all(self, rows: Iterable[RecordingRow]) -> list[Recording]:
+        """Show recordings in the given order."""
+        return [self.one(row) for row in rows]
+
+    def one(self, row: RecordingRow) -> Recording:
+        """Show a recording."""
+        behaviour = self._behaviour(row.behaviour_id)
+        hits = hits_of(row)
+        cells = tuple((hit.row, hit.column) for hit in hits)
+        found = score(behaviour, cells)
+        recording = as_recording(row)
+        version = version_of(recording)
+        conditions = PlayConditions.from_conditions(row.conditions)
+        played = row.n_frames
+        return Recording.of(
+            row,
+            player=self._names.get(row.player_id or 0),
+            evaluation_start=evaluation_number(recording.start),
+            n_steps=recording.n_steps,
+            hits=[
+                Hit.of(hit, on_target=behaviour.target and cell in behaviour.target)
+                for hit, cell in zip(hits, cells, strict=True)
+            ],
+            hits_per_column=[sum(column == at for _, at in cells) for column in range(COLUMNS)],
+            targets=None if found is None else found.targets,
+            strays=None if found is None else found.strays,
+            order_errors=None if found is None else found.order_errors,
+            latency=None if conditions is None else conditions.latency(played),
+            slowest_percent=None if conditions is None else conditions.slowest_percent(played),
+            single_steps=None if conditions is None else len(conditions.single_steps),
+            parent=parent_of(row),
+            ranked=row.id in self._ranked_of(row.behaviour_id),
+            thumbnail_url=f"/api/recordings/{row.id}/thumbnail.png?v={version}",
+            frames_url=f"/api/recordings/{row.id}/frames?v={version}",
+            deleted=row.deleted_at is not None,
+        )
+
+    def _behaviour(self, behaviour_id: int) -> Behaviour:
+        # The recordings of a deleted behaviour remain results of its trainings.
+        if behaviour_id not in self._behaviours:
+            row = self._session.get_one(BehaviourRow, behaviour_id)
+            self._behaviours[behaviour_id] = behaviours.as_behaviour(row)
+        return self._behaviours[behaviour_id]
+
+    def _ranked_of(self, behaviour_id: int) -> frozenset[int]:
+        if behaviour_id not in self._ranked:
+            row = rankings.current(self._session, behaviour_id)
+            self._ranked[behaviour_id] = frozenset(rankings.as_ranking(row).items)
+        return self._ranked[behaviour_id]

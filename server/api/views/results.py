@@ -1,0 +1,154 @@
+"""The results of a training as the API shows them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+
+from sqlalchemy.orm import Session
+
+from server.api.schemas.recordings import Recording
+from server.api.schemas.runs import (
+    Artifact,
+    AttentionMap,
+    ComparisonRow,
+    ConfusedTiers,
+    EvaluationGame,
+    JudgedGames,
+    PolicyGamesSummary,
+    RankedReturn,
+    RankingCheck,
+    RewardAlarm,
+    RunResults,
+)
+from server.api.views.recordings import RecordingViews
+from server.api.views.runs import run_view
+from tril.analysis.outcome import AttentionState, CheckOutcome, CheckVerdict
+from tril.analysis.summary import winner
+from tril.recipes import recipe_from_dict
+from tril.store import recordings
+from tril.store.models import ArtifactRow, EvaluationRow, RunRow
+from tril.store.training import artifacts, evaluations
+from tril.store.training.alarms import alarm_of
+from tril.store.training.returns import judged_games
+
+
+def artifact_view(row: ArtifactRow) -> Artifact:
+    """Show a file of a training."""
+    return Artifact.of(row, url=f"/api/artifacts/{row.id}")
+
+
+def run_results(session: Session, run: RunRow) -> RunResults:
+    """Show the results of a training so far."""
+    views = RecordingViews(session)
+    games = evaluations.listing(session, run.id)
+    files = artifacts.listing(session, run.id)
+    tiers = run.snapshot.tiers if run.snapshot else []
+    alarm = alarm_of(session, run)
+    headline_starts = recipe_from_dict(run.recipe).evaluation.start_numbers
+    further = sorted({row.start_number for row in games} - set(headline_starts))
+    demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
+    shown = {key: views.one(row) for key, row in demonstrations.items()}
+    return RunResults(
+        run=run_view(session, run),
+        check=_check(run.outcome.check, tiers, shown),
+        comparison=_comparison(headline_starts, games, views),
+        further_comparison=_comparison(further, games, views),
+        games=[_game(row, views) for row in games],
+        summaries=_summaries(games),
+        best_demonstration=shown.get(tiers[0][0]) if tiers else None,
+        alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
+        judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
+        attention=_attention(files),
+        artifacts=[artifact_view(row) for row in files],
+    )
+
+
+def _check(
+    check: CheckOutcome | None, tiers: list[list[int]], shown: dict[int, Recording]
+) -> RankingCheck | None:
+    if check is None:
+        return None
+    returns = check.predicted_returns
+    return RankingCheck(
+        **check.model_dump(include=set(CheckVerdict.model_fields)),
+        confused=[
+            ConfusedTiers.of(
+                pair,
+                better_tier=pair.better,
+                worse_tier=pair.worse,
+                better=tiers[pair.better - 1],
+                worse=tiers[pair.worse - 1],
+            )
+            for pair in check.confused
+        ],
+        returns=[
+            RankedReturn(tier=place, recording=shown[key], predicted_return=returns[key])
+            for place, tier in enumerate(tiers, start=1)
+            for key in tier
+            if key in shown and key in returns
+        ],
+    )
+
+
+def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:
+    return EvaluationGame.of(row, recording=views.one(row.recording))
+
+
+def _comparison(
+    starts: Iterable[int], games: list[EvaluationRow], views: RecordingViews
+) -> list[ComparisonRow]:
+    """Return the thesis' table: greedy games from these starts, side by side."""
+    greedy = {
+        (row.start_number, row.policy): row for row in games if row.action_selection == "greedy"
+    }
+    table = []
+    for number in starts:
+        ours, theirs = (greedy.get((number, policy)) for policy in evaluations.POLICIES)
+        if ours is None and theirs is None:
+            continue
+        table.append(
+            ComparisonRow(
+                start_number=number,
+                held_out=all(row.held_out for row in (ours, theirs) if row is not None),
+                imitator=None if ours is None else _game(ours, views),
+                clone=None if theirs is None else _game(theirs, views),
+                winner=winner(
+                    *(
+                        None if row is None else evaluations.figures_of(row)
+                        for row in (ours, theirs)
+                    )
+                ),
+            )
+        )
+    return table
+
+
+def _summaries(games: list[EvaluationRow]) -> list[PolicyGamesSummary]:
+    """Return means over the games from held-out starts."""
+    return [
+        PolicyGamesSummary(policy=policy, action_selection=how, summary=summary)
+        for (policy, how), summary in evaluations.summaries(games).items()
+    ]
+
+
+def _attention(files: list[ArtifactRow]) -> list[AttentionMap]:
+    """Show the states that have all three pictures, from the lowest R to the highest."""
+    pictures: dict[str, dict[str, ArtifactRow]] = defaultdict(dict)
+    for row in files:
+        if row.kind.startswith("attention_"):
+            pictures[row.details["state"]][row.kind] = row
+    shown = []
+    for state in AttentionState:
+        found = pictures.get(state, {})
+        if not {"attention_frame", "attention_map", "attention_red_blue"} <= found.keys():
+            continue
+        shown.append(
+            AttentionMap(
+                **found["attention_map"].details,
+                frame_url=artifact_view(found["attention_frame"]).url,
+                map_url=artifact_view(found["attention_map"]).url,
+                red_blue_url=artifact_view(found["attention_red_blue"]).url,
+            )
+        )
+    return shown

@@ -1,0 +1,93 @@
+"""What a replay of a recording yields: all its frames, a thumbnail, the console's memory."""
+
+from __future__ import annotations
+
+import io
+import json
+import struct
+from collections.abc import Iterator
+
+import numpy as np
+from PIL import Image
+
+from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
+from tril.game import space_invaders as game
+from tril.game.console import Console
+from tril.game.episode import Episode
+from tril.game.palette import palette_rgb
+from tril.recording import Recording, replay
+
+MAGIC = b"TRILFRM1"
+KEY_EVERY_FRAMES = 60
+_LENGTH = struct.Struct("<I")
+_FRAME = struct.Struct("<IB")
+
+
+def frames_file(recording: Recording, console: Console | None = None) -> bytes:
+    """Return every frame of a recording, the start's first, as docs/protocol.md describes."""
+    encoder = FrameEncoder()
+    parts: list[bytes] = []
+
+    def add_frame(episode: Episode) -> None:
+        frame = encoder.encode(
+            episode.console.screen_palette(), key=episode.frame % KEY_EVERY_FRAMES == 0
+        )
+        parts.append(_FRAME.pack(len(frame.payload), FLAG_KEY * frame.is_key) + frame.payload)
+
+    played = replay(recording, console, add_frame)
+    height, width = game.SCREEN_SHAPE
+    header = json.dumps(
+        {
+            "width": width,
+            "height": height,
+            "palette": palette_json(),
+            "frame_rate_hz": game.FRAME_RATE_HZ,
+            "n_frames": played.n_frames,
+            "key_every": KEY_EVERY_FRAMES,
+        },
+        separators=(",", ":"),
+    ).encode()
+    return b"".join([MAGIC, _LENGTH.pack(len(header)), header, *parts])
+
+
+def read_frames_file(content: bytes) -> Iterator[EncodedFrame]:
+    """Yield the frames of a file of frames, the start's screen first."""
+    if content[: len(MAGIC)] != MAGIC:
+        raise ValueError("Expected a file of frames, which begins with TRILFRM1.")
+    at = len(MAGIC)
+    at += _LENGTH.size + _LENGTH.unpack_from(content, at)[0]
+    while at < len(content):
+        length, flags = _FRAME.unpack_from(content, at)
+        at += _FRAME.size
+        yield EncodedFrame(bool(flags & FLAG_KEY), content[at : at + length])
+        at += length
+
+
+def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes:
+    """Return a PNG of the screen after a recording's last hit, or else of its last frame."""
+    shown: Screen = np.zeros(game.SCREEN_SHAPE, np.uint8)
+    hits = 0
+
+    def keep_screen(episode: Episode) -> None:
+        nonlocal hits
+        is_last = episode.frame == recording.n_frames or episode.end is not None
+        if len(episode.hits) > hits or (is_last and not hits):
+            hits = len(episode.hits)
+            episode.console.screen_palette(shown)
+
+    replay(recording, console, keep_screen)
+    file = io.BytesIO()
+    image = Image.fromarray(palette_rgb()[shown]).quantize(256, dither=Image.Dither.NONE)
+    image.save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+def memory_file(recording: Recording, console: Console | None = None) -> bytes:
+    """Return the RAM at the start and after every frame: uint8 (n_frames + 1, 128), row by row."""
+    memory = np.zeros((recording.n_frames + 1, game.RAM_SIZE), np.uint8)
+
+    def add_memory(episode: Episode) -> None:
+        memory[episode.frame] = np.frombuffer(episode.console.ram_bytes(), np.uint8)
+
+    played = replay(recording, console, add_memory)
+    return memory[: played.n_frames + 1].tobytes()

@@ -1,0 +1,50 @@
+"""The clock of a game: 60 frames a second, or slower, against absolute deadlines."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+
+from server.play.conditions import FULL_SPEED_PERCENT
+from server.play.lateness import Lateness
+from tril.game import space_invaders as game
+
+_LOG = logging.getLogger(__name__)
+
+FRAME_S = 1.0 / game.FRAME_RATE_HZ
+MAX_LAG_S = 0.25
+"""Lag beyond which the deadlines restart from now instead of catching up."""
+
+
+class FrameClock:
+    """Paces the frames of a game; the first one is due at once.
+
+    Args:
+        game_id: The game, for the log.
+        lateness: The histogram that each frame's lateness is added to.
+    """
+
+    def __init__(self, game_id: str, lateness: Lateness) -> None:
+        self._game_id = game_id
+        self._lateness = lateness
+        self._loop = asyncio.get_running_loop()
+        self._deadline = self._loop.time()
+
+    async def wait(self, speed_percent: int) -> None:
+        """Wait until a frame at this speed has passed since the last deadline."""
+        self._deadline += FRAME_S * FULL_SPEED_PERCENT / speed_percent
+        now = self._loop.time()
+        if now - self._deadline > MAX_LAG_S:
+            _LOG.warning("Game %s stood still for %.2f s.", self._game_id, now - self._deadline)
+            self._deadline = now
+        await asyncio.sleep(max(0.0, self._deadline - now))
+        self._lateness.note(self._loop.time() - self._deadline)
+
+
+async def is_set_within(event: asyncio.Event, timeout_s: float) -> bool:
+    """Wait for an event; returns whether it was set in time."""
+    try:
+        await asyncio.wait_for(event.wait(), timeout_s)
+    except TimeoutError:
+        return False
+    return True

@@ -1,0 +1,58 @@
+"""Files derived from recordings by replay, cached on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+
+from server.clips import ClipKind, ClipMaker
+from server.play.replays import ReplayProcess, ReplayTask
+from tril.files.cache import Cache
+from tril.game.episode import Ending
+from tril.recording import Recording
+
+_FORMAT = 1
+"""Raised whenever the files change, so that cached ones of an earlier version are not used."""
+
+
+def version_of(recording: Recording) -> str:
+    """Return a short digest of everything that a replay depends on."""
+    start = recording.start
+    digest = hashlib.blake2b(recording.actions, digest_size=10)
+    ending = () if recording.ending is Ending.HIT else (str(recording.ending),)
+    rest = (_FORMAT, recording.rom_md5, start.idle_frames, start.mode, start.difficulty, *ending)
+    digest.update(repr(rest).encode())
+    return digest.hexdigest()
+
+
+class ReplayCache:
+    """Frames, thumbnails, memory and clips of recordings; thread-safe.
+
+    Args:
+        cache: Where the files are kept.
+        replays: The process that replays recordings.
+        clips: Makes clips.
+    """
+
+    def __init__(
+        self, cache: Cache, replays: ReplayProcess, clips: ClipMaker | None = None
+    ) -> None:
+        self._cache = cache
+        self._replays = replays
+        self._clips = clips or ClipMaker()
+        # One at a time, so that the check of a game that ends waits for one at most.
+        self._lock = threading.Lock()
+
+    def get(self, recording: Recording, task: ReplayTask) -> bytes:
+        """Return what a replay yields, replaying the recording unless the file is cached."""
+
+        def replay() -> bytes:
+            with self._lock:
+                return self._replays.submit(task, recording).result()
+
+        return self._cache.get(f"{version_of(recording)}.{task}", replay)
+
+    def clip(self, recording: Recording, kind: ClipKind) -> bytes:
+        """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""
+        name = f"{version_of(recording)}.{kind}"
+        return self._cache.get(name, lambda: self._clips.make(recording, kind))

@@ -1,0 +1,79 @@
+"""``tril reproduce``: which runs are taken for results, and which comparisons are refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from cli.commands.reproduce import _runs_of
+from cli.main import app
+from cli.workspace import Workspace
+from testsupport.workplace import TINY, Workplace
+from trainer.reporting.ledger import LedgerCell
+from tril.store import behaviours
+from tril.store.models import RunStatus
+from tril.store.training import runs
+
+CELL = LedgerCell.of("column-1", TINY, 256, 0)
+
+
+def example_run(workplace: Workplace, behaviour_id: int, status: RunStatus) -> str:
+    """Make a run on scripted demonstrations that ended with a status."""
+    with workplace.database.writing() as session:
+        row = runs.create(session, behaviour_id, TINY, CELL.steps, 0, example=True)
+        row.status = status
+        return row.id
+
+
+def runs_of(workplace: Workplace) -> list[str]:
+    return _runs_of(Workspace(workplace.settings, workplace.database), {CELL: TINY})
+
+
+@pytest.mark.parametrize("status", [RunStatus.DONE, RunStatus.QUEUED])
+def test_a_run_that_is_there_is_not_started_again(workplace: Workplace, status: RunStatus) -> None:
+    run_id = example_run(workplace, workplace.behaviour_id, status)
+    assert runs_of(workplace) == [run_id]
+
+
+def test_failed_runs_and_runs_on_other_demonstrations_are_started_again(
+    workplace: Workplace,
+) -> None:
+    others = {
+        example_run(workplace, workplace.behaviour_id, RunStatus.FAILED),
+        workplace.make_run(TINY, CELL.steps),
+    }
+    (started,) = runs_of(workplace)
+    assert started not in others
+    assert workplace.run(started).example
+
+
+def test_runs_of_deleted_behaviours_are_passed_over(workplace: Workplace) -> None:
+    run_id = example_run(workplace, workplace.behaviour_id, RunStatus.DONE)
+    with workplace.database.writing() as session:
+        own = behaviours.create(session, "My own", target=((0, 0),))
+    example_run(workplace, own.id, RunStatus.DONE)
+    with workplace.database.writing() as session:
+        behaviours.delete(session, behaviours.get(session, own.id))
+    assert runs_of(workplace) == [run_id]
+
+
+@pytest.mark.usefixtures("data_folder")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("--ablation --recipe paper", "built-in recipe fast alone"),
+        ("--ablation --set policy.n_epochs=9", "built-in recipe fast alone"),
+        ("--ablation --own-starts", "Choose one of"),
+        ("--ablation --demonstrations human", "Choose one of"),
+        ("--own-starts --demonstrations six", "Choose one of"),
+        ("--demonstrations seven", "choose one of scripted, human, six"),
+    ],
+)
+def test_comparisons_that_make_no_sense_are_refused(
+    tmp_path: Path, arguments: str, message: str
+) -> None:
+    done = CliRunner().invoke(app, ["reproduce", *arguments.split(), "-o", str(tmp_path)])
+    assert done.exit_code == 1
+    assert message in done.output

@@ -1,0 +1,81 @@
+"""Which processes count as alive."""
+
+from __future__ import annotations
+
+import subprocess
+import threading
+from dataclasses import replace
+
+import pytest
+from sqlalchemy import update
+from sqlalchemy.orm import Session
+
+from testsupport.workplace import Workplace
+from tril.heartbeat import Heartbeat
+from tril.store import processes
+from tril.store.models import ProcessRow
+from tril.store.processes import ProcessIdentity
+
+
+def alive(workplace: Workplace) -> set[str]:
+    with workplace.database.reading() as session:
+        return {one.name for one in processes.statuses(session) if one.alive}
+
+
+def test_a_process_of_this_machine_is_not_alive_as_soon_as_it_is_killed(
+    workplace: Workplace,
+) -> None:
+    with subprocess.Popen(["sleep", "600"]) as killed, subprocess.Popen(["sleep", "600"]) as other:
+        with workplace.database.writing() as session:
+            for name, process in (("killed", killed), ("other", other)):
+                identity = ProcessIdentity.of(process.pid)
+                processes.beat(session, name, "worker", {}, identity)
+        killed.kill()
+        # Nobody has waited for it yet: its id is still taken.
+        while "killed" in alive(workplace):
+            pass
+        assert alive(workplace) == {"other"}
+        killed.wait()
+        assert alive(workplace) == {"other"}
+        other.kill()
+
+
+def test_another_process_with_the_same_id_is_not_taken_for_the_one_that_ended(
+    workplace: Workplace,
+) -> None:
+    with subprocess.Popen(["sleep", "600"]) as process:
+        later = ProcessIdentity.of(process.pid)
+        with workplace.database.writing() as session:
+            earlier = replace(later, started="1")
+            processes.beat(session, "earlier", "worker", {}, earlier)
+        assert alive(workplace) == set()
+        process.kill()
+
+
+def test_a_process_of_another_machine_is_alive_while_its_heartbeat_is_fresh(
+    workplace: Workplace,
+) -> None:
+    elsewhere = ProcessIdentity("another machine", 2**22, "5")
+    with workplace.database.writing() as session:
+        processes.beat(session, "worker-0", "worker", {}, elsewhere)
+    assert alive(workplace) == {"worker-0"}
+    with workplace.database.writing() as session:
+        row = session.get_one(ProcessRow, "worker-0")
+        old = row.heartbeat_at - processes.ALIVE_FOR
+        session.execute(update(ProcessRow).values(heartbeat_at=old))
+    assert alive(workplace) == set()
+
+
+def test_a_heartbeat_goes_on_after_an_unexpected_error(
+    workplace: Workplace, caplog: pytest.LogCaptureFixture
+) -> None:
+    beats = threading.Semaphore(0)
+
+    def fail(session: Session) -> None:
+        beats.release()
+        raise KeyError("unexpected")
+
+    with Heartbeat(workplace.database, "worker-0", "worker", also=fail, interval_s=0.01):
+        for _ in range(3):
+            assert beats.acquire(timeout=20)
+    assert "unexpected" in caplog.text

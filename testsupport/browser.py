@@ -1,0 +1,79 @@
+"""The Chromium that the page is looked at in; installed where there is none."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from playwright.sync_api import Browser, Playwright
+
+NAMES = ("chromium", "google-chrome", "google-chrome-stable", "chromium-browser")
+OS_RELEASE = Path("/etc/os-release")
+ARGUMENTS = (
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+def launch_chromium(playwright: Playwright) -> Browser:
+    """Launch a headless Chromium: this machine's, else Playwright's own."""
+    install_chromium()
+    return playwright.chromium.launch(
+        executable_path=find_chromium(),
+        chromium_sandbox=os.geteuid() != 0,
+        args=ARGUMENTS,
+    )
+
+
+def install_chromium() -> None:
+    """Install a Chromium where there is none: Debian's as root on Debian, else Playwright's.
+
+    Raises:
+        RuntimeError: None could be installed.
+    """
+    # Ubuntu's package of that name is a stub for another package system.
+    if find_chromium() is None and os.geteuid() == 0 and _is_debian():
+        quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
+        install = ["apt-get", "install", "--yes", "--no-install-recommends", "chromium"]
+        for command in (["apt-get", "update"], install):
+            subprocess.run(command, env=quiet, stdout=sys.stderr, check=False)
+    if find_chromium() is None:
+        command = [sys.executable, "-m", "playwright", "install", "chromium"]
+        if subprocess.run(command, stdout=sys.stderr, check=False).returncode:
+            raise RuntimeError(
+                "The browser tests need a Chromium, and none could be installed. Install Chromium "
+                "or Google Chrome, or name one: CHROMIUM=/path/to/chromium make test"
+            )
+
+
+def find_chromium() -> str | None:
+    """Return the Chromium that CHROMIUM names, else one on the PATH that starts.
+
+    Raises:
+        RuntimeError: What CHROMIUM names does not start.
+    """
+    if named := os.environ.get("CHROMIUM"):
+        if not _starts(named):
+            raise RuntimeError(f"CHROMIUM names '{named}', but '{named} --version' fails.")
+        return named
+    paths = filter(None, map(shutil.which, NAMES))
+    return next(filter(_starts, paths), None)
+
+
+def _starts(program: str) -> bool:
+    """Tell whether a browser runs here (a missing library or a stub makes it fail)."""
+    try:
+        return subprocess.run([program, "--version"], capture_output=True).returncode == 0
+    except OSError:
+        return False
+
+
+def _is_debian() -> bool:
+    return OS_RELEASE.exists() and "ID=debian" in OS_RELEASE.read_text().splitlines()

@@ -1,0 +1,131 @@
+"""What imitators are trained from and judged by, however they are trained."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from trainer.nn.precision import Precision
+from trainer.policy.evaluation import play
+from trainer.policy.networks import Policy
+from trainer.policy.reward_shaping import RewardShaping
+from trainer.progress import CallbackProgress
+from trainer.reward.model import RewardModel
+from tril.behaviours import Behaviour, score
+from tril.game.episode import Ending, Hit
+from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start, spread_starts
+from tril.recipes import Recipe
+from tril.recording import Recording
+
+
+@dataclass(frozen=True)
+class ImitationTask:
+    """What an imitator is trained from.
+
+    Attributes:
+        model: The learned reward.
+        recordings: The ranked demonstrations.
+        tiers: Indices into them, best tier first.
+        recipe: How it is trained.
+        steps: Training steps, rounded up to whole rollouts.
+        training_seed: Seeds all random numbers.
+        behaviour: For DAgger's expert and the curves of hits; PPO never looks at it.
+        perfect: The perfect demonstrations; episodes may begin in them as in the best ranked ones.
+        clone: File of the run's clone, for a warm start.
+    """
+
+    model: RewardModel
+    recordings: Sequence[Recording]
+    tiers: Sequence[Sequence[int]]
+    recipe: Recipe
+    steps: int
+    training_seed: int
+    behaviour: Behaviour | None = None
+    perfect: Sequence[Recording] = ()
+    clone: Path | None = None
+
+
+@dataclass(frozen=True)
+class SnapshotScore:
+    """How good the policy was at one point of its training.
+
+    Attributes:
+        steps: Training steps until then.
+        predicted_return: Mean shaped return of games from training starts. The shape is the one
+            that the policy is trained on: by the raw R, which is unbounded and has an arbitrary
+            offset, dying early may look best. GAIL's is by its discriminator at that point.
+    """
+
+    steps: int
+    predicted_return: float
+
+
+@dataclass(frozen=True)
+class ImitatorResult:
+    """The outcome of a training.
+
+    Attributes:
+        snapshots: The policies that were compared, in the order of their steps.
+        best_steps: Training steps of the best of them, which was saved.
+        precision: The precision it learned in.
+    """
+
+    snapshots: tuple[SnapshotScore, ...]
+    best_steps: int
+    precision: Precision
+
+
+def best_snapshot(snapshots: Sequence[SnapshotScore]) -> SnapshotScore:
+    """Return the snapshot of the highest return; of equal ones the latest."""
+    return max(snapshots, key=lambda one: (one.predicted_return, one.steps))
+
+
+def evaluate_snapshot(
+    policy: Policy, shaping: RewardShaping, recipe: Recipe, on_step: Callable[[], None]
+) -> float:
+    """Return the mean shaped return of a policy's greedy games from training starts.
+
+    Args:
+        policy: The policy.
+        shaping: The reward.
+        recipe: How many games there are, and how they end.
+        on_step: Called after every step of the games; what it raises ends them.
+    """
+    games = play(
+        policy,
+        snapshot_starts(recipe),
+        "greedy",
+        model=shaping.model,
+        ending=Ending(recipe.ending),
+        progress=CallbackProgress(on_step),
+    )
+    returns = [
+        shaping.shaped_return(game.rewards, game.end) for game in games if game.rewards is not None
+    ]
+    return float(np.mean(returns))
+
+
+def snapshot_starts(recipe: Recipe) -> list[Start]:
+    """Return the starts that snapshots are judged from, spread over all training starts."""
+    return spread_starts(recipe.policy.snapshot_episodes, training_idle_frames(recipe))
+
+
+def training_idle_frames(recipe: Recipe) -> tuple[int, ...]:
+    """Return the idle frames of the training starts."""
+    own = tuple(evaluation_start(number).idle_frames for number in recipe.policy.own_starts)
+    return own or TRAINING_IDLE_FRAMES
+
+
+def episode_metrics(
+    behaviour: Behaviour | None, n_steps: int, hits: Sequence[Hit], died: bool
+) -> dict[str, float]:
+    """Return the points of the curves for an episode; hits if the behaviour has target cells."""
+    values = {"episode_steps": float(n_steps), "death_rate": float(died)}
+    cells = tuple((hit.row, hit.column) for hit in hits)
+    scored = score(behaviour, cells) if behaviour else None
+    if scored is not None:
+        values |= {"hits": float(scored.targets), "strays": float(scored.strays)}
+    return values

@@ -1,0 +1,48 @@
+"""Digests that tell recipes with different values apart."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from typing import Any
+
+from tril.errors import Invalid
+from tril.recipes import FOR_PEOPLE, RECIPES, Recipe, RewardRecipe, with_values
+
+
+def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
+    """Return eight hexadecimal digits that change when a value of the recipe does.
+
+    Values that equal their field's default are left out, so that a new field does not change the
+    digest of a recipe that keeps its default. So are the name, the summary and the default steps.
+    """
+    values = {k: v for k, v in _non_default_values(recipe).items() if k not in FOR_PEOPLE}
+    text = json.dumps(values, sort_keys=True)
+    return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
+
+
+def changed_recipe(name: str, changes: Mapping[str, Any]) -> Recipe | None:
+    """Return the built-in recipe of a name with changes by dotted path, as JSON stores them.
+
+    Returns:
+        None where this version has no such recipe or no such value.
+    """
+    values = {path: tuple(v) if isinstance(v, list) else v for path, v in changes.items()}
+    try:
+        return with_values(RECIPES[name], values)
+    except (KeyError, Invalid):
+        return None
+
+
+def _non_default_values(part: Any) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for field in fields(part):
+        value = getattr(part, field.name)
+        if is_dataclass(value):
+            if inner := _non_default_values(value):
+                values[field.name] = inner
+        elif field.default is MISSING or value != field.default:
+            values[field.name] = value
+    return values

@@ -1,0 +1,45 @@
+"""Pages of Markdown from the templates beside this module."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from tril.analysis.summary import Interval
+
+
+def render(template: str, **view: object) -> str:
+    """Return a page.
+
+    Args:
+        template: Name of its file in ``templates``.
+        view: The template's variables.
+    """
+    return _environment().get_template(template).render(view)
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("trainer.reporting"),
+        undefined=StrictUndefined,
+        autoescape=False,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"number": _number, "interval": _interval}
+    return environment
+
+
+def _number(value: float | None, form: str) -> str:
+    """Return a number in a format of Python's; nothing for None."""
+    return "" if value is None else format(value, form)
+
+
+def _interval(value: Interval | None, form: str = ".2f") -> str:
+    """Return a mean with its interval in brackets; nothing for None."""
+    if value is None:
+        return ""
+    return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"

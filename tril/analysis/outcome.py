@@ -1,0 +1,186 @@
+"""What a run learns from and what came out of its stages, as its row stores them.
+
+Members that earlier versions of Tril did not store have defaults.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from pydantic import BaseModel, ConfigDict
+
+from tril.analysis.summary import PolicySummary
+
+
+class Stored(BaseModel):
+    """Base of what is stored as JSON; members of other versions are ignored."""
+
+    model_config = ConfigDict(frozen=True, json_schema_serialization_defaults_required=True)
+
+
+class RunSnapshot(Stored):
+    """The ranking and the perfect demonstrations that a run learns from, frozen.
+
+    Attributes:
+        ranking_revision: The behaviour's ranking; None where the tiers are an example's own.
+        tiers: Ids of the ranked recordings, best tier first.
+        perfect: Ids of the recordings that the clone learns from.
+    """
+
+    ranking_revision: int | None = None
+    tiers: list[list[int]]
+    perfect: list[int]
+
+    @property
+    def ranked(self) -> list[int]:
+        """The ranked recordings, best first."""
+        return [number for tier in self.tiers for number in tier]
+
+    @property
+    def recordings(self) -> list[int]:
+        """All recordings that the run learns from; a perfect one that is ranked stands twice."""
+        return [*self.ranked, *self.perfect]
+
+
+class CheckFigures(Stored):
+    """How well the reward model agrees with the ranking.
+
+    Attributes:
+        tau: Kendall's tau-b between the tiers and the predicted returns, -1 to 1.
+        pair_accuracy: Share of newly drawn fragment pairs ordered as ranked.
+        held_out_accuracy: Share of preference pairs ordered as ranked by models trained without
+            at least one of the two demonstrations; None where that was not measured.
+    """
+
+    tau: float
+    pair_accuracy: float
+    held_out_accuracy: float | None
+
+    @property
+    def figures(self) -> dict[str, float | None]:
+        """These three by name."""
+        return self.model_dump(include=set(CheckFigures.model_fields))
+
+
+class CheckVerdict(CheckFigures):
+    """Whether the reward model has understood the ranking.
+
+    Attributes:
+        advice: What to do; empty if it passed.
+        warning: Names tiers that can't be told apart although it passed, if any.
+    """
+
+    passed: bool
+    advice: str
+    warning: str = ""
+
+
+class ConfusedTiers(Stored):
+    """Two tiers, counted from 1 for the best, with demonstrations that the model mixes up.
+
+    Attributes:
+        held_out: Whether the order was wrong when one of the two demonstrations was held out;
+            otherwise the predicted returns of the final model contradict it.
+        n_right: Comparisons of their demonstrations in order; None in runs of earlier versions.
+        n_compared: All comparisons of their demonstrations; None in runs of earlier versions.
+    """
+
+    better: int
+    worse: int
+    held_out: bool
+    n_right: int | None = None
+    n_compared: int | None = None
+
+
+class CheckOutcome(CheckVerdict):
+    """What the stage "check" found.
+
+    Attributes:
+        confused: Worst first.
+        predicted_returns: Sum of R over the states after each step, by recording id.
+    """
+
+    confused: list[ConfusedTiers]
+    predicted_returns: dict[int, float]
+
+
+class ImitatorOutcome(Stored):
+    """How the imitator was trained.
+
+    Attributes:
+        best_steps: Training steps of the snapshot that was kept.
+        precision: Floating-point type that it learned in; None in runs of earlier versions.
+        device: Type of the device that it learned on; None in runs of earlier versions.
+    """
+
+    best_steps: int | None = None
+    precision: str | None = None
+    device: str | None = None
+
+
+class ExampleOutcome(Stored):
+    """The order that an example's demonstrations should have and the one that they are given.
+
+    Attributes:
+        kind: Name of their kind, see tril.demonstrator.KINDS.
+        mistakes: Pairs [better, worse] that are ranked the other way round.
+        tau: Kendall's tau-b between the two orders.
+    """
+
+    kind: str
+    true_tiers: list[list[int]]
+    given_tiers: list[list[int]]
+    mistakes: list[list[int]]
+    tau: float
+
+
+class Headline(CheckFigures):
+    """A run's figures for the lists: greedy games from held-out evaluation starts."""
+
+    imitator: PolicySummary | None
+    clone: PolicySummary | None
+
+
+class RunOutcome(Stored):
+    """What came out of a run's stages so far; None where a stage has nothing to say yet."""
+
+    example: ExampleOutcome | None = None
+    check: CheckOutcome | None = None
+    imitator: ImitatorOutcome | None = None
+    headline: Headline | None = None
+
+    def with_those_of(self, found: RunOutcome) -> RunOutcome:
+        """Return this outcome with what another stage has found."""
+        return self.model_copy(
+            update={name: getattr(found, name) for name in found.model_fields_set}
+        )
+
+
+class AttentionState(StrEnum):
+    """A state of the demonstrations that an attention map is drawn of (thesis, section 6.1)."""
+
+    MINIMUM = "minimum"
+    PERCENTILE_90 = "90th percentile"
+    PERCENTILE_95 = "95th percentile"
+    MAXIMUM = "maximum"
+
+    @property
+    def quantile(self) -> float:
+        """The place, 0 to 1, of its reward among those of all states."""
+        places = dict(zip(AttentionState, (0.0, 0.9, 0.95, 1.0), strict=True))
+        return places[self]
+
+
+class AttentionDetails(Stored):
+    """What the pictures of an attention map show, as their artifacts store it.
+
+    Attributes:
+        reward: R of the state.
+        recording_id: The demonstration that it is from.
+        step: The step after which it stands.
+    """
+
+    state: AttentionState
+    reward: float
+    recording_id: int
+    step: int

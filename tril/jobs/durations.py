@@ -1,0 +1,72 @@
+"""What the stages of a run take on two 2.5 GHz cores, by rates measured there."""
+
+from __future__ import annotations
+
+from tril.recipes import Recipe, RewardRecipe
+from tril.stages import Stage
+from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
+
+DEMONSTRATIONS_S = 30.0
+TRAJECTORIES_S = 6.0
+CHECK_S = 4.0
+ATTENTION_S = 8.0
+N_DEMONSTRATIONS = 12
+MEAN_STEPS = 250
+"""Steps of a typical demonstration or evaluation game."""
+
+REWARD_OBSERVATIONS_PER_S = 4_500.0
+REWARD_UPDATE_S = 0.003
+"""Overhead of an update of the reward model, besides its observations."""
+CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
+IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
+DAGGER_LABELS_PER_S = 100.0
+DAGGER_EPOCHS_SHARE = 0.4
+"""Of the passes that early stopping leaves."""
+EVALUATION_STEPS_PER_S = 900.0
+
+
+def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
+    """Return the seconds that each stage takes with a recipe and training steps of the imitator."""
+    reward = recipe.reward
+    cloning_rate = CLONING_OBSERVATIONS_PER_S[recipe.cloning.network]
+    n_starts = len(recipe.evaluation.start_numbers) + len(recipe.evaluation.further_start_numbers)
+    games = n_starts * len(POLICIES) * len(ACTION_SELECTIONS)
+    demonstrated = N_DEMONSTRATIONS * MEAN_STEPS
+    return {
+        Stage.DEMONSTRATIONS: DEMONSTRATIONS_S,
+        Stage.TRAJECTORIES: TRAJECTORIES_S,
+        Stage.REWARD: 1.0 + reward.ensemble * _learning_seconds(reward),
+        Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_fold),
+        Stage.CLONE: 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
+        Stage.IMITATOR: 2.0 + _imitator_seconds(recipe, steps),
+        Stage.EVALUATION: 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
+        Stage.ATTENTION: ATTENTION_S,
+    }
+
+
+def _imitator_seconds(recipe: Recipe, steps: int) -> float:
+    judging_s = recipe.policy.snapshot_episodes * MEAN_STEPS / EVALUATION_STEPS_PER_S
+    if recipe.method != "dagger":
+        snapshots = 1 + sum(due <= steps for due in recipe.policy.snapshot_steps)
+        return snapshots * judging_s + steps / IMITATOR_STEPS_PER_S[recipe.policy.network]
+    iterations = max(1.0, steps / recipe.dagger.steps_per_iteration)
+    # Every iteration learns from everything collected so far.
+    learned = recipe.cloning.epochs * steps * (iterations + 1) / 2
+    return (
+        steps / DAGGER_LABELS_PER_S
+        + DAGGER_EPOCHS_SHARE * learned / CLONING_OBSERVATIONS_PER_S[recipe.policy.network]
+        + iterations * judging_s
+    )
+
+
+def _learning_seconds(reward: RewardRecipe) -> float:
+    """Return the seconds that the training of one reward network takes."""
+    update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
+    return reward.updates * update_s
+
+
+def _observations_per_update(reward: RewardRecipe) -> float:
+    if reward.method == "fast":
+        return N_DEMONSTRATIONS * MEAN_STEPS / reward.observation_stride
+    fragment = (reward.fragment_min_steps + reward.fragment_max_steps) / 2
+    return 2 * reward.pairs_per_update * fragment / reward.observation_stride

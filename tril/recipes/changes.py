@@ -1,0 +1,155 @@
+"""Recipes made from other recipes, from text and from stored data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from difflib import get_close_matches
+from functools import cache
+from typing import Any, TypeVar, get_args, get_type_hints
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from tril.errors import Invalid
+from tril.recipes.values import EvaluationRecipe, Recipe
+
+T = TypeVar("T")
+
+FOR_PEOPLE = ("name", "summary", "default_steps")
+"""Values of a recipe that do not affect what is learned."""
+
+FORMER_NAMES = {
+    "reward.snippet_pairs": "reward.fragment_pairs",
+    "reward.snippet_min_steps": "reward.fragment_min_steps",
+    "reward.snippet_max_steps": "reward.fragment_max_steps",
+    "reward.disturbed_share": "reward.perturbed_share",
+    "reward.disturbed_copies": "reward.perturbed_copies",
+    "policy.n_games": "policy.n_envs",
+    "policy.rollout_steps": "policy.n_steps",
+    "policy.minibatches": "policy.n_minibatches",
+    "policy.epochs": "policy.n_epochs",
+    "policy.learning_rate_decays": "policy.anneal_lr",
+    "policy.discount": "policy.gamma",
+    "policy.gae": "policy.gae_lambda",
+    "policy.clip": "policy.clip_range",
+    "policy.entropy": "policy.ent_coef",
+    "policy.value": "policy.vf_coef",
+    "policy.gradient_norm": "policy.max_grad_norm",
+    "policy.start_policy_pull": "policy.kl_coef",
+    "cloning.left_out_share": "cloning.validation_share",
+}
+"""Today's path of each value that earlier versions called otherwise."""
+
+
+def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
+    """Return the recipe under the published protocol, which holds no start out.
+
+    The published work trains one policy per start and evaluates it on that very start (thesis,
+    section 6.1), which measures how well that one game was learned.
+
+    Raises:
+        Invalid: The policy is not trained by PPO, or there is no such start.
+    """
+    if recipe.method == "dagger":
+        raise Invalid("DAgger has no games of PPO that could begin at the start it is judged on.")
+    recipe = with_values(recipe, {"policy.own_starts": (start_number,)})
+    return replace(recipe, evaluation=EvaluationRecipe((start_number,), ()))
+
+
+def with_values(recipe: Recipe, values: Mapping[str, Any]) -> Recipe:
+    """Return a copy with some values replaced.
+
+    Args:
+        recipe: The original.
+        values: New values by dotted path, such as ``policy.learning_rate``. Text is read as the
+            value's type; sequences have commas between.
+
+    Raises:
+        Invalid: There is no such value, or it is out of its range; the message names the range.
+    """
+    known = _by_path(recipe)
+    data = recipe.to_dict()
+    for path, value in values.items():
+        if path not in known:
+            raise Invalid(f"A recipe has no value {path!r}.{_suggestion(path, known)}")
+        part, _, name = path.rpartition(".")
+        (data[part] if part else data)[name] = value
+    try:
+        return _validator().validate_python(data)
+    except ValidationError as error:
+        raise Invalid(" ".join(_problem(one) for one in error.errors())) from error
+
+
+def changed_values(recipe: Recipe, original: Recipe) -> dict[str, Any]:
+    """Return the values, by dotted path, with which with_values turns the original into the recipe.
+
+    Those FOR_PEOPLE are left aside.
+    """
+    known = _by_path(original)
+    return {
+        path: value
+        for path, value in _by_path(recipe).items()
+        if value != known[path] and path not in FOR_PEOPLE
+    }
+
+
+def recipe_from_dict(data: Mapping[str, Any]) -> Recipe:
+    """Rebuild a stored recipe.
+
+    Recipes of earlier versions stay readable: unknown values are ignored, missing ones take their
+    defaults, and ranges are not checked.
+
+    Raises:
+        Invalid: This is no recipe.
+    """
+    try:
+        return _rebuilt(Recipe, data)
+    except TypeError as error:
+        raise Invalid(f"This is not a recipe of this version of Tril: {error}.") from error
+
+
+def _rebuilt(kind: type[T], data: Mapping[str, Any]) -> T:
+    values = {}
+    for field in fields(kind):  # type: ignore[arg-type]
+        if field.name in data:
+            value = data[field.name]
+            if is_dataclass(field.default):
+                value = _rebuilt(type(field.default), value)
+            values[field.name] = tuple(value) if isinstance(value, list) else value
+    return kind(**values)
+
+
+def _by_path(recipe: Recipe) -> dict[str, Any]:
+    """Return all values by dotted path."""
+    found: dict[str, Any] = {}
+    for name, value in recipe.to_dict().items():
+        inner = {f"{name}.{key}": one for key, one in value.items()} if type(value) is dict else {}
+        found |= inner or {name: value}
+    return found
+
+
+def _suggestion(path: str, known: Mapping[str, Any]) -> str:
+    if path in FORMER_NAMES:
+        return f" It is called {FORMER_NAMES[path]!r} now."
+    close = get_close_matches(path, known, n=1)
+    return f" Did you mean {close[0]!r}?" if close else ""
+
+
+@cache
+def _validator() -> TypeAdapter[Recipe]:
+    return TypeAdapter(Recipe)
+
+
+def _problem(error: ErrorDetails) -> str:
+    """Name the refused value, what it must be and what it was."""
+    path, context = [str(key) for key in error["loc"][:2]], error.get("ctx", {})
+    if error["type"] == "value_error":
+        return f"{path[0]}: {context['error']}."
+    hint: Any = Recipe
+    for name in path:
+        hint = get_type_hints(hint, include_extras=True)[name]
+    described = [one.description for one in get_args(hint) if isinstance(one, FieldInfo)]
+    expected = context.get("expected") or described[0]
+    return f"{'.'.join(path)} must be {expected}, got {error['input']!r}."
