@@ -1,3 +1,5 @@
+import { readdirSync } from "node:fs";
+
 import js from "@eslint/js";
 import jsxA11y from "eslint-plugin-jsx-a11y";
 import reactHooks from "eslint-plugin-react-hooks";
@@ -5,7 +7,7 @@ import globals from "globals";
 import tseslint from "typescript-eslint";
 
 const PARENTS = { group: ["../*"], message: "Import another folder's modules by @/." };
-const features = ["behaviours", "play", "ranking", "recordings", "results", "training"];
+const features = readdirSync(new URL("./src/features", import.meta.url));
 
 export default tseslint.config(
   { ignores: ["node_modules", "src/api/schema.d.ts", "public"] },

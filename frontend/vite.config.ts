@@ -1,12 +1,28 @@
+import type { ClientRequest, IncomingMessage } from "node:http";
 import { fileURLToPath } from "node:url";
 
 import react from "@vitejs/plugin-react";
+import type { ProxyOptions } from "vite";
 import { defineConfig } from "vitest/config";
 
-// `npm run dev` serves the pages and passes /api and the token exchange (/?token=…) on to a running
-// `tril up`.
-const server = process.env.TRIL_SERVER ?? "http://127.0.0.1:8000";
-const passedOn = { target: server, ws: true, changeOrigin: true, headers: { origin: server } };
+/** The running `tril up` that the development server passes the API and the sign-in on to. */
+const tril = new URL(process.env.TRIL_SERVER ?? "http://127.0.0.1:8000").origin;
+
+/**
+ * Passes requests on to Tril as if they came from its own page: Tril compares Origin with Host.
+ * Requests from any other page keep their Origin, so that Tril refuses them.
+ */
+const proxy: ProxyOptions = {
+  target: tril,
+  changeOrigin: true,
+  configure: (server) => {
+    const setOrigin = (outgoing: ClientRequest, { headers }: IncomingMessage) => {
+      if (headers.origin === `http://${headers.host ?? ""}`) outgoing.setHeader("Origin", tril);
+    };
+    server.on("proxyReq", setOrigin);
+    server.on("proxyReqWs", setOrigin);
+  },
+};
 
 export default defineConfig({
   plugins: [react()],
@@ -16,19 +32,20 @@ export default defineConfig({
     outDir: "../server/web/static",
     emptyOutDir: true,
     target: ["chrome123", "firefox128", "safari17.5"],
-    // Everything is a file: the server's content security policy allows no data: scripts or styles.
+    // Never inline assets: the server's content security policy forbids data: URLs of scripts.
     assetsInlineLimit: 0,
   },
   server: {
     host: "127.0.0.1",
-    proxy: { "/api": passedOn, "^/\\?token=": passedOn },
+    // The second entry is the sign-in, which sets the cookie and redirects to the page.
+    proxy: { "/api": { ...proxy, ws: true }, "^/\\?token=": proxy },
   },
   test: {
     restoreMocks: true,
-    // Pages are searched by role, which is slow in jsdom on a machine that has other work.
+    // Queries by role are slow in jsdom, more so on a busy machine.
     testTimeout: 30_000,
     css: false,
-    // As many processes as cores; by default one fewer, which on two cores leaves half idle.
+    // One process per core; the default is one fewer, which leaves half of two cores idle.
     maxWorkers: "100%",
     projects: [
       {

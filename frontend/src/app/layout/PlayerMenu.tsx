@@ -7,7 +7,7 @@ import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { Field } from "@/components/controls/Field";
 
-import styles from "./Layout.module.css";
+import styles from "./PlayerMenu.module.css";
 
 /** The player's name, with a dialog to change it. */
 export function PlayerMenu() {

@@ -8,7 +8,7 @@ import { Dialog } from "@/components/controls/Dialog";
 import { classes } from "@/lib/classes";
 import { bytes } from "@/lib/format";
 
-import styles from "./Layout.module.css";
+import styles from "./StatusMenu.module.css";
 
 /** Whether the worker is running, with a dialog about processes and disk usage. */
 export function StatusMenu() {

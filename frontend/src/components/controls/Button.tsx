@@ -59,6 +59,16 @@ export function ButtonLink({
   );
 }
 
+/** A link that looks like a button and downloads a file. */
+export function DownloadLink({ children, ...rest }: ComponentProps<"a">) {
+  return (
+    <a className={lookOf({})} download {...rest}>
+      <Icon name="download" />
+      {children}
+    </a>
+  );
+}
+
 /** A button that shows only an icon; its label is announced and shown on hover. */
 export function IconButton({
   icon,

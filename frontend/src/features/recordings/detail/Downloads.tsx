@@ -3,9 +3,7 @@ import { useState } from "react";
 import { messageOf } from "@/api/client";
 import { type ClipKind, fetchClip, recordingExportUrl } from "@/api/recordings";
 import type { Recording } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import buttonStyles from "@/components/controls/Button.module.css";
-import { Icon } from "@/components/controls/Icon";
+import { Button, DownloadLink } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 
 import styles from "./Downloads.module.css";
@@ -48,10 +46,7 @@ export function Downloads({ recording }: { recording: Recording }) {
             {making === kind ? `Making the ${name}…` : name}
           </Button>
         ))}
-        <a className={buttonStyles.button} href={recordingExportUrl(recording.id)} download>
-          <Icon name="download" />
-          Data (JSON)
-        </a>
+        <DownloadLink href={recordingExportUrl(recording.id)}>Data (JSON)</DownloadLink>
       </div>
       <p className={styles.hint} role="status">
         {making !== null && "The game is replayed and encoded; this takes some seconds."}

@@ -4,9 +4,7 @@ import { useSearchParams } from "react-router";
 
 import { exportUrl, withDeletedQuery } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import buttonStyles from "@/components/controls/Button.module.css";
-import { Icon } from "@/components/controls/Icon";
+import { Button, DownloadLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
 import { count } from "@/lib/format";
 
@@ -37,10 +35,7 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
         <Button icon="upload" onClick={onImport}>
           Import
         </Button>
-        <a className={buttonStyles.button} href={exportUrl(behaviour.id)} download>
-          <Icon name="download" />
-          Export
-        </a>
+        <DownloadLink href={exportUrl(behaviour.id)}>Export</DownloadLink>
       </div>
       <FilterBar
         filter={filter}

@@ -1,8 +1,6 @@
 import { exportUrl } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import buttonStyles from "@/components/controls/Button.module.css";
-import { Icon } from "@/components/controls/Icon";
+import { Button, DownloadLink } from "@/components/controls/Button";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { classes } from "@/lib/classes";
 import { count } from "@/lib/format";
@@ -65,17 +63,14 @@ export function SelectionBar({
               >
                 {allPerfect ? "Remove the perfect marks" : "Mark as perfect"}
               </Button>
-              <a
-                className={buttonStyles.button}
+              <DownloadLink
                 href={exportUrl(
                   behaviour.id,
                   selected.map(({ id }) => id),
                 )}
-                download
               >
-                <Icon name="download" />
                 Export selected
-              </a>
+              </DownloadLink>
               <Button icon="trash" onClick={() => change("delete")}>
                 Delete
               </Button>

@@ -65,7 +65,7 @@ describe("held keys", () => {
   });
 });
 
-describe("the choice of keys", () => {
+describe("the key map", () => {
   it("lets either hand play alone", () => {
     const bits = (codes: string[]) => codes.map((code) => bitOf(DEFAULT_KEYS, code));
     expect(bits(["ArrowLeft", "ArrowRight", "ArrowUp"])).toEqual([LEFT, RIGHT, FIRE]);
