@@ -32,7 +32,8 @@ def rows(page: str, first: str) -> list[list[str]]:
 
 
 def test_the_published_page_is_that_of_the_published_ledger() -> None:
-    assert page_text(PUBLISHED) == (PUBLISHED / "README.md").read_text()
+    how = "run tril reproduce --page-only -o docs/results"
+    assert page_text(PUBLISHED) == (PUBLISHED / "README.md").read_text(), how
 
 
 def test_published_results_are_of_the_recipes_as_they_are() -> None:
