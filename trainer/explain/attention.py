@@ -100,7 +100,10 @@ def changes_at(
     positions: npt.NDArray[np.int64],
     progress: Progress,
 ) -> npt.NDArray[np.float32]:
-    """Return |R(occluded) - R|, float32 (N,), for patches int64 (N, 3): screen, row, column."""
+    """Return the absolute change of R for each patch, float32 (N,).
+
+    The patches are int64 (N, 3): screen, row, column.
+    """
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
         pixels = torch.from_numpy(observation.astype(np.float32))

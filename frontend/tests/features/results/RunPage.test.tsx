@@ -130,6 +130,15 @@ describe("the results", () => {
       { policy: "clone", action_selection: "greedy", summary: { ...SUMMARY, targets: null } },
     ],
     comparison: [{ start_number: 0, held_out: false, imitator, clone, winner: "imitator" }],
+    further_comparison: [
+      {
+        start_number: 3,
+        held_out: true,
+        imitator: game({ start_number: 3 }),
+        clone: game({ start_number: 3, policy: "clone" }),
+        winner: "tie",
+      },
+    ],
     games: [imitator, game({ start_number: 3 }), game({ start_number: 3, policy: "clone" })],
     best_demonstration: best,
     check: {
