@@ -22,7 +22,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run dev dev-server dev-page environment frontend test test-unit test-e2e test-frontend check lint \
+.PHONY: help run dev dev-server dev-page environment frontend test test-unit coverage test-e2e test-frontend check lint \
 	format types imports migrations-check api api-check wheel docs constraints bench clean
 
 help: ## list the targets
@@ -50,6 +50,10 @@ test: test-frontend test-unit test-e2e ## run all tests
 
 test-unit: $(DEV_STAMP) ## run the Python tests that need no browser
 	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
+
+coverage: $(DEV_STAMP) ## run the same and print the coverage; processes that tests start don't count
+	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal \
+		--cov=tril --cov=server --cov=trainer --cov=cli --cov-report=term:skip-covered $(ARGS)
 
 # One at a time: a game in a browser needs the machine to itself.
 test-e2e: $(DEV_STAMP) frontend ## run the tests in a real browser
