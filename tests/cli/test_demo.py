@@ -27,14 +27,14 @@ def _tril(*arguments: str) -> str:
         env={**os.environ, "TRIL_LEARNING_THREADS": "1"},
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=580,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> None:
     results = tmp_path / "results"
     values = [argument for value in SMALLEST for argument in ("--set", value)]

@@ -283,5 +283,5 @@ def test_a_human_example_says_what_order_its_games_should_have_and_is_made_once(
 
 
 def test_an_unknown_kind_of_example_is_refused(workplace: Workplace) -> None:
-    with pytest.raises(Invalid, match="no demonstrations 'seven'"):
+    with pytest.raises(Invalid, match="Unknown demonstrations 'seven'"):
         make_example(workplace, workplace.behaviour_id, "seven")
