@@ -13,6 +13,7 @@ from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.game import space_invaders as game
 from tril.game.episode import Ending, EndReason, Hit
+from tril.game.openings import Opening, start_of
 from tril.game.starts import Start
 from tril.game.vector.vector_game import FinishedGame, FixedStarts, VectorGame
 from tril.recording import Recording
@@ -43,8 +44,8 @@ class EvaluatedGame:
         hits: The aliens shot, in order of time.
         end: Why it ended.
         shots: Missiles fired.
-        rewards: R of the start and of the state after each of T steps, float32 (T + 1,); None
-            without a reward model.
+        rewards: R of the state that the policy played on from and of the state after each of its T
+            steps, float32 (T + 1,); None without a reward model.
     """
 
     start: Start
@@ -62,7 +63,7 @@ class EvaluatedGame:
 
 def play(
     actor: Actor,
-    starts: Sequence[Start],
+    starts: Sequence[Start | Opening],
     action_selection: ActionSelection,
     *,
     model: RewardModel | None = None,
@@ -76,7 +77,7 @@ def play(
 
     Args:
         actor: The policy.
-        starts: Where the games begin.
+        starts: Where the games begin; the policy plays from the end of an opening on.
         action_selection: "greedy" takes the likeliest action, "sampled" samples actions by their
             probabilities, "sticky" takes the likeliest action while actions stick.
         model: Scores the states that the policy reaches.
@@ -96,7 +97,7 @@ def play(
         sticky_action_probability = stickiness(action_selection)
     generators = [
         np.random.default_rng((sampling_seed, start.idle_frames, start.difficulty))
-        for start in starts
+        for start in map(start_of, starts)
     ]
     rewards: list[list[float]] = [[] for _ in starts]
     finished: dict[int, FinishedGame] = {}

@@ -16,9 +16,13 @@ from trainer.progress import CallbackProgress
 from trainer.reward.model import RewardModel
 from tril.behaviours import Behaviour, score
 from tril.game.episode import Ending, Hit
+from tril.game.openings import Opening, draw_opening
 from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start, spread_starts
 from tril.recipes import Recipe
 from tril.recording import Recording
+
+_SNAPSHOT_OPENINGS = 1_000_037
+"""Seed of the openings of the games that judge snapshots."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +92,8 @@ def evaluate_snapshot(
 ) -> float:
     """Return the mean shaped return of a policy's greedy games from training starts.
 
+    Actions stick and openings come first as in training.
+
     Args:
         policy: The policy.
         shaping: The reward.
@@ -98,6 +104,7 @@ def evaluate_snapshot(
         policy,
         snapshot_starts(recipe),
         "greedy",
+        sticky_action_probability=recipe.policy.sticky_action_probability,
         model=shaping.model,
         ending=Ending(recipe.ending),
         progress=CallbackProgress(on_step),
@@ -108,9 +115,13 @@ def evaluate_snapshot(
     return float(np.mean(returns))
 
 
-def snapshot_starts(recipe: Recipe) -> list[Start]:
+def snapshot_starts(recipe: Recipe) -> list[Start | Opening]:
     """Return the starts that snapshots are judged from, spread over all training starts."""
-    return spread_starts(recipe.policy.snapshot_episodes, training_idle_frames(recipe))
+    policy = recipe.policy
+    starts = spread_starts(policy.snapshot_episodes, training_idle_frames(recipe))
+    n_openings = round(policy.opening_share * len(starts))
+    rng = np.random.default_rng(_SNAPSHOT_OPENINGS)
+    return [draw_opening(start, rng) for start in starts[:n_openings]] + [*starts[n_openings:]]
 
 
 def training_idle_frames(recipe: Recipe) -> tuple[int, ...]:

@@ -89,6 +89,7 @@ def train_imitator(
         _training_starts(task),
         n_processes=n_processes,
         ending=Ending(task.recipe.ending),
+        sticky_action_probability=recipe.sticky_action_probability,
         training_seed=task.training_seed,
     )
     with games:
@@ -136,15 +137,16 @@ def _clone_network(task: ImitationTask) -> ScreenPolicy:
 def _training_starts(task: ImitationTask) -> TrainingStarts:
     idle_frames = training_idle_frames(task.recipe)
     share = task.recipe.policy.demonstration_share
+    opening_share = task.recipe.policy.opening_share
     if not share:
-        return TrainingStarts(idle_frames)
+        return TrainingStarts(idle_frames, opening_share=opening_share)
     best = best_demonstrations(task.tiers, task.recipe.policy.best_share)
     logs = [
         DemonstrationLog(recording.start, recording.actions)
         for recording in (*(task.recordings[i] for i in best), *task.perfect)
         if recording.actions
     ]
-    return TrainingStarts(idle_frames, tuple(logs), share)
+    return TrainingStarts(idle_frames, tuple(logs), share, opening_share)
 
 
 class _Reporter:

@@ -30,6 +30,8 @@ class RewardShaping:
         model: The reward model.
         kind: "sigmoid", "level", "difference" or "softplus".
         death_penalty: Subtracted in the step in which the player is hit.
+        death_forfeit: Share of the level reached, as far as it is above 0, that is subtracted there,
+            too: of what is gained and then forfeited nothing is left.
         scale: Factor on the result.
     """
 
@@ -37,16 +39,19 @@ class RewardShaping:
     kind: str
     death_penalty: float
     scale: float = 1.0
+    death_forfeit: float = 0.0
 
     @classmethod
     def of(cls, model: RewardModel, recipe: PolicyRecipe) -> RewardShaping:
         """Return the reward shaping of a recipe."""
-        return cls(model, recipe.reward, recipe.death_penalty, recipe.reward_scale)
+        return cls(
+            model, recipe.reward, recipe.death_penalty, recipe.reward_scale, recipe.death_forfeit
+        )
 
     @property
     def needs_before(self) -> bool:
         """Whether R of the state before a step is used."""
-        return self.kind == "difference"
+        return self.kind == "difference" or self.death_forfeit > 0.0
 
     def shape(self, before: Rewards, reached: Rewards, died: npt.NDArray[np.bool_]) -> Rewards:
         """Return the reward of each step, float32 (N,).
@@ -65,7 +70,10 @@ class RewardShaping:
             shaped = self.model.level(reached)
         else:
             shaped = self.model.level(reached) - self.model.level(before)
-        return np.asarray(self.scale * (shaped - self.death_penalty * died), np.float32)
+        lost = self.death_penalty * died
+        if self.death_forfeit:
+            lost = lost + self.death_forfeit * died * self.model.level(before).clip(0.0)
+        return np.asarray(self.scale * (shaped - lost), np.float32)
 
     def shaped_return(self, rewards: Rewards, end: EndReason) -> float:
         """Return the sum of the shaped rewards of a whole game.

@@ -23,7 +23,7 @@ class FinishedEpisode:
     """A finished training episode.
 
     Attributes:
-        game: The game, including the part of a demonstration that the episode began after.
+        game: The game, including the demonstration's part or the opening that it began after.
         n_steps: Steps that the policy played.
         predicted_return: Sum of R over the states that the policy reached.
         shaped_return: Sum of the policy's rewards.
@@ -36,8 +36,8 @@ class FinishedEpisode:
 
     @property
     def is_whole(self) -> bool:
-        """Whether the policy played it from the start."""
-        return self.game.first_step == 0
+        """Whether the policy played it from the start or from the end of an opening."""
+        return not self.game.from_demonstration
 
     @property
     def died(self) -> bool:

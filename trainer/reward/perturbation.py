@@ -78,7 +78,9 @@ def perturb_demonstrations(
     rng: np.random.Generator,
     on_step: Callable[[], None],
 ) -> list[PerturbedDemonstration]:
-    """Play perturbed copies of games, each from a sampled step on.
+    """Play perturbed copies of games, each from a sampled step before the last shot on.
+
+    A copy that is perturbed later misses nothing and may be as good as its original.
 
     Args:
         recordings: The games, none of which goes on after its end.
@@ -92,7 +94,9 @@ def perturb_demonstrations(
     original_game, perturbed_game = AgentGame(Console()), AgentGame(Console())
     found = []
     for original, recording in enumerate(recordings):
-        last = len(recording.actions) // FRAMES_PER_STEP - MIN_STEPS
+        last = min(
+            len(recording.actions) // FRAMES_PER_STEP - MIN_STEPS, _last_shot_step(recording)
+        )
         if last < 1:
             continue
         steps = sorted(rng.integers(0, last, size=copies).tolist())
@@ -101,6 +105,12 @@ def perturb_demonstrations(
             if len(observations) > MIN_STEPS:
                 found.append(PerturbedDemonstration(original, step, observations))
     return found
+
+
+def _last_shot_step(recording: Recording) -> int:
+    """Return the last step in which the fire key is held, -1 if there is none."""
+    fire = [action for action in Action if keys_for(action) & Keys.FIRE]
+    return max(recording.actions.rfind(action) for action in fire) // FRAMES_PER_STEP
 
 
 def _states(

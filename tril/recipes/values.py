@@ -120,6 +120,8 @@ class PolicyRecipe:
             and 1 at the best ones' ends; "difference" is the change of that level; "softplus" is
             log(1 + exp(R(s'))), GAIL's reward where R is the logit of its discriminator.
         death_penalty: Subtracted from the reward of the step in which the player is hit.
+        death_forfeit: Share of the level reached that is subtracted there, too. A penalty alone costs
+            as much before the first target as after the last one.
         reward_scale: Factor on the reward. The critic's loss grows with its square and shares a
             network with the policy.
         n_envs: Number of environments run in parallel.
@@ -147,11 +149,16 @@ class PolicyRecipe:
             published snapshots come after 500,000, then every 1,000,000.
         snapshot_episodes: Games from training starts whose mean return decides between snapshots.
         own_starts: Evaluation starts that replace the training starts, see judged_where_trained.
+        opening_share: Share of the episodes from a start that begin with an opening, see
+            tril.game.openings.
+        sticky_action_probability: Probability, at every frame of a training game, that the previous
+            action is repeated (Machado et al. 2018, section 5.1).
     """
 
     network: Network = "nature"
     reward: Literal["sigmoid", "level", "difference", "softplus"] = "sigmoid"
     death_penalty: NotNegative = 0.0
+    death_forfeit: Share = 0.0
     reward_scale: Positive = 1.0
     n_envs: Count = 9
     n_steps: Count = 128
@@ -173,6 +180,8 @@ class PolicyRecipe:
     snapshot_steps: StepNumbers = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
     snapshot_episodes: Count = 12
     own_starts: StartNumbers = ()
+    opening_share: Share = 0.0
+    sticky_action_probability: Share = 0.0
 
     @model_validator(mode="after")
     def _check_minibatches(self) -> PolicyRecipe:
@@ -243,10 +252,12 @@ class EvaluationRecipe:
     Attributes:
         start_numbers: Evaluation starts of the headline table.
         further_start_numbers: Further evaluation starts that the means are taken over.
+        openings: Whether the games begin with the starts' openings, see tril.game.openings.
     """
 
     start_numbers: StartNumbers = (0, 1, 2)
     further_start_numbers: StartNumbers = tuple(range(3, 23))
+    openings: Flag = False
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
 from tril.game.console import Console
 from tril.game.episode import Ending
+from tril.game.openings import evaluation_opening
 from tril.game.starts import evaluation_number, evaluation_start
 from tril.recording import verify
 from tril.store import recordings
@@ -30,6 +31,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
     context = data.context
     recipe = context.recipe.evaluation
     numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
+    begin = evaluation_opening if recipe.openings else evaluation_start
     with context.database.reading() as session:
         played = evaluations.played(session, context.run_id)
     console = Console()
@@ -40,7 +42,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
         if missing:
             games = play(
                 data.actor(policy),
-                [evaluation_start(number) for number in missing],
+                [begin(number) for number in missing],
                 action_selection,
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),

@@ -15,6 +15,7 @@ from tril.game.agent import AgentGame, StickyActions
 from tril.game.console import Console, StartCache
 from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.game.observation import OBSERVATION_SHAPE, AgentView, AgentViews
+from tril.game.openings import Opening
 from tril.game.saved_game import pack_game, unpack_game
 from tril.game.vector.reset_distribution import (
     DemonstrationLog,
@@ -43,9 +44,10 @@ class FinishedGame:
         game: index of the game in the vector.
         start: how it began.
         actions: the action executed at every frame since the start, one byte each, including those
-            of the demonstration that it began in.
-        first_step: the first step played by the vector; 0 unless the episode began in a
-            demonstration.
+            of the demonstration or opening that it began with.
+        first_step: the first step played by the vector; 0 unless the episode began with a
+            demonstration or an opening.
+        from_demonstration: whether it began in a demonstration.
         hits: the aliens shot, in order of time, since the start.
         end: why it ended.
         shots: missiles that left the cannon since the start.
@@ -55,6 +57,7 @@ class FinishedGame:
     start: Start
     actions: bytes
     first_step: int
+    from_demonstration: bool
     hits: tuple[Hit, ...]
     end: EndReason
     shots: int
@@ -185,18 +188,33 @@ class GameSlot:
         )
         self._games_before = 0
         self._first_step = 0
+        self._from_demonstration = False
 
     def begin(self) -> None:
         """Begin the next episode; become inactive if there is none."""
         sample = self._resets.sample(self._start_rng, self._index, self._games_before)
         self._first_step = 0
+        self._from_demonstration = isinstance(sample, DemonstrationStep)
         if sample is None:
             self._shared.inactive[self._index] = True
         elif isinstance(sample, DemonstrationStep):
             self._first_step = sample.step
             self._game.restore(unpack_game(self._demonstrations.state(sample)))
+        elif isinstance(sample, Opening):
+            self._open(sample)
         else:
             self._game.reset(sample)
+
+    def _open(self, opening: Opening) -> None:
+        """Play an opening; leave it out if the cannon does not survive it."""
+        self._game.reset(opening.start)
+        for action in opening.actions:
+            for _ in range(game.FRAMES_PER_STEP):
+                self._game.advance(action)
+                if self._game.end is not None:
+                    self._game.reset(opening.start)
+                    return
+        self._first_step = len(opening.actions)
 
     def step(self) -> bool:
         """Play the step whose action is in shared memory; return whether it ended the episode."""
@@ -221,6 +239,7 @@ class GameSlot:
             start=episode.start,
             actions=episode.actions,
             first_step=self._first_step,
+            from_demonstration=self._from_demonstration,
             hits=episode.hits,
             end=episode.end,
             shots=episode.shots,
@@ -236,6 +255,7 @@ class GameSlot:
             "sticky_rng": self._sticky_rng.bit_generator.state,
             "games_before": self._games_before,
             "first_step": self._first_step,
+            "from_demonstration": self._from_demonstration,
             "resting": bool(self._shared.inactive[self._index]),
         }
         text = json.dumps(small).encode()
@@ -253,6 +273,8 @@ class GameSlot:
         self._sticky_rng.bit_generator.state = small["sticky_rng"]
         self._games_before = small["games_before"]
         self._first_step = small["first_step"]
+        # Checkpoints of earlier versions know no openings.
+        self._from_demonstration = small.get("from_demonstration", self._first_step > 0)
         self._shared.inactive[self._index] = small["resting"]
         self._game.restore(unpack_game(snapshot[end:]))
 

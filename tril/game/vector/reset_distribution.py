@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from tril.game import space_invaders as game
+from tril.game.openings import Opening, draw_opening, start_of
 from tril.game.starts import TRAINING_IDLE_FRAMES, Start, UnknownStart
 
 
@@ -61,7 +62,7 @@ class ResetDistribution(Protocol):
 
     def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
-    ) -> Start | DemonstrationStep | None:
+    ) -> Start | Opening | DemonstrationStep | None:
         """Return where a game's next episode begins, None if it has none.
 
         Args:
@@ -76,7 +77,7 @@ class ResetDistribution(Protocol):
 
 @dataclass(frozen=True)
 class TrainingStarts:
-    """Episodes begin at a uniformly drawn start or at a drawn step of a demonstration.
+    """Episodes begin at a uniformly drawn start, after an opening, or at a demonstration's step.
 
     An episode from a demonstration's step counts the steps before it towards the limit.
 
@@ -84,11 +85,13 @@ class TrainingStarts:
         idle_frames: the idle frames to draw from; by default none of an evaluation start.
         demonstrations: the demonstrations in whose states episodes may begin.
         demonstration_share: share of the episodes that do, 0 to 1.
+        opening_share: share of the other episodes that begin after an opening, 0 to 1.
     """
 
     idle_frames: tuple[int, ...] = TRAINING_IDLE_FRAMES
     demonstrations: tuple[DemonstrationLog, ...] = ()
     demonstration_share: float = 0.0
+    opening_share: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -96,8 +99,9 @@ class TrainingStarts:
             raise UnknownStart("Expected at least one number of idle frames to start from.")
         for idle_frames in self.idle_frames:
             Start(idle_frames)
-        if not 0.0 <= self.demonstration_share <= 1.0:
-            raise ValueError(f"Expected a share from 0 to 1, got {self.demonstration_share}.")
+        for share in (self.demonstration_share, self.opening_share):
+            if not 0.0 <= share <= 1.0:
+                raise ValueError(f"Expected a share from 0 to 1, got {share}.")
         if self.demonstration_share > 0.0 and not self.demonstrations:
             raise ValueError("Expected demonstrations for a share of games to begin in, got none.")
 
@@ -111,13 +115,16 @@ class TrainingStarts:
 
     def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
-    ) -> Start | DemonstrationStep | None:
-        """Draw a start or a step of a demonstration."""
+    ) -> Start | Opening | DemonstrationStep | None:
+        """Draw a start, an opening or a step of a demonstration."""
         if self.demonstration_share > 0.0 and rng.random() < self.demonstration_share:
             demonstration = int(rng.integers(len(self.demonstrations)))
             step = int(rng.integers(self.demonstrations[demonstration].steps))
             return DemonstrationStep(demonstration, step)
-        return Start(self.idle_frames[int(rng.integers(len(self.idle_frames)))])
+        start = Start(self.idle_frames[int(rng.integers(len(self.idle_frames)))])
+        if self.opening_share > 0.0 and rng.random() < self.opening_share:
+            return draw_opening(start, rng)
+        return start
 
     def rng_key(self, game_index: int) -> tuple[int, ...]:
         """Return the game's index."""
@@ -129,10 +136,10 @@ class FixedStarts:
     """Every game plays one episode from its own start and is inactive afterwards.
 
     Attributes:
-        starts: one for each game.
+        starts: one for each game, with an opening or without.
     """
 
-    starts: tuple[Start, ...]
+    starts: tuple[Start | Opening, ...]
 
     @property
     def demonstrations(self) -> tuple[DemonstrationLog, ...]:
@@ -142,7 +149,7 @@ class FixedStarts:
     @property
     def possible_starts(self) -> set[Start]:
         """The games' starts."""
-        return set(self.starts)
+        return {start_of(one) for one in self.starts}
 
     def check(self, n_games: int) -> None:
         """Check that there is one start per game."""
@@ -151,7 +158,7 @@ class FixedStarts:
 
     def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
-    ) -> Start | DemonstrationStep | None:
+    ) -> Start | Opening | DemonstrationStep | None:
         """Return the game's start, None once it has been played."""
         return self.starts[game_index] if games_before == 0 else None
 
@@ -160,6 +167,6 @@ class FixedStarts:
 
         A game then does not depend on the other games of the vector.
         """
-        start = self.starts[game_index]
-        earlier = self.starts[:game_index].count(start)
+        start = start_of(self.starts[game_index])
+        earlier = sum(start_of(one) == start for one in self.starts[:game_index])
         return (start.idle_frames, start.mode, start.difficulty, earlier)

@@ -1,0 +1,57 @@
+"""Openings: a walk before the game is the player's, so that starts differ by more than a delay.
+
+Idle frames alone hardly make another game: one start is the other a moment later. After an opening the
+cannon stands elsewhere, and bombs fall elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tril.game.space_invaders import Action
+from tril.game.starts import Start, evaluation_start
+
+LEGS = 3
+MAX_LEG_STEPS = 14
+_ACTIONS = (Action.RIGHT, Action.RIGHT, Action.LEFT, Action.NOOP)
+"""Of a leg, equally likely: the cannon begins at the left wall."""
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A start and the steps that are played before the player's first.
+
+    They are part of the episode: they count towards its length, and a recording holds them.
+
+    Attributes:
+        start: How the game begins.
+        actions: The action of each step; none fires.
+    """
+
+    start: Start
+    actions: tuple[Action, ...]
+
+
+def start_of(beginning: Start | Opening) -> Start:
+    """Return the start of a game that begins with an opening or without."""
+    return beginning.start if isinstance(beginning, Opening) else beginning
+
+
+def draw_opening(start: Start, rng: np.random.Generator) -> Opening:
+    """Draw a walk of three legs, each of one action, held for 0 to 14 steps."""
+    actions: list[Action] = []
+    for _ in range(LEGS):
+        action = _ACTIONS[int(rng.integers(len(_ACTIONS)))]
+        actions += [action] * int(rng.integers(MAX_LEG_STEPS, endpoint=True))
+    return Opening(start, tuple(actions))
+
+
+def evaluation_opening(number: int) -> Opening:
+    """Return the opening of an evaluation start, fixed like the start itself.
+
+    Raises:
+        UnknownStart: The number is out of range.
+    """
+    return draw_opening(evaluation_start(number), np.random.default_rng(number))
