@@ -30,8 +30,8 @@ class RewardShaping:
         model: The reward model.
         kind: "sigmoid", "level", "difference" or "softplus".
         death_penalty: Subtracted in the step in which the player is hit.
-        death_forfeit: Share of the level reached, as far as it is above 0, that is subtracted there,
-            too: of what is gained and then forfeited nothing is left.
+        death_forfeit: Share of the level reached, as far as it is above 0, that is subtracted
+            there, too.
         scale: Factor on the result.
     """
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from trainer.reward.check import PASSING_HELD_OUT_ACCURACY, PASSING_TAU, RankingCheck
+from trainer.reward.check import PASSING_ACCURACY, PASSING_TAU, RankingCheck
 
 MAX_NAMED = 6
 """Pairs of tiers that are named; the page lists all."""
@@ -14,25 +14,41 @@ def advice(check: RankingCheck) -> str:
     """Return what the model did not learn of the ranking and what to do; empty if it passed."""
     if check.passed:
         return ""
-    measured = [f"Kendall's tau is {check.tau:.2f} (at least {PASSING_TAU} is needed)"]
-    if check.held_out_accuracy is not None:
+    measured = []
+    if check.tau < PASSING_TAU:
         measured.append(
-            f"{check.held_out_accuracy:.0%} of the pairs with held-out demonstrations are in order"
-            f" (at least {PASSING_HELD_OUT_ACCURACY:.0%} is needed)"
+            f"it hardly orders the demonstrations as they are ranked (Kendall's tau"
+            f" {check.tau:.2f}, at least {PASSING_TAU} is needed)"
+        )
+    accuracy = check.held_out_accuracy
+    if accuracy is not None and accuracy < PASSING_ACCURACY:
+        measured.append(
+            f"it orders demonstrations that it did not learn from hardly better than chance"
+            f" ({accuracy:.0%} of the pairs, at least {PASSING_ACCURACY:.0%} are needed)"
         )
     pairs = list(dict.fromkeys((pair.better, pair.worse) for pair in check.confused))
     confused = f" It confuses tiers {_named(pairs)}." if pairs else ""
     return (
-        f"The reward model has not understood the ranking: {'; '.join(measured)}.{confused} It "
+        f"The reward model has not understood the ranking: {', and '.join(measured)}.{confused} It "
         "needs other demonstrations or another order. You can also go on anyway."
     )
 
 
 def warning(check: RankingCheck) -> str:
-    """Return which tiers can't be told apart although the check passed; empty if there are none."""
+    """Return what is doubtful although the check passed; empty if nothing is."""
     pairs = check.not_told_apart
-    if not check.passed or not pairs:
+    if not check.passed or (check.is_confident and not pairs):
         return ""
+    if not check.is_confident:
+        accuracy = check.held_out_accuracy
+        held_out = "" if accuracy is None else f", {accuracy:.0%} of held-out pairs in order"
+        return (
+            "The reward model follows the ranking, but not everywhere (Kendall\u2019s tau"
+            f" {check.tau:.2f}{held_out})."
+            + (f" It can\u2019t tell these tiers apart: {_named(pairs)}." if pairs else "")
+            + " Games that show more clearly what is better, or more bad games of other kinds,"
+            " help."
+        )
     return (
         "The ranking as a whole was understood, but the reward model can\u2019t tell these tiers "
         f"apart: {_named(pairs)}. The recordings do not show what makes one better than the other, "

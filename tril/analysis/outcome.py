@@ -46,7 +46,8 @@ class CheckFigures(Stored):
     """How well the reward model agrees with the ranking.
 
     Attributes:
-        tau: Kendall's tau-b between the tiers and the predicted returns, -1 to 1.
+        tau: Kendall's tau-b between the tiers and the final levels, -1 to 1; in runs of versions
+            up to 0.2.0 between the tiers and the predicted returns.
         pair_accuracy: Share of newly drawn fragment pairs ordered as ranked.
         held_out_accuracy: Share of preference pairs ordered as ranked by models trained without
             at least one of the two demonstrations; None where that was not measured.
@@ -80,7 +81,7 @@ class ConfusedTiers(Stored):
 
     Attributes:
         held_out: Whether the order was wrong when one of the two demonstrations was held out;
-            otherwise the predicted returns of the final model contradict it.
+            otherwise the final levels of the final model contradict it.
         n_right: Comparisons of their demonstrations in order; None in runs of earlier versions.
         n_compared: All comparisons of their demonstrations; None in runs of earlier versions.
     """
@@ -98,10 +99,13 @@ class CheckOutcome(CheckVerdict):
     Attributes:
         confused: Worst first.
         predicted_returns: Sum of R over the states after each step, by recording id.
+        final_levels: Mean level of the last 25 states, by recording id; empty in runs of versions
+            up to 0.2.0.
     """
 
     confused: list[ConfusedTiers]
     predicted_returns: dict[int, float]
+    final_levels: dict[int, float] = {}
 
 
 class ImitatorOutcome(Stored):

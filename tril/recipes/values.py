@@ -120,8 +120,8 @@ class PolicyRecipe:
             and 1 at the best ones' ends; "difference" is the change of that level; "softplus" is
             log(1 + exp(R(s'))), GAIL's reward where R is the logit of its discriminator.
         death_penalty: Subtracted from the reward of the step in which the player is hit.
-        death_forfeit: Share of the level reached that is subtracted there, too. A penalty alone costs
-            as much before the first target as after the last one.
+        death_forfeit: Share of the level reached that is subtracted there, too. A penalty alone
+            costs as much before the first target as after the last one.
         reward_scale: Factor on the reward. The critic's loss grows with its square and shares a
             network with the policy.
         n_envs: Number of environments run in parallel.

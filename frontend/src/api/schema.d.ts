@@ -1316,9 +1316,14 @@ export interface components {
         };
         /**
          * RankedReturn
-         * @description A demonstration's predicted return (sum of R over its observations) by its tier, from 1.
+         * @description What the reward model says of a demonstration, by its tier, from 1.
+         *
+         *     ``predicted_return`` is the sum of R over its observations, ``final_level`` the mean level of the
+         *     last 25, which the ranking is checked by; None in runs of versions up to 0.2.0.
          */
         RankedReturn: {
+            /** Final Level */
+            final_level: number | null;
             /** Predicted Return */
             predicted_return: number;
             recording: components["schemas"]["Recording"];

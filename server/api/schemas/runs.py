@@ -113,11 +113,16 @@ class ConfusedTiers(Schema):
 
 
 class RankedReturn(Schema):
-    """A demonstration's predicted return (sum of R over its observations) by its tier, from 1."""
+    """What the reward model says of a demonstration, by its tier, from 1.
+
+    ``predicted_return`` is the sum of R over its observations, ``final_level`` the mean level of
+    the last 25, which the ranking is checked by; None in runs of versions up to 0.2.0.
+    """
 
     tier: int
     recording: Recording
     predicted_return: float
+    final_level: float | None
 
 
 class RankingCheck(CheckVerdict):

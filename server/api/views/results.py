@@ -83,7 +83,12 @@ def _check(
             for pair in check.confused
         ],
         returns=[
-            RankedReturn(tier=place, recording=shown[key], predicted_return=returns[key])
+            RankedReturn(
+                tier=place,
+                recording=shown[key],
+                predicted_return=returns[key],
+                final_level=check.final_levels.get(key),
+            )
             for place, tier in enumerate(tiers, start=1)
             for key in tier
             if key in shown and key in returns

@@ -68,11 +68,25 @@ def test_a_key_that_is_not_pressed_again_is_not_the_missing_one(
     recording: Recording, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(perturbation, "_MISSING_SHARE", 1.0)
-    still = replace(recording, actions=bytes([Action.NOOP]) * 4 * STEPS, ram_hashes=())
-    original = trajectory(still).observations
-    for copy in perturb_demonstrations([still], 5, np.random.default_rng(0), lambda: None):
+    original = trajectory(one_shot := fired_at(recording, 90)).observations
+    copies = perturb_demonstrations([one_shot], 5, np.random.default_rng(0), lambda: None)
+    assert copies
+    for copy in copies:
         first, n = copy.first_step, len(copy.observations)
         assert not np.array_equal(copy.observations, original[first : first + n])
+
+
+def fired_at(recording: Recording, step: int) -> Recording:
+    """Return a game of one shot, in which nothing else is done."""
+    steps = [Action.FIRE if number == step else Action.NOOP for number in range(STEPS)]
+    return replace(recording, actions=bytes(np.repeat(steps, 4).tolist()), ram_hashes=())
+
+
+def test_copies_begin_before_the_last_shot(recording: Recording) -> None:
+    games = [fired_at(recording, 30), fired_at(recording, 0)]
+    copies = perturb_demonstrations(games, 20, np.random.default_rng(0), lambda: None)
+    assert {copy.original for copy in copies} == {0}
+    assert max(copy.first_step for copy in copies) < 30
 
 
 def test_the_same_seed_gives_the_same_copies(recording: Recording) -> None:

@@ -49,9 +49,9 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     )
     data.forget_perturbed()
     ranked = data.snapshot.ranked
-    returns = {ranked[index]: value for index, value in check.predicted_returns.items()}
     found = asdict(check) | {
-        "predicted_returns": returns,
+        "predicted_returns": {ranked[i]: value for i, value in check.predicted_returns.items()},
+        "final_levels": {ranked[i]: value for i, value in check.final_levels.items()},
         "advice": advice(check),
         "warning": warning(check),
     }

@@ -160,8 +160,8 @@ describe("the results", () => {
         },
       ],
       returns: [
-        { tier: 1, recording: best, predicted_return: 5 },
-        { tier: 2, recording: recording({ id: 11 }), predicted_return: 7 },
+        { tier: 1, recording: best, predicted_return: 5, final_level: null },
+        { tier: 2, recording: recording({ id: 11 }), predicted_return: 7, final_level: null },
       ],
     },
     attention: [

@@ -14,8 +14,16 @@ import pytest
 
 from tril.game.agent import AgentGame
 from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, EpisodeEnded, Start
+from tril.game.episode import (
+    EVALUATION_START_COUNT,
+    EVALUATION_STARTS,
+    Ending,
+    EndReason,
+    EpisodeEnded,
+    Start,
+)
 from tril.game.observation import Observation
+from tril.game.openings import evaluation_opening
 from tril.game.vector.vector_game import (
     DemonstrationLog,
     FinishedGame,
@@ -154,6 +162,32 @@ def test_games_begin_in_the_states_of_a_demonstration_and_keep_its_clock() -> No
     whole = [one for one in trace.finished if one.end is EndReason.STEPS]
     assert whole
     assert {len(one.actions) for one in whole} == {MAX_FRAMES}
+
+
+def test_games_begin_after_an_opening_that_their_recordings_hold(console: Console) -> None:
+    trace = traced(TrainingStarts(opening_share=1.0), sticky=0.25, steps=100)
+    assert not any(one.from_demonstration for one in trace.finished)
+    assert len({one.first_step for one in trace.finished}) > 2
+    game = AgentGame(console, max_frames=MAX_FRAMES)
+    for one in trace.finished:
+        game.reset(one.start)
+        for action in one.actions:
+            game.advance(action)
+        assert (game.end, game.hits) == (one.end, one.hits)
+        assert one.own_hits == one.hits
+
+
+def test_an_evaluation_opening_is_fixed_and_differs_from_the_others() -> None:
+    openings = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
+    assert openings == [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
+    assert len({opening.actions for opening in openings}) > 25
+    assert [opening.start for opening in openings] == list(EVALUATION_STARTS)
+    source = FixedStarts(tuple(openings))
+    with VectorGame(len(openings), source, n_processes=1, training_seed=0) as games:
+        games.reset()
+        steps = games.step(np.zeros(len(openings), np.int64)).steps
+    # All survive their openings, which count towards the length of the game.
+    assert steps.tolist() == [len(opening.actions) + 1 for opening in openings]
 
 
 def test_a_demonstration_state_is_observed_as_it_was(console: Console) -> None:

@@ -101,7 +101,10 @@ function names(ids: readonly number[]): string {
 }
 
 function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
-  const best = Math.max(...check.returns.map((one) => one.predicted_return));
+  const hasLevels = check.returns.some((one) => one.final_level !== null);
+  const best = Math.max(...check.returns.map(judged));
+  const odd = (index: number) =>
+    isOdd(check, index) ? `${tables.right} ${styles.odd}` : tables.right;
   return (
     <table className={tables.table} aria-label="Predicted returns">
       <thead>
@@ -112,10 +115,19 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
           <th scope="col" className={tables.right}>
             Predicted return
           </th>
+          {hasLevels && (
+            <th
+              scope="col"
+              className={tables.right}
+              title="What the game reached in the end: 0 at the beginning, 1 at the end of the best"
+            >
+              Final level
+            </th>
+          )}
         </tr>
       </thead>
       <tbody>
-        {check.returns.map(({ tier, recording, predicted_return: value }, index) => (
+        {check.returns.map(({ tier, recording, predicted_return, final_level }, index) => (
           <tr key={recording.id}>
             <td>{tier}</td>
             <td>
@@ -130,10 +142,16 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
             <td>
               <SourceBadge recording={recording} />
             </td>
-            <td className={isOdd(check, index) ? `${tables.right} ${styles.odd}` : tables.right}>
-              {measured(value)}
-              {value === best && tier > 1 && <span className="visually-hidden"> (highest)</span>}
+            <td className={hasLevels ? tables.right : odd(index)}>
+              {measured(predicted_return)}
+              {!hasLevels && predicted_return === best && tier > 1 && <Highest />}
             </td>
+            {hasLevels && (
+              <td className={odd(index)}>
+                {final_level === null ? "" : fixed(final_level, 2)}
+                {final_level === best && tier > 1 && <Highest />}
+              </td>
+            )}
           </tr>
         ))}
       </tbody>
@@ -141,11 +159,18 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
   );
 }
 
-/** Whether a return exceeds one of a better tier. */
+function Highest() {
+  return <span className="visually-hidden"> (highest)</span>;
+}
+
+/** What the ranking is checked by: the final level, or the return in runs of earlier versions. */
+function judged(one: RankingCheck["returns"][number]): number {
+  return one.final_level ?? one.predicted_return;
+}
+
+/** Whether a game is judged to be better than one of a better tier. */
 function isOdd({ returns }: RankingCheck, index: number): boolean {
   const one = returns[index];
   if (!one) return false;
-  return returns.some(
-    (other) => other.tier < one.tier && other.predicted_return < one.predicted_return,
-  );
+  return returns.some((other) => other.tier < one.tier && judged(other) < judged(one));
 }
