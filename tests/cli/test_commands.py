@@ -120,4 +120,4 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 @pytest.mark.usefixtures("data_folder")
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
-    assert "choose one of scripted, human, six, twenty-four, no-wrong, no-gradual" in output
+    assert "choose one of scripted, human, person-150, person-250, person-350, six," in output

@@ -68,7 +68,7 @@ def test_runs_of_deleted_behaviours_are_passed_over(workplace: Workplace) -> Non
         ("--ablation --own-starts", "Choose one of"),
         ("--ablation --demonstrations human", "Choose one of"),
         ("--own-starts --demonstrations six", "Choose one of"),
-        ("--demonstrations seven", "choose one of scripted, human, six"),
+        ("--demonstrations seven", "choose one of scripted, human, person-150"),
     ],
 )
 def test_comparisons_that_make_no_sense_are_refused(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 
@@ -49,3 +49,23 @@ HUMAN = ErrorModel(
 """250 ms from screen to key, the lower end of what was measured of people playing Atari games
 (Zhang et al. 2020, Atari-HEAD). The other values are chosen so that games stay close to their plans
 and about one ranked game in seven ends with a hit on the player."""
+
+
+def person(reaction_ms: int) -> ErrorModel:
+    """Return the errors of a person with this reaction time; slower ones err more throughout.
+
+    At 250 ms they are those of HUMAN.
+
+    Args:
+        reaction_ms: Time between a screen and the response to it, in milliseconds.
+    """
+    factor = reaction_ms / 250
+    return replace(
+        HUMAN,
+        name=f"person-{reaction_ms}",
+        reaction_frames=round(HUMAN.reaction_frames * factor),
+        aim_error_px=HUMAN.aim_error_px * factor,
+        key_error_frames=HUMAN.key_error_frames * factor,
+        slip_share=HUMAN.slip_share * factor,
+        missed_bomb_share=HUMAN.missed_bomb_share * factor,
+    )

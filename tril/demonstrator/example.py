@@ -20,6 +20,7 @@ from tril.demonstrator.kinds import SCRIPTED, ExampleKind
 from tril.demonstrator.plans import (
     DemonstrationPlan,
     GameOutcome,
+    best_effort_violation,
     draw_hits,
     example_plans,
     plan_violation,
@@ -91,6 +92,7 @@ class DemonstrationTask:
         idle_frames: The starts to try, in turn.
         seed: Seed of the player's random choices.
         error_model: Player errors.
+        best_effort: Whether a good attempt is enough where it is for cloning.
     """
 
     plan: DemonstrationPlan
@@ -98,6 +100,7 @@ class DemonstrationTask:
     idle_frames: tuple[int, ...]
     seed: int
     error_model: ErrorModel = PERFECT
+    best_effort: bool = False
 
 
 def demonstrate(
@@ -108,6 +111,7 @@ def demonstrate(
     style: PlayStyle | None = None,
     error_model: ErrorModel = PERFECT,
     perfect: bool = False,
+    best_effort: bool = False,
 ) -> Demonstration:
     """Play one game that shows a plan.
 
@@ -122,6 +126,7 @@ def demonstrate(
         style: Playing style; None draws one.
         error_model: Player errors.
         perfect: Whether it is for cloning.
+        best_effort: Whether a good attempt is enough for that.
 
     Raises:
         DemonstrationFailed: The game doesn't show the plan.
@@ -134,14 +139,16 @@ def demonstrate(
     else:
         HumanLikePlayer(recorder, wanted, style, error_model, rng).play()
     made = Demonstration(recorder.recording(), recorder.replay(), plan, perfect, error_model)
-    if reason := _why_not(made):
+    if reason := _why_not(made, best_effort):
         raise DemonstrationFailed(reason)
     return made
 
 
-def _why_not(made: Demonstration) -> str | None:
+def _why_not(made: Demonstration, best_effort: bool) -> str | None:
     """Return why a game doesn't demonstrate its plan, None if it does."""
     hits, end = made.shown.hits, made.replay.end
+    if made.perfect and best_effort:
+        return best_effort_violation(made.plan, hits)
     if made.error_model != PERFECT and not made.perfect:
         return tolerance_violation(made.plan, hits)
     if made.error_model != PERFECT and end is None:
@@ -173,6 +180,7 @@ def example_tasks(
             tuple(starts[index :: len(plans)]) or (starts[index % len(starts)],),
             seed,
             kind.error_model,
+            kind.best_efforts,
         )
         for index, (plan, seed) in enumerate(zip(plans, seeds, strict=True))
     ]
@@ -229,7 +237,14 @@ def _execute(task: DemonstrationTask) -> Demonstration:
         style = draw_brisk_style(rng) if task.perfect else draw_style(rng)
         try:
             return demonstrate(
-                task.plan, start, rng, _console(), style, task.error_model, task.perfect
+                task.plan,
+                start,
+                rng,
+                _console(),
+                style,
+                task.error_model,
+                task.perfect,
+                task.best_effort,
             )
         except DemonstrationFailed as failure:
             reason = str(failure)

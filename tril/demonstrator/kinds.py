@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from tril.behaviours import Behaviour
-from tril.demonstrator.error_model import HUMAN, PERFECT, ErrorModel
+from tril.demonstrator.error_model import HUMAN, PERFECT, ErrorModel, person
 from tril.demonstrator.plans import N_DEMONSTRATIONS, DemonstrationPlan, example_plans
 from tril.errors import Invalid
 
@@ -34,6 +34,8 @@ class ExampleKind:
         categories: Categories of plans to draw from.
         error_model: Player errors, also in perfect demonstrations.
         n_mistakes: Ranking mistakes: pairs of games in adjacent tiers that are swapped.
+        best_efforts: Whether the games for cloning are good ones as they come, see
+            plans.best_effort_violation, instead of perfect ones only.
     """
 
     name: str
@@ -42,6 +44,7 @@ class ExampleKind:
     categories: tuple[PlanCategory, ...] = tuple(PlanCategory)
     error_model: ErrorModel = PERFECT
     n_mistakes: int = 0
+    best_efforts: bool = False
 
     def plans(self, behaviour: Behaviour) -> list[DemonstrationPlan]:
         """Return the plans to demonstrate, best first.
@@ -81,6 +84,17 @@ KINDS: Sequence[ExampleKind] = (
         "the twelve as a person would play them, with mistakes in their ranking",
         error_model=HUMAN,
         n_mistakes=3,
+    ),
+    *(
+        ExampleKind(
+            f"person-{reaction_ms}",
+            f"the twelve of a person who reacts after {reaction_ms} ms, with mistakes in their"
+            " ranking; best efforts instead of perfect games",
+            error_model=person(reaction_ms),
+            n_mistakes=3,
+            best_efforts=True,
+        )
+        for reaction_ms in (150, 250, 350)
     ),
     ExampleKind("six", "every other of the twelve", n_ranked=6),
     ExampleKind("twenty-four", "each of the twelve in two games", n_ranked=24),

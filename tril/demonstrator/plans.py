@@ -122,6 +122,18 @@ def tolerance_violation(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | 
     return None
 
 
+def best_effort_violation(plan: DemonstrationPlan, hits: Sequence[Cell]) -> str | None:
+    """Return why hits are no good attempt at all targets, None if they are.
+
+    A third of the targets may be missed and two other aliens hit; the order is free.
+    """
+    n_wrong = sum(cell not in plan.allowed for cell in hits)
+    n_targets = len(hits) - n_wrong
+    if 3 * n_targets < 2 * plan.min_hits or n_wrong > 2:
+        return f"It hits {n_targets} of {plan.min_hits} targets and {n_wrong} other aliens."
+    return None
+
+
 def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
     """Return the twelve plans of a behaviour's example, best first.
 

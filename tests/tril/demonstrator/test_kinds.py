@@ -49,6 +49,7 @@ HUMAN_KIND = kind_named("human")
     [
         ("scripted", list(range(1, 13))),
         ("human", list(range(1, 13))),
+        ("person-350", list(range(1, 13))),
         ("six", [1, 3, 5, 8, 10, 12]),
         ("twenty-four", [number for number in range(1, 13) for _ in range(2)]),
         ("no-wrong", [1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 7]),
@@ -71,10 +72,12 @@ def test_each_kind_has_the_demonstrations_that_it_promises(
     assert len({task.idle_frames[0] for task in tasks}) == len(tasks)
 
 
-def test_only_the_human_kind_is_not_played_flawlessly() -> None:
-    assert [kind.name for kind in KINDS if kind.error_model != PERFECT] == ["human"]
+def test_only_people_do_not_play_flawlessly() -> None:
+    names = [kind.name for kind in KINDS if kind.error_model != PERFECT]
+    assert names == ["human", "person-150", "person-250", "person-350"]
+    assert replace(kind_named("person-250").error_model, name="human") == HUMAN
     assert kind_named("scripted") is SCRIPTED
-    with pytest.raises(Invalid, match="'seven'; choose one of scripted, human, six, twen"):
+    with pytest.raises(Invalid, match="'seven'; choose one of scripted, human, person-150,"):
         kind_named("seven")
 
 
