@@ -70,10 +70,10 @@ class LatenessLog:
         self._logged = Lateness()
 
     def report(self, n_games: int) -> None:
-        """Log a warning, with the number of games, if frames since the last report were late."""
+        """Log a warning if frames since the last report were late and games are still open."""
         recent, self._logged = self._lateness - self._logged, self._lateness + Lateness()
         p99_ms = recent.percentile_ms(0.99)
-        if p99_ms is None or p99_ms <= LATE_MS:
+        if n_games == 0 or p99_ms is None or p99_ms <= LATE_MS:
             return
         _LOG.warning(
             "In the last minute one frame in a hundred began more than %.0f ms late, with %d games "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import gc
 import logging
 import os
 import secrets
@@ -58,6 +59,8 @@ def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
             _work(settings, database, name, stopping, lost_after_s)
     finally:
         database.close()
+        # At the lowest priority the collection of all of PyTorch at exit takes seconds.
+        gc.freeze()
 
 
 def _work(

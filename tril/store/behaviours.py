@@ -217,8 +217,8 @@ def _target_json(behaviour: Behaviour) -> list[list[int]] | None:
 def _free_slug(session: Session, name: str) -> str:
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
     base = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:60] or "behaviour"
-    if not name.strip():
-        raise Invalid("A behaviour needs a name.")
+    if not any(character.isprintable() for character in name.strip()):
+        raise Invalid("A behaviour needs a name that can be read.")
     taken = set(
         session.scalars(select(BehaviourRow.slug).where(BehaviourRow.slug.like(f"{base}%")))
     )

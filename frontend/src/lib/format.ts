@@ -30,8 +30,17 @@ export function shortCount(n: number): string {
 /** Formats the ticks of an axis with as many digits as their spacing needs. */
 export function tickLabels(ticks: readonly number[]): string[] {
   const distance = Math.abs((ticks[1] ?? 0) - (ticks[0] ?? 0));
-  const digits = distance > 0 ? Math.min(6, Math.max(0, -Math.floor(Math.log10(distance)))) : 2;
+  const digits = distance > 0 ? digitsOf(distance) : 2;
   return ticks.map((tick) => (distance >= 1 ? whole(tick) : fixed(tick, digits)));
+}
+
+/** The digits after the point that multiples of a distance need: 1 for 0.2, 2 for 0.25. */
+function digitsOf(distance: number): number {
+  const enough = (digits: number) => {
+    const scaled = distance * 10 ** digits;
+    return Math.abs(scaled - Math.round(scaled)) < 1e-6 * scaled;
+  };
+  return [0, 1, 2, 3, 4, 5].find(enough) ?? 6;
 }
 
 /** Formats the ticks of an axis of steps: "5 k", "1.5 M". */

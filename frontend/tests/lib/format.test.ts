@@ -11,6 +11,7 @@ import {
   ordinal,
   percent,
   shortCount,
+  tickLabels,
   whole,
 } from "@/lib/format";
 
@@ -88,5 +89,28 @@ describe("sizes and times", () => {
     expect(ago("2026-03-10T11:55:00Z", now)).toBe("5 min ago");
     expect(ago("2026-03-10T09:00:00Z", now)).toBe("3 h ago");
     expect(ago("2026-03-01T12:00:00Z", now)).toBe("Mar 1, 2026");
+  });
+});
+
+describe("ticks", () => {
+  it.each([
+    [
+      [0, 0.25, 0.5],
+      ["0.00", "0.25", "0.50"],
+    ],
+    [
+      [0, 0.2, 0.4, 0.6000000000000001],
+      ["0.0", "0.2", "0.4", "0.6"],
+    ],
+    [
+      [0.001, 0.0015],
+      ["0.0010", "0.0015"],
+    ],
+    [
+      [0, 2000],
+      ["0", "2,000"],
+    ],
+  ])("%j have as many digits as their distance needs", (ticks, labels) => {
+    expect(tickLabels(ticks)).toEqual(labels);
   });
 });

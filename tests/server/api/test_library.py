@@ -81,6 +81,7 @@ def test_a_target_can_not_change_once_something_was_trained(
         {},
         {"name": ""},
         {"name": "   "},
+        {"name": "\u202e\u200b"},
         {"name": "x", "target": []},
         {"name": "x", "target": [[6, 0]]},
         {"name": "x", "target": [[0, 0], [0, 0]]},

@@ -106,6 +106,8 @@ def test_the_log_says_when_games_are_late_and_what_helps(caplog: pytest.LogCaptu
             lateness.note(0.0201)
         log.report(n_games=3)
         log.report(n_games=3)
+        lateness.note(0.0201)
+        log.report(n_games=0)
     (message,) = caplog.messages
     assert "more than 20 ms late, with 3 games" in message
     assert "TRIL_SERVER_PROCESSES" in message

@@ -69,7 +69,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
         <h1>Teach an agent by showing it better and worse games</h1>
         <p>
           Play Space Invaders for twenty seconds at a time, put your games in order from best to
-          worst, and Tril learns from the order alone what you were after.
+          worst, and Tril learns from the order what you were after.
         </p>
         <div className={styles.actions}>
           <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>

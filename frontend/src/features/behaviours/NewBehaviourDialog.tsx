@@ -75,7 +75,7 @@ export function NewBehaviourDialog({ onClose }: { onClose: () => void }) {
         <div className={styles.target}>
           <Checkbox
             label="Target certain aliens"
-            hint="Hits and strays are then counted. The agent never sees this: it learns from your ranking alone."
+            hint="Hits and strays are then counted. The agent never sees this: it learns from your ranking and your perfect games."
             checked={hasTarget}
             onChange={setHasTarget}
           />

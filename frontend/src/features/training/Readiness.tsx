@@ -2,6 +2,7 @@ import { Link } from "react-router";
 
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
+import { count } from "@/lib/format";
 
 interface ReadinessProps {
   behaviour: Behaviour;
@@ -17,8 +18,9 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
     return (
       <Notice tone="calm" icon="check">
         <p>
-          {behaviour.n_ranked} ranked recordings and {behaviour.n_perfect} perfect ones go into the
-          run. <Link to={`${at}/rank`}>Look at the ranking</Link>
+          {count(behaviour.n_ranked, "ranked recording")} and{" "}
+          {count(behaviour.n_perfect, "perfect one")} go into the run.{" "}
+          <Link to={`${at}/rank`}>Look at the ranking</Link>
         </p>
       </Notice>
     );
