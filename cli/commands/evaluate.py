@@ -16,7 +16,6 @@ from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
 from tril.game.episode import DEATHS
-from tril.game.starts import evaluation_start
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.training import artifacts, runs
@@ -87,7 +86,7 @@ def _play(
     sticky: float | None,
     sampling_seed: int,
 ) -> tuple[Behaviour, list[Any]]:
-    from trainer.policy.evaluation import play
+    from trainer.policy.evaluation import beginnings, play
     from trainer.policy.networks import load_policy
     from trainer.reward.model import RewardModel
     from tril.game.episode import Ending
@@ -97,6 +96,7 @@ def _play(
     with database.reading() as session:
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
+    recipe = recipe_from_dict(run.recipe)
     with artifacts.local_file(database, store, run_id, policy) as path:
         actor = load_policy(path)
     with artifacts.local_file(database, store, run_id, "reward_model") as path:
@@ -104,10 +104,10 @@ def _play(
     with progress_bar("playing") as watched:
         games = play(
             actor,
-            [evaluation_start(number) for number in numbers],
+            beginnings(recipe.evaluation, numbers),
             action_selection.value,
             model=model,
-            ending=Ending(recipe_from_dict(run.recipe).ending),
+            ending=Ending(recipe.ending),
             sampling_seed=sampling_seed,
             sticky_action_probability=sticky,
             progress=watched,
@@ -124,6 +124,7 @@ def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
         steps=game.recording.n_steps,
         died=game.end in DEATHS,
         predicted_return=game.predicted_return,
+        n_targets=None if behaviour.target is None else len(behaviour.target),
     )
 
 
@@ -133,6 +134,7 @@ def _print_means(figures: list[GameFigures]) -> None:
         ("targets", summary.targets),
         ("strays", summary.strays),
         ("death rate", summary.death_rate),
+        ("perfect games", summary.perfect),
     ):
         if value is not None:
             console.print(

@@ -189,6 +189,7 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
     with workspace.database.reading() as session:
         of = behaviours.get(session, row.behaviour_id)
         games = evaluations.listing(session, row.id)
+        n_targets = behaviours.n_targets(session, row.behaviour_id)
     table = Table(
         "start", "policy", "actions", "end", title=of.name, box=None, title_justify="left"
     )
@@ -202,7 +203,7 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
             name, game.policy, game.action_selection, game.recording.end or "", *numbers, returned
         )
     console.print(table if games else "No evaluation games yet.")
-    _print_means(evaluations.summaries(games))
+    _print_means(evaluations.summaries(games, n_targets))
 
 
 def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
@@ -211,12 +212,12 @@ def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
         return
     title = "Means over held-out starts, with 95% intervals"
     table = Table("policy", "actions", title=title, box=None, title_justify="left")
-    for heading in ("games", "targets", "strays", "death rate"):
+    for heading in ("games", "targets", "strays", "death rate", "perfect games"):
         table.add_column(heading, justify="right")
     for (policy, action_selection), one in summaries.items():
         cells = (
             "" if value is None else f"{value.mean:.2f} ({value.low:.2f} to {value.high:.2f})"
-            for value in (one.targets, one.strays, one.death_rate)
+            for value in (one.targets, one.strays, one.death_rate, one.perfect)
         )
         table.add_row(policy, action_selection, str(one.steps.n), *cells)
     console.print(table)

@@ -13,9 +13,10 @@ from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.game import space_invaders as game
 from tril.game.episode import Ending, EndReason, Hit
-from tril.game.openings import Opening, start_of
-from tril.game.starts import Start
+from tril.game.openings import Opening, evaluation_opening, start_of
+from tril.game.starts import Start, evaluation_start
 from tril.game.vector.vector_game import FinishedGame, FixedStarts, VectorGame
+from tril.recipes import EvaluationRecipe
 from tril.recording import Recording
 from tril.store.training.evaluations import ActionSelection
 
@@ -138,6 +139,12 @@ def play(
         )
         for index, one in sorted(finished.items())
     ]
+
+
+def beginnings(recipe: EvaluationRecipe, numbers: Sequence[int]) -> list[Start | Opening]:
+    """Return where the games of evaluation starts begin, by the recipe with openings or without."""
+    begin = evaluation_opening if recipe.openings else evaluation_start
+    return [begin(number) for number in numbers]
 
 
 def stickiness(action_selection: ActionSelection) -> float:

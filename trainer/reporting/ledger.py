@@ -99,6 +99,7 @@ class LedgerGame(NamedTuple):
             self.steps,
             self.died,
             self.predicted_return,
+            None if behaviour.target is None else len(behaviour.target),
         )
 
 

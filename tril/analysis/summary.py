@@ -27,6 +27,7 @@ class GameFigures:
         steps: Its length.
         died: Whether it ended by the player's death.
         predicted_return: Sum of R over its observations, if it was computed.
+        n_targets: Number of target cells, where the game is to be judged as a whole.
     """
 
     targets: int | None
@@ -35,6 +36,15 @@ class GameFigures:
     steps: int
     died: bool
     predicted_return: float | None
+    n_targets: int | None = None
+
+    @property
+    def perfect(self) -> bool | None:
+        """Whether all targets were hit, in order, no other alien was, and the player survived."""
+        if self.targets is None or self.n_targets is None:
+            return None
+        flaws = (self.strays or 0) + (self.order_errors or 0) + self.died
+        return self.targets == self.n_targets and not flaws
 
 
 @dataclass(frozen=True)
@@ -49,7 +59,10 @@ class Interval:
 
 @dataclass(frozen=True)
 class PolicySummary:
-    """Means over a policy's games; None where games have no such number."""
+    """Means over a policy's games; None where games have no such number.
+
+    ``perfect`` is the share of perfect games; runs of versions up to 0.2.0 have none stored.
+    """
 
     targets: Interval | None
     strays: Interval | None
@@ -57,6 +70,7 @@ class PolicySummary:
     steps: Interval
     death_rate: Interval
     predicted_return: Interval | None
+    perfect: Interval | None = None
 
 
 def interval(values: Sequence[float]) -> Interval:
@@ -92,19 +106,22 @@ def summarise(games: Sequence[GameFigures]) -> PolicySummary:
         steps=interval([game.steps for game in games]),
         death_rate=interval([float(game.died) for game in games]),
         predicted_return=mean_of(lambda game: game.predicted_return),
+        perfect=mean_of(lambda game: game.perfect),
     )
 
 
 def winner(imitator: GameFigures | None, clone: GameFigures | None) -> Winner | None:
-    """Return the winner of a start, as in the thesis: more targets hit, then fewer strays.
+    """Return the winner of a start: more targets hit, then fewer strays, then who survived.
+
+    In the thesis the death of the player does not count.
 
     Returns:
         None for behaviours without a target and where one of the two has not played.
     """
     if imitator is None or imitator.targets is None or clone is None or clone.targets is None:
         return None
-    ours = (imitator.targets, -(imitator.strays or 0))
-    theirs = (clone.targets, -(clone.strays or 0))
+    ours = (imitator.targets, -(imitator.strays or 0), not imitator.died)
+    theirs = (clone.targets, -(clone.strays or 0), not clone.died)
     if ours == theirs:
         return "tie"
     return "imitator" if ours > theirs else "clone"

@@ -61,6 +61,12 @@ def get(session: Session, behaviour_id: int) -> BehaviourRow:
     return row
 
 
+def n_targets(session: Session, behaviour_id: int) -> int | None:
+    """Return the number of a behaviour's target cells, deleted or not; None without any."""
+    row = session.get_one(BehaviourRow, behaviour_id)
+    return None if row.target is None else len(row.target)
+
+
 def by_slug(session: Session, slug: str) -> BehaviourRow:
     """Return a behaviour by its short name; raises NotFound naming those there are."""
     row = session.scalar(

@@ -1274,10 +1274,13 @@ export interface components {
         /**
          * PolicySummary
          * @description Means over a policy's games; None where games have no such number.
+         *
+         *     ``perfect`` is the share of perfect games; runs of versions up to 0.2.0 have none stored.
          */
         PolicySummary: {
             death_rate: components["schemas"]["Interval"];
             order_errors: components["schemas"]["Interval"] | null;
+            perfect?: components["schemas"]["Interval"] | null;
             predicted_return: components["schemas"]["Interval"] | null;
             steps: components["schemas"]["Interval"];
             strays: components["schemas"]["Interval"] | null;
@@ -1318,8 +1321,8 @@ export interface components {
          * RankedReturn
          * @description What the reward model says of a demonstration, by its tier, from 1.
          *
-         *     ``predicted_return`` is the sum of R over its observations, ``final_level`` the mean level of the
-         *     last 25, which the ranking is checked by; None in runs of versions up to 0.2.0.
+         *     ``predicted_return`` is the sum of R over its observations, ``final_level`` the mean level of
+         *     the last 25, which the ranking is checked by; None in runs of versions up to 0.2.0.
          */
         RankedReturn: {
             /** Final Level */

@@ -26,7 +26,7 @@ from server.api.views.runs import run_view
 from tril.analysis.outcome import AttentionState, CheckOutcome, CheckVerdict
 from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
-from tril.store import recordings
+from tril.store import behaviours, recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.store.training import artifacts, evaluations
 from tril.store.training.alarms import alarm_of
@@ -55,7 +55,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         comparison=_comparison(headline_starts, games, views),
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
-        summaries=_summaries(games),
+        summaries=_summaries(games, behaviours.n_targets(session, run.behaviour_id)),
         best_demonstration=shown.get(tiers[0][0]) if tiers else None,
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
@@ -129,11 +129,11 @@ def _comparison(
     return table
 
 
-def _summaries(games: list[EvaluationRow]) -> list[PolicyGamesSummary]:
+def _summaries(games: list[EvaluationRow], n_targets: int | None) -> list[PolicyGamesSummary]:
     """Return means over the games from held-out starts."""
     return [
         PolicyGamesSummary(policy=policy, action_selection=how, summary=summary)
-        for (policy, how), summary in evaluations.summaries(games).items()
+        for (policy, how), summary in evaluations.summaries(games, n_targets).items()
     ]
 
 

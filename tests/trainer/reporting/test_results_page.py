@@ -52,7 +52,8 @@ def test_the_page_says_who_won_and_links_the_pages_that_are_there(tmp_path: Path
     (means,) = rows(page, "Column 2 | 1,000 | 0, 1 | imitator")
     assert means[4].startswith("3.50 [")
     assert means[7].startswith("50% [")
-    assert means[10:] == ["1.00", "97.0%", "3"]
+    assert means[8].startswith("0% [")
+    assert means[12:] == ["1.00", "97.0%", "3"]
 
 
 def test_a_behaviours_pictures_are_of_its_longest_training(tmp_path: Path) -> None:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from trainer.policy.evaluation import EvaluatedGame, play, stickiness
+from trainer.policy.evaluation import EvaluatedGame, beginnings, play, stickiness
 from trainer.progress import Progress, ScaledProgress
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
 from tril.game.console import Console
 from tril.game.episode import Ending
-from tril.game.openings import evaluation_opening
-from tril.game.starts import evaluation_number, evaluation_start
+from tril.game.starts import evaluation_number
 from tril.recording import verify
 from tril.store import recordings
 from tril.store.models import Source
@@ -31,7 +30,6 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
     context = data.context
     recipe = context.recipe.evaluation
     numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
-    begin = evaluation_opening if recipe.openings else evaluation_start
     with context.database.reading() as session:
         played = evaluations.played(session, context.run_id)
     console = Console()
@@ -42,7 +40,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
         if missing:
             games = play(
                 data.actor(policy),
-                [begin(number) for number in missing],
+                beginnings(recipe, missing),
                 action_selection,
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),
@@ -118,7 +116,8 @@ def headline(data: RunData) -> Headline:
     assert context.run.outcome.check is not None
     with context.database.reading() as session:
         games = evaluations.listing(session, context.run_id)
-    found = evaluations.summaries(games)
+    target = context.behaviour.target
+    found = evaluations.summaries(games, None if target is None else len(target))
     return Headline(
         **context.run.outcome.check.figures,
         imitator=found.get(("imitator", "greedy")),

@@ -87,7 +87,7 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
     return list(session.scalars(query))
 
 
-def figures_of(row: EvaluationRow) -> GameFigures:
+def figures_of(row: EvaluationRow, n_targets: int | None = None) -> GameFigures:
     """Return the figures of an evaluation game, loaded with its recording."""
     return GameFigures(
         targets=row.targets,
@@ -96,18 +96,22 @@ def figures_of(row: EvaluationRow) -> GameFigures:
         steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
         died=row.recording.end in DEATHS,
         predicted_return=row.predicted_return,
+        n_targets=n_targets,
     )
 
 
-def summaries(games: Sequence[EvaluationRow]) -> dict[tuple[str, str], PolicySummary]:
+def summaries(
+    games: Sequence[EvaluationRow], n_targets: int | None
+) -> dict[tuple[str, str], PolicySummary]:
     """Return means over the games from held-out starts, by policy and action selection.
 
     Args:
         games: A run's evaluation games, loaded with their recordings.
+        n_targets: Target cells of the behaviour, None without any.
     """
     groups: dict[tuple[str, str], list[GameFigures]] = defaultdict(list)
     for row in games:
         if row.held_out:
-            groups[row.policy, row.action_selection].append(figures_of(row))
+            groups[row.policy, row.action_selection].append(figures_of(row, n_targets))
     order = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
     return {key: summarise(groups[key]) for key in order if key in groups}

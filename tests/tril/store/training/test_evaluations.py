@@ -26,12 +26,15 @@ def test_means_are_over_held_out_starts_by_policy_and_action_selection(
     play(workplace, run_id, EvaluationKey("imitator", "sticky", 2), 6, held_out=False)
     play(workplace, run_id, EvaluationKey("imitator", "greedy", 0), 5, held_out=True)
     with workplace.database.reading() as session:
-        found = evaluations.summaries(evaluations.listing(session, run_id))
+        found = evaluations.summaries(evaluations.listing(session, run_id), n_targets=4)
     # No sampled games, as in runs of earlier versions.
     assert list(found) == [("imitator", "greedy"), ("imitator", "sticky"), ("clone", "sticky")]
     sticky = found["imitator", "sticky"].targets
     assert sticky is not None
     assert (sticky.mean, sticky.n) == (3.0, 2)
+    perfect = found["imitator", "sticky"].perfect
+    assert perfect is not None
+    assert perfect.mean == 0.5
 
 
 def test_each_action_selection_is_a_game_of_its_own(workplace: Workplace) -> None:

@@ -33,6 +33,7 @@ function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
           ...(ordered
             ? [{ key: "order_errors" as const, name: "Hits out of order", write: oneDigit }]
             : []),
+          { key: "perfect", name: "Perfect games", write: wholePercent, high: 1 },
         ];
   return [
     ...target,
