@@ -24,6 +24,9 @@ export function SelectionBar({ tiers, selected, onPut, onSelectNone }: Selection
   return (
     <div role="group" aria-label="Selected recordings" className={styles.bar}>
       <span className={styles.count}>{count(selected.length, "recording")} selected</span>
+      <Button kind="quiet" className={styles.none} onClick={onSelectNone}>
+        Select none
+      </Button>
       <Button kind="primary" icon="down" onClick={() => onPut(gapPlace(tiers.length))}>
         Put below the worst
       </Button>
@@ -50,9 +53,6 @@ export function SelectionBar({ tiers, selected, onPut, onSelectNone }: Selection
           Take off the board
         </Button>
       )}
-      <Button kind="quiet" onClick={onSelectNone}>
-        Select none
-      </Button>
     </div>
   );
 }
