@@ -43,6 +43,7 @@ def listing(session: Session, behaviour_id: int) -> list[RecordingRow]:
 
 def borrow(session: Session, behaviour_id: int, recording_ids: Sequence[int]) -> None:
     """Borrow games; those that can't be borrowed, or are already, are passed over."""
+    rankings.lock(session, behaviour_id)
     possible = _borrowable(session, behaviour_id)
     for recording_id in recording_ids:
         if recording_id in possible:
