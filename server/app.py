@@ -86,7 +86,9 @@ def _api() -> APIRouter:
     for resource in (system, players, behaviours, recordings, rankings, games, runs, artifacts):
         api.include_router(resource.router, dependencies=[requests])
     api.include_router(imports.router, dependencies=[uploads])
-    api.include_router(replays.router, dependencies=[replaying])
+    api.include_router(rankings.borrowed_router, dependencies=[requests])
+    for router in (replays.router, rankings.playing_router):
+        api.include_router(router, dependencies=[replaying])
     for unlimited in (health, events, stream):
         api.include_router(unlimited.router)
     return api

@@ -41,6 +41,7 @@ class Services:
         jobs: The queue of trainings.
         inference: Client of the inference process.
         consoles: Pool of loaded consoles.
+        replays: The process that replays recordings and plays at random.
         replay_cache: Frames, thumbnails, memory and clips of recordings.
         limits: Limits of open games.
         games: The games that are played in this process.
@@ -62,6 +63,7 @@ class Services:
     jobs: Jobs
     inference: InferenceClient
     consoles: ConsolePool
+    replays: ReplayProcess
     replay_cache: ReplayCache
     limits: GameLimits
     games: PlayHub
@@ -109,6 +111,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         jobs=jobs,
         inference=InferenceClient(settings.inference_socket),
         consoles=consoles,
+        replays=replays,
         replay_cache=ReplayCache(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
         limits=limits,
         games=PlayHub(database, consoles, replays, name, rules, limits),

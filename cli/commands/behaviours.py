@@ -7,17 +7,20 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.table import Table
 
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
 from tril.behaviours import Cell
+from tril.demonstrator import play_randomly
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
-from tril.store import behaviours
+from tril.game.console import Console
+from tril.store import behaviours, borrowed, players, rankings
 
 app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)
 
@@ -83,6 +86,45 @@ def delete(behaviour: Annotated[str, typer.Argument(help="Short name.")]) -> Non
         row = find_behaviour(session, behaviour)
         behaviours.delete(session, row)
         console.print(f"Deleted {row.slug}.")
+
+
+@app.command()
+def borrow(
+    behaviour: Annotated[str, typer.Argument(help="Short name.")],
+    count: Annotated[int, typer.Option(min=1, max=60, help="How many games.")] = 24,
+    below_worst: Annotated[
+        bool, typer.Option("--below-worst", help="Rank them as one tier below the worst.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Add varied games to rank: up to half from other behaviours, the others random play."""
+    with open_workspace() as workspace:
+        with workspace.database.reading() as session:
+            row = find_behaviour(session, behaviour)
+        emulator = Console()
+        added = borrowed.add_varied_games(
+            workspace.database,
+            row.id,
+            count,
+            lambda seed: play_randomly(np.random.default_rng(seed), emulator),
+            np.random.default_rng(),
+        )
+        with workspace.database.writing() as session:
+            if below_worst:
+                newest = rankings.current(session, row.id)
+                tiers = [*newest.tiers, added]
+                player = players.owner(session)
+                rankings.save(session, row.id, newest.revision, tiers, player.id)
+            of_others = {one.id for one in borrowed.listing(session, row.id)}
+    n_borrowed = len(of_others.intersection(added))
+    if as_json:
+        print_json({"recordings": added, "borrowed": n_borrowed})
+        return
+    place = "ranked below the worst" if below_worst else "unranked"
+    console.print(
+        f"Varied games added to {row.slug}, {place}: {n_borrowed} borrowed,"
+        f" {len(added) - n_borrowed} of random play."
+    )
 
 
 @app.command("export")

@@ -1,7 +1,8 @@
-"""The ranking of a behaviour's recordings and its revisions."""
+"""The ranking of a behaviour's recordings, its revisions, and the games borrowed for it."""
 
 from __future__ import annotations
 
+import numpy as np
 from fastapi import APIRouter, Request
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
@@ -13,13 +14,25 @@ from server.api.schemas.rankings import (
     RankingRevision,
     RankingStep,
     RankingUpdate,
+    VariedGamesWish,
 )
-from server.dependencies import BehaviourId, ReadSession, WriteSession, services_of
-from server.web.problems import NOT_FOUND
-from tril.store import behaviours, players, rankings
+from server.api.schemas.recordings import Recording
+from server.api.views.recordings import RecordingViews
+from server.dependencies import (
+    BehaviourId,
+    ReadSession,
+    RecordingId,
+    WriteSession,
+    services_of,
+)
+from server.web.problems import CONFLICT, NOT_FOUND
+from tril.store import behaviours, borrowed, players, rankings, recordings
 from tril.store.models import RankingRow
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking", tags=["ranking"])
+borrowed_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
+playing_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
+"""Of what takes seconds, because games are played."""
 
 _CONFLICT: dict[int | str, dict[str, object]] = {
     409: {"model": RankingConflict, "description": "Somebody saved another ranking first."}
@@ -71,6 +84,40 @@ def list_ranking_revisions(
         RankingRevision.of(row, player=names.get(row.player_id or 0))
         for row in rankings.revisions(session, behaviour_id)
     ]
+
+
+@borrowed_router.get("", responses=NOT_FOUND)
+def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list[Recording]:
+    """Return the games that a behaviour has borrowed, newest first."""
+    behaviours.get(session, behaviour_id)
+    return RecordingViews(session, behaviour_id).all(borrowed.listing(session, behaviour_id))
+
+
+@playing_router.post("", status_code=201, responses=NOT_FOUND)
+def add_varied_games(
+    request: Request, behaviour_id: BehaviourId, wish: VariedGamesWish
+) -> list[Recording]:
+    """Add games of other behaviours and random play, unranked, and return them."""
+    services = services_of(request)
+    ids = borrowed.add_varied_games(
+        services.database,
+        behaviour_id,
+        wish.count,
+        lambda seed: services.replays.play_randomly(seed).result(),
+        np.random.default_rng(),
+    )
+    with services.database.reading() as session:
+        rows = recordings.by_ids(session, ids)
+        return RecordingViews(session, behaviour_id).all(rows[key] for key in ids)
+
+
+@borrowed_router.delete("/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
+def give_game_back(
+    session: WriteSession, behaviour_id: BehaviourId, recording_id: RecordingId
+) -> None:
+    """Give a borrowed game back; a ranked one has to be taken off the board first."""
+    behaviours.get(session, behaviour_id)
+    borrowed.give_back(session, behaviour_id, recording_id)
 
 
 async def on_conflict(request: Request, error: Exception) -> Response:

@@ -46,6 +46,19 @@ def test_recordings_are_imported_in_order_and_exported_again(three: Path, tmp_pa
 
 
 @pytest.mark.usefixtures("data_folder")
+def test_varied_games_are_borrowed_and_ranked_below_the_worst(three: Path) -> None:
+    _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
+    added = json.loads(_run("behaviours", "borrow", "column-2", "--count", "4", "--json"))
+    assert (len(added["recordings"]), added["borrowed"]) == (4, 2)
+    output = _run("behaviours", "borrow", "column-1", "--count", "2", "--below-worst")
+    assert "added to column-1, ranked below the worst: 1 borrowed, 1 of random play" in output
+    listed = json.loads(_run("behaviours", "list", "--json"))
+    ranked = {one["slug"]: (one["recordings"], one["ranked"]) for one in listed}
+    assert (ranked["column-1"], ranked["column-2"]) == ((4, 5), (2, 0))
+    assert "random" in _run("recordings", "list", "-b", "column-1")
+
+
+@pytest.mark.usefixtures("data_folder")
 def test_a_training_without_a_ranking_is_refused() -> None:
     output = _run("train", "column-3", status=1)
     assert "at least two tiers" in output

@@ -22,10 +22,10 @@ from tril.files.artifact_store import ArtifactStore, write_whole
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database
-from tril.store.models import RecordingRow, Source
+from tril.store.models import RecordingRow
 from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.alarms import alarm_of
-from tril.store.training.returns import judged_games
+from tril.store.training.returns import PLAYERS, judged_games
 
 CURVES = {
     "predicted_return": "predicted return",
@@ -106,8 +106,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
 def _aliens(duels: list[Duel], best: RecordingRow | None) -> bytes:
     columns = [("imitator", "Imitator"), ("clone", "Clone")]
     if best is not None:
-        player = "demonstrator" if best.source == Source.SCRIPTED else "person"
-        columns.append((player, "Best demonstration"))
+        columns.append((PLAYERS[best.source], "Best demonstration"))
     shown = () if best is None else (cells(best),)
     rows = [AliensRow(f"start {one.start}", one.behaviour, (*one.hits, *shown)) for one in duels]
     return aliens_figure(rows, columns)

@@ -1,4 +1,4 @@
-"""The scripted player that makes example demonstrations, which are always labelled as such."""
+"""The scripted player that makes example demonstrations, and random play; always labelled so."""
 
 from tril.demonstrator.error_model import HUMAN, PERFECT, ErrorModel
 from tril.demonstrator.example import (
@@ -22,6 +22,7 @@ from tril.demonstrator.plans import (
     plan_violation,
     rule_violation,
 )
+from tril.demonstrator.random_play import play_randomly
 
 __all__ = [
     "EXPERT_STYLE",
@@ -48,6 +49,7 @@ __all__ = [
     "make_example",
     "match_plans",
     "plan_violation",
+    "play_randomly",
     "rank_example",
     "rule_violation",
 ]

@@ -25,7 +25,7 @@ from tril.exchange.recording_transfer import dump_row
 from tril.game.console import Console
 from tril.game.space_invaders import GAME
 from tril.recording import RecordingRefused
-from tril.store import behaviours, players, rankings, recordings
+from tril.store import behaviours, borrowed, players, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import (
     BehaviourRow,
@@ -60,17 +60,16 @@ class BehaviourImportResult:
 def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[str, Any], list[str]]:
     """Return a behaviour file, ready for json.dumps, and notices about what it leaves out.
 
-    Deleted recordings are included if a revision of the ranking names them. Recordings that are not
-    verified are left out, also of the revisions, since they could not be imported.
+    Deleted recordings and games borrowed from other behaviours are included if a revision of the
+    ranking names them. Recordings that are not verified are left out, also of the revisions, since
+    they could not be imported.
     """
     revisions = rankings.history(session, behaviour.id)
-    named = {key for row in revisions for tier in row.tiers for key in tier}
-    rows = [
-        row
-        for row in recordings.listing(session, behaviour.id, with_deleted=True)
-        if row.deleted_at is None or row.id in named
-    ]
-    rows.sort(key=lambda row: row.id)
+    named = recordings.by_ids(
+        session, (key for row in revisions for tier in row.tiers for key in tier)
+    )
+    library = {row.id: row for row in recordings.listing(session, behaviour.id)}
+    rows = sorted((named | library).values(), key=lambda row: row.id)
     sound = [row for row in rows if row.verification == Verification.VERIFIED]
     notices = [
         f"Recording {row.id} was left out because it is not verified."
@@ -78,6 +77,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         if row.verification != Verification.VERIFIED
     ]
     known = {row.id for row in sound}
+    borrowed_now = {row.id for row in borrowed.listing(session, behaviour.id)}
     names = players.names(session)
     about = behaviours.as_behaviour(behaviour)
     return {
@@ -89,7 +89,12 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         "description": about.description,
         "target": None if about.target is None else [list(cell) for cell in about.target],
         "ordered": about.ordered,
-        "recordings": [_numbered(row, known, names) for row in sound],
+        "recordings": [
+            _numbered(row, known, names)
+            if row.behaviour_id == behaviour.id
+            else _numbered_borrowed(session, row, names, row.id in borrowed_now)
+            for row in sound
+        ],
         "rankings": [_revision(row, known, names) for row in revisions],
     }, notices
 
@@ -143,6 +148,22 @@ def _numbered(row: RecordingRow, known: set[int], names: dict[int, str]) -> dict
         "deleted": row.deleted_at is not None,
         "parent": parent,
     }
+
+
+def _numbered_borrowed(
+    session: Session, row: RecordingRow, names: dict[int, str], is_borrowed: bool
+) -> dict[str, Any]:
+    """Return a game of another behaviour, which becomes the imported behaviour's own.
+
+    What is said of it as an example of its own behaviour doesn't hold there: that it is perfect,
+    its notes, and the conditions by which the demonstrator knows it again.
+    """
+    origin = session.get_one(BehaviourRow, row.behaviour_id).name
+    numbered = _numbered(row, set(), names)
+    numbered["recording"] |= {"perfect": False, "notes": f"Borrowed from {origin}."}
+    numbered["recording"].pop("conditions", None)
+    numbered["deleted"] = not is_borrowed
+    return numbered
 
 
 def _revision(row: RankingRow, known: set[int], names: dict[int, str]) -> dict[str, Any]:

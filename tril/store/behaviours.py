@@ -7,6 +7,7 @@ import unicodedata
 from collections import defaultdict
 from dataclasses import dataclass, replace
 
+from sqlalchemy import delete as sql_delete
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
@@ -16,6 +17,7 @@ from tril.store.changes import note_change
 from tril.store.models import (
     NOT_OVER,
     BehaviourRow,
+    BorrowedGameRow,
     RankingRow,
     RecordingRow,
     RecordingState,
@@ -34,8 +36,8 @@ class Counts:
 
     Attributes:
         n_recordings: Recordings in the library.
-        n_ranked: Of these, in the ranking.
-        n_perfect: Of these, marked as perfect.
+        n_ranked: Recordings in the ranking, borrowed ones included.
+        n_perfect: Recordings in the library that are marked as perfect.
         n_runs: Trainings.
         has_example: Whether scripted demonstrations are in the library.
     """
@@ -181,6 +183,8 @@ def update(
 def delete(session: Session, row: BehaviourRow) -> None:
     """Take a behaviour out of the lists; its recordings and trainings stay stored.
 
+    It gives back what it has borrowed; what others have borrowed of it, they keep.
+
     Raises:
         Conflict: It is built-in, or a training of it is under way.
     """
@@ -190,6 +194,7 @@ def delete(session: Session, row: BehaviourRow) -> None:
     if session.scalar(under_way.limit(1)) is not None:
         raise Conflict(f"A training of {row.name} is under way; cancel it first.")
     row.deleted_at = now()
+    session.execute(sql_delete(BorrowedGameRow).where(BorrowedGameRow.behaviour_id == row.id))
     note_change(session, "behaviour", row.id)
 
 

@@ -98,11 +98,12 @@ class Role(StrEnum):
 
 
 class Source(StrEnum):
-    """Who played a recording."""
+    """Who played a recording; RANDOM: nobody, its actions were drawn at random."""
 
     PERSON = "person"
     SCRIPTED = "scripted"
     POLICY = "policy"
+    RANDOM = "random"
 
 
 class RecordingState(StrEnum):
@@ -251,6 +252,18 @@ class RankingRow(Base):
     undo_to: Mapped[int | None] = mapped_column(Integer)
     redo_to: Mapped[int | None] = mapped_column(Integer)
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class BorrowedGameRow(Base):
+    """A recording of another behaviour that a behaviour's ranking may hold."""
+
+    __tablename__ = "borrowed_games"
+
+    behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), primary_key=True)
+    recording_id: Mapped[int] = mapped_column(
+        ForeignKey("recordings.id"), primary_key=True, index=True
+    )
+    added_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
 
 
 class RunRow(Base):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from sqlalchemy import select
+from sqlalchemy import Select, or_, select, union
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid
@@ -17,6 +17,7 @@ from tril.ranking import Ranking, normalise
 from tril.store.changes import note_change
 from tril.store.models import (
     BehaviourRow,
+    BorrowedGameRow,
     RankingRow,
     RecordingRow,
     RecordingState,
@@ -24,6 +25,14 @@ from tril.store.models import (
 )
 
 Tiers = Sequence[Sequence[int]]
+
+RANKABLE = (
+    RecordingRow.run_id.is_(None),
+    RecordingRow.state == RecordingState.KEPT,
+    RecordingRow.verification == Verification.VERIFIED,
+    RecordingRow.deleted_at.is_(None),
+)
+"""What holds of every recording that can be ranked, of its own behaviour or borrowed."""
 
 
 class RankingConflict(Conflict):
@@ -115,10 +124,10 @@ def save(
 
     Raises:
         RankingConflict: ``base_revision`` is not the newest any more.
-        Invalid: A recording is named twice, is deleted, of another behaviour, not kept or not
-            verified; all such recordings are named.
+        Invalid: A recording is named twice, is deleted, neither the behaviour's own nor borrowed,
+            not kept or not verified; all such recordings are named.
     """
-    newest = _lock(session, behaviour_id, base_revision, tiers)
+    newest = lock(session, behaviour_id, base_revision, tiers)
     ranking = normalise(tiers)
     refuse_unrankable(session, behaviour_id, ranking)
     if ranking == as_ranking(newest):
@@ -135,7 +144,7 @@ def undo(
         RankingConflict: ``base_revision`` is not the newest any more.
         Invalid: There is nothing to undo.
     """
-    newest = _lock(session, behaviour_id, base_revision, None)
+    newest = lock(session, behaviour_id, base_revision)
     earlier = _revision(session, newest, newest.undo_to, "undo")
     links = {"undo_to": earlier.undo_to, "redo_to": newest.revision}
     return _add(session, newest, _still_rankable(session, earlier), player_id, "undo", **links)
@@ -150,25 +159,28 @@ def redo(
         RankingConflict: ``base_revision`` is not the newest any more.
         Invalid: There is nothing to redo.
     """
-    newest = _lock(session, behaviour_id, base_revision, None)
+    newest = lock(session, behaviour_id, base_revision)
     undone = _revision(session, newest, newest.redo_to, "redo")
     links = {"undo_to": undone.undo_to, "redo_to": undone.redo_to}
     return _add(session, newest, _still_rankable(session, undone), player_id, "redo", **links)
 
 
 def take_out(
-    session: Session,
-    behaviour_id: int,
-    recording_ids: Collection[int],
-    player_id: int | None = None,
+    session: Session, recording_ids: Collection[int], player_id: int | None = None
 ) -> None:
-    """Save a revision without deleted recordings, if any of them is ranked.
+    """Save a revision without deleted recordings of each ranking that holds any of them.
 
     Undo and redo pass over it: a deletion is undone by restoring the recordings.
     """
-    newest = _lock(session, behaviour_id, None, None)
-    ranking = as_ranking(newest)
-    if not set(ranking.items).isdisjoint(recording_ids):
+    own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(recording_ids))
+    borrowing = select(BorrowedGameRow.behaviour_id).where(
+        BorrowedGameRow.recording_id.in_(recording_ids)
+    )
+    for behaviour_id in sorted(session.scalars(union(own, borrowing))):
+        newest = lock(session, behaviour_id)
+        ranking = as_ranking(newest)
+        if set(ranking.items).isdisjoint(recording_ids):
+            continue
         _add(
             session,
             newest,
@@ -180,10 +192,17 @@ def take_out(
         )
 
 
-def _lock(
-    session: Session, behaviour_id: int, base_revision: int | None, yours: Tiers | None
+def lock(
+    session: Session,
+    behaviour_id: int,
+    base_revision: int | None = None,
+    yours: Tiers | None = None,
 ) -> RankingRow:
-    """Lock the ranking until the transaction ends; return its newest revision."""
+    """Lock the ranking until the transaction ends; return its newest revision.
+
+    Raises:
+        RankingConflict: ``base_revision`` is given and not the newest any more.
+    """
     session.execute(
         select(BehaviourRow.id).where(BehaviourRow.id == behaviour_id).with_for_update()
     )
@@ -235,17 +254,15 @@ def _add(
 
 
 def _rankable(session: Session, behaviour_id: int) -> set[int]:
-    return set(
-        session.scalars(
-            select(RecordingRow.id).where(
-                RecordingRow.behaviour_id == behaviour_id,
-                RecordingRow.run_id.is_(None),
-                RecordingRow.state == RecordingState.KEPT,
-                RecordingRow.verification == Verification.VERIFIED,
-                RecordingRow.deleted_at.is_(None),
-            )
-        )
-    )
+    is_own = RecordingRow.behaviour_id == behaviour_id
+    is_borrowed = RecordingRow.id.in_(borrowed_ids(behaviour_id))
+    query = select(RecordingRow.id).where(or_(is_own, is_borrowed), *RANKABLE)
+    return set(session.scalars(query))
+
+
+def borrowed_ids(behaviour_id: int) -> Select[int]:
+    """Return the query of the recordings that a behaviour has borrowed, deleted ones too."""
+    return select(BorrowedGameRow.recording_id).where(BorrowedGameRow.behaviour_id == behaviour_id)
 
 
 def _still_rankable(session: Session, row: RankingRow) -> Ranking:
@@ -260,19 +277,19 @@ def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> 
         return
     query = select(RecordingRow).where(RecordingRow.id.in_(wrong))
     rows = {row.id: row for row in session.scalars(query)}
-    reasons = (f"recording {key} {_why_not(behaviour_id, rows.get(key))}" for key in wrong)
+    reasons = (f"recording {key} {_why_not(rows.get(key))}" for key in wrong)
     raise Invalid(f"This order can't be used: {', '.join(reasons)}. Take it out of the ranking.")
 
 
-def _why_not(behaviour_id: int, row: RecordingRow | None) -> str:
+def _why_not(row: RecordingRow | None) -> str:
     if row is None:
         return "does not exist"
-    if row.behaviour_id != behaviour_id:
-        return "is of another behaviour"
     if row.deleted_at is not None:
         return "has been deleted"
     if row.run_id is not None:
         return "belongs to a training"
     if row.state != RecordingState.KEPT:
         return "is not kept in the library"
-    return "is not verified"
+    if row.verification != Verification.VERIFIED:
+        return "is not verified"
+    return "is of another behaviour and not borrowed"

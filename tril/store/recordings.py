@@ -202,9 +202,7 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
         row.deleted_at = now()
         note_change(session, "recording", row.id)
     session.flush()
-    for behaviour_id in sorted({row.behaviour_id for row in gone}):
-        ids = [row.id for row in gone if row.behaviour_id == behaviour_id]
-        rankings.take_out(session, behaviour_id, ids, player_id)
+    rankings.take_out(session, [row.id for row in gone], player_id)
 
 
 def restore(session: Session, row: RecordingRow) -> None:

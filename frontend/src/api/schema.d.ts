@@ -76,6 +76,50 @@ export interface paths {
         patch: operations["update_behaviour"];
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/borrowed": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Borrowed Games
+         * @description Return the games that a behaviour has borrowed, newest first.
+         */
+        get: operations["list_borrowed_games"];
+        put?: never;
+        /**
+         * Add Varied Games
+         * @description Add games of other behaviours and random play, unranked, and return them.
+         */
+        post: operations["add_varied_games"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/borrowed/{recording_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Give Game Back
+         * @description Give a borrowed game back; a ranked one has to be taken off the board first.
+         */
+        delete: operations["give_game_back"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/checklist": {
         parameters: {
             query?: never;
@@ -1170,7 +1214,7 @@ export interface components {
              * Player
              * @enum {string}
              */
-            player: "person" | "demonstrator" | "imitator" | "clone";
+            player: "person" | "demonstrator" | "random" | "imitator" | "clone";
             /** Tau */
             tau: number | null;
         };
@@ -1335,7 +1379,9 @@ export interface components {
         };
         /**
          * Ranking
-         * @description ``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first.
+         * @description ``tiers`` best first; ``unranked``: own or borrowed recordings in no tier, newest first.
+         *
+         *     Recordings that are not kept or not verified can't be ranked.
          */
         Ranking: {
             /** Behaviour Id */
@@ -1465,10 +1511,18 @@ export interface components {
          *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
          *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
          *     if unknown. ``parent`` is the recording that this one continues.
+         *
+         *     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, that the
+         *     behaviour in question has borrowed for its ranking: ``targets``, ``strays``, ``order_errors``
+         *     and ``ranked`` are by the borrower's target and ranking, and it is never ``perfect`` there.
          */
         Recording: {
             /** Behaviour Id */
             behaviour_id: number;
+            /** Behaviour Name */
+            behaviour_name: string;
+            /** Borrowed */
+            borrowed: boolean;
             /**
              * Created At
              * Format: date-time
@@ -1766,10 +1820,10 @@ export interface components {
         RunStatus: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
         /**
          * Source
-         * @description Who played a recording.
+         * @description Who played a recording; RANDOM: nobody, its actions were drawn at random.
          * @enum {string}
          */
-        Source: "person" | "scripted" | "policy";
+        Source: "person" | "scripted" | "policy" | "random";
         /**
          * Stage
          * @description A stage of a run, in the order in which a run goes through them.
@@ -1806,6 +1860,17 @@ export interface components {
             storage: components["schemas"]["Storage"];
             /** Version */
             version: string;
+        };
+        /**
+         * VariedGamesWish
+         * @description How many varied games are to be added; at most half of them are borrowed.
+         */
+        VariedGamesWish: {
+            /**
+             * Count
+             * @default 24
+             */
+            count: number;
         };
         /**
          * Verification
@@ -2268,6 +2333,273 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Behaviour"];
                 };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_borrowed_games: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Recording"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_varied_games: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VariedGamesWish"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Recording"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    give_game_back: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+                recording_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description The request can't be read. */
             400: {

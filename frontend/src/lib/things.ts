@@ -1,6 +1,6 @@
 /** Who or what plays, each with a fixed colour and mark on every page. */
 
-export const THINGS = ["imitator", "clone", "person", "demonstrator"] as const;
+export const THINGS = ["imitator", "clone", "person", "demonstrator", "random"] as const;
 export type Thing = (typeof THINGS)[number];
 
 export const THING_NAMES: Readonly<Record<Thing, string>> = {
@@ -8,6 +8,7 @@ export const THING_NAMES: Readonly<Record<Thing, string>> = {
   clone: "Clone",
   person: "Person",
   demonstrator: "Demonstrator",
+  random: "Random play",
 };
 
 /** SVG paths of the marks, in a 10x10 box. */
@@ -16,6 +17,7 @@ export const THING_SHAPES: Readonly<Record<Thing, string>> = {
   clone: "M5 .4 9.6 5 5 9.6.4 5z",
   person: "M5 .8 9.4 9H.6z",
   demonstrator: "M1.4 1.4h7.2v7.2H1.4z",
+  random: "M3.5.8h3v2.7h2.7v3H6.5v2.7h-3V6.5H.8v-3h2.7z",
 };
 
 /** Returns the CSS variable of a thing's colour. */
@@ -23,8 +25,16 @@ export function thingColour(thing: Thing): string {
   return `var(--${thing})`;
 }
 
+type Source = "person" | "scripted" | "policy" | "random";
+
+const PLAYED_BY: Readonly<Record<Source, Thing>> = {
+  person: "person",
+  scripted: "demonstrator",
+  policy: "imitator",
+  random: "random",
+};
+
 /** Returns who played a recording, by its source; a policy is shown as the imitator. */
-export function playedBy(source: "person" | "scripted" | "policy"): Thing {
-  if (source === "person") return "person";
-  return source === "scripted" ? "demonstrator" : "imitator";
+export function playedBy(source: Source): Thing {
+  return PLAYED_BY[source];
 }

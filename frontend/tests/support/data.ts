@@ -36,6 +36,8 @@ export function recording(change: Partial<Recording> = {}): Recording {
   return {
     id,
     behaviour_id: 1,
+    behaviour_name: "Column 1",
+    borrowed: false,
     run_id: null,
     source: "person",
     player: "Ada",

@@ -15,7 +15,10 @@ Tiers = Annotated[
 
 
 class Ranking(Schema):
-    """``tiers`` best first; ``unranked``: kept, verified recordings in no tier, newest first."""
+    """``tiers`` best first; ``unranked``: own or borrowed recordings in no tier, newest first.
+
+    Recordings that are not kept or not verified can't be ranked.
+    """
 
     behaviour_id: int
     revision: int
@@ -37,6 +40,12 @@ class RankingStep(Schema):
     """Undo or redo from this revision."""
 
     base_revision: int = Field(strict=True, ge=0, le=2**31 - 1)
+
+
+class VariedGamesWish(Schema):
+    """How many varied games are to be added; at most half of them are borrowed."""
+
+    count: int = Field(default=24, strict=True, ge=1, le=60)
 
 
 class RankingConflict(Schema):

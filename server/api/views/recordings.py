@@ -29,10 +29,13 @@ class RecordingViews:
 
     Args:
         session: The transaction.
+        behaviour_id: The behaviour that they are shown for, which has borrowed those of others;
+            None shows each for its own.
     """
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, behaviour_id: int | None = None) -> None:
         self._session = session
+        self._behaviour_id = behaviour_id
         self._names = players.names(session)
         self._behaviours: dict[int, Behaviour] = {}
         self._ranked: dict[int, frozenset[int]] = {}
@@ -43,9 +46,11 @@ class RecordingViews:
 
     def one(self, row: RecordingRow) -> Recording:
         """Show a recording."""
-        behaviour = self._behaviour(row.behaviour_id)
+        shown_for = self._behaviour_id or row.behaviour_id
+        borrowed = shown_for != row.behaviour_id
         hits = hits_of(row)
         cells = tuple((hit.row, hit.column) for hit in hits)
+        behaviour = self._behaviour(shown_for)
         found = score(behaviour, cells)
         recording = as_recording(row)
         version = version_of(recording)
@@ -53,6 +58,9 @@ class RecordingViews:
         played = row.n_frames
         return Recording.of(
             row,
+            behaviour_name=self._behaviour(row.behaviour_id).name,
+            borrowed=borrowed,
+            perfect=row.perfect and not borrowed,
             player=self._names.get(row.player_id or 0),
             evaluation_start=evaluation_number(recording.start),
             n_steps=recording.n_steps,
@@ -68,7 +76,7 @@ class RecordingViews:
             slowest_percent=None if conditions is None else conditions.slowest_percent(played),
             single_steps=None if conditions is None else len(conditions.single_steps),
             parent=parent_of(row),
-            ranked=row.id in self._ranked_of(row.behaviour_id),
+            ranked=row.id in self._ranked_of(shown_for),
             thumbnail_url=f"/api/recordings/{row.id}/thumbnail.png?v={version}",
             frames_url=f"/api/recordings/{row.id}/frames?v={version}",
             deleted=row.deleted_at is not None,

@@ -40,7 +40,7 @@ def artifact_view(row: ArtifactRow) -> Artifact:
 
 def run_results(session: Session, run: RunRow) -> RunResults:
     """Show the results of a training so far."""
-    views = RecordingViews(session)
+    views = RecordingViews(session, run.behaviour_id)
     games = evaluations.listing(session, run.id)
     files = artifacts.listing(session, run.id)
     tiers = run.snapshot.tiers if run.snapshot else []

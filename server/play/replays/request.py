@@ -6,9 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from server.play.replays.products import frames_file, memory_file, thumbnail_png
+from tril.demonstrator import play_randomly
 from tril.game.console import Console
-from tril.recording import Recording, verify
+from tril.recording import Recording, Verified, verify
 
 
 class ReplayTask(StrEnum):
@@ -36,16 +39,27 @@ class Request:
 
 
 @dataclass(frozen=True)
+class RandomPlayRequest:
+    """A request for a game of random play.
+
+    Attributes:
+        seed: Seed of its start and actions.
+    """
+
+    seed: int
+
+
+@dataclass(frozen=True)
 class Answer:
     """The answer to a request.
 
     Attributes:
-        content: The product; empty for a check.
+        content: The product, empty for a check; or the game that was played.
         refusal: Why the recording does not replay; None if it does.
         failure: A traceback, if something else went wrong.
     """
 
-    content: bytes = b""
+    content: bytes | Verified = b""
     refusal: str | None = None
     failure: str | None = None
 
@@ -57,12 +71,14 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
 }
 
 
-def execute(request: Request, console: Console) -> bytes:
-    """Replay a recording and return the product; nothing for a passed check.
+def execute(request: Request | RandomPlayRequest, console: Console) -> bytes | Verified:
+    """Replay a recording and return the product, nothing for a passed check; or play a game.
 
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
+    if isinstance(request, RandomPlayRequest):
+        return play_randomly(np.random.default_rng(request.seed), console)
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.hits, console)
         return b""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import cast
 
+import numpy as np
 import psutil
 import pytest
 
@@ -15,6 +16,7 @@ from server.play.replays import ReplayProcess, ReplayTask, process
 from server.play.replays.products import frames_file
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
+from tril.demonstrator import play_randomly
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused
 from tril.store import recordings
@@ -67,6 +69,14 @@ def test_frames_are_those_of_a_replay_in_this_process(
     recording, _ = played
     made = replays.submit(ReplayTask.FRAMES, recording).result(PATIENCE_S)
     assert made == frames_file(recording)
+
+
+def test_a_game_is_played_at_random_from_its_seed(replays: ReplayProcess) -> None:
+    first, again, other = (
+        replays.play_randomly(seed).result(PATIENCE_S) for seed in (7, 7, 2**63 - 1)
+    )
+    assert first == again == play_randomly(np.random.default_rng(7))
+    assert other.recording != first.recording
 
 
 def test_it_runs_behind_those_who_play_and_comes_back_when_it_was_killed(

@@ -14,8 +14,10 @@ from jsonschema import Draft202012Validator
 from testsupport.workplace import Workplace, make_workplace
 from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
 from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_schema
-from tril.store import behaviours, players, rankings, recordings
-from tril.store.models import RecordingRow, Verification
+from tril.exchange.recording_transfer import export_recordings
+from tril.recording import verify
+from tril.store import behaviours, borrowed, players, rankings, recordings
+from tril.store.models import RecordingRow, Source, Verification
 
 SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "behaviour-format.schema.json"
 File = dict[str, Any]
@@ -84,6 +86,53 @@ def test_an_imported_behaviour_exports_to_the_same_file(
     with other.database.reading() as session:
         assert {"Player", "Ada", "Grace"} <= set(players.names(session).values())
         assert len(recordings.listing(session, other.behaviour_id)) == 4
+
+
+def test_borrowed_games_travel_as_the_behaviours_own_and_as_no_examples_of_it(
+    origin: Workplace, other: Workplace
+) -> None:
+    best, second, _, fourth = origin.ranked
+    with origin.database.writing() as session:
+        recordings.get(session, best).conditions = {"demonstration": 0, "tier": 1}
+        column_2 = behaviours.by_slug(session, "column-2").id
+        borrowed.borrow(session, column_2, [best, second, fourth])
+        rankings.save(session, column_2, 0, [[best], [second]])
+        rankings.save(session, column_2, 1, [[best]])
+        borrowed.give_back(session, column_2, second)
+    file = exported(origin, "column-2")
+    assert [one["number"] for one in file["recordings"]] == [best, second], "only ranked ones"
+    assert [one["deleted"] for one in file["recordings"]] == [False, True]
+    assert [revision["tiers"] for revision in file["rankings"]] == [[[best], [second]], [[best]]]
+    assert {one["recording"]["notes"] for one in file["recordings"]} == {"Borrowed from Column 1."}
+    slug = import_behaviour(other.database, json.dumps(file).encode(), "Again").slug
+    with other.database.reading() as session:
+        behaviour = behaviours.by_slug(session, slug)
+        (row,) = recordings.listing(session, behaviour.id)
+        assert rankings.current(session, behaviour.id).tiers == [[row.id]]
+        assert (row.perfect, row.conditions) == (False, {})
+        assert borrowed.listing(session, behaviour.id) == []
+    assert renumbered(exported(other, slug)) == renumbered(file) | {
+        "slug": "again",
+        "name": "Again",
+    }
+
+
+def test_exported_recordings_keep_their_tiers_beside_borrowed_ones(origin: Workplace) -> None:
+    best, second, _, fourth = origin.ranked
+    with origin.database.writing() as session:
+        column_2 = behaviours.by_slug(session, "column-2").id
+        row = recordings.get(session, fourth)
+        own = recordings.add(
+            session,
+            column_2,
+            recordings.as_recording(row),
+            verify(recordings.as_recording(row)).replay,
+            Source.RANDOM,
+        ).id
+        borrowed.borrow(session, column_2, [best, second])
+        rankings.save(session, column_2, 0, [[best], [own], [second]])
+        (line,) = export_recordings(session, column_2)
+    assert (line["tier"], line["source"]) == (2, "random")
 
 
 def test_the_undo_history_is_preserved(origin: Workplace, other: Workplace) -> None:

@@ -333,7 +333,11 @@ def test_unknown_members_are_left_out_with_a_notice(
         ("tier", -1, "tier: "),
         ("tier", "first", "tier: "),
         ("perfect", "yes", "perfect: "),
-        ("source", "robot", "source: expected 'person', 'scripted' or 'policy', got 'robot'"),
+        (
+            "source",
+            "robot",
+            "source: expected 'person', 'scripted', 'policy' or 'random', got 'robot'",
+        ),
         ("ram_hashes", ["0" * 16], "Expected 7 RAM hashes"),
         ("ram_hashes", ["md5"], "ram_hashes.0"),
         ("conditions", [], "conditions: "),

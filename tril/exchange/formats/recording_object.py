@@ -17,8 +17,8 @@ MAX_NOTES_LENGTH = 4000
 MAX_DEPTH = 16
 """Maximum nesting of conditions and parent."""
 
-Source = Literal["person", "scripted", "policy"]
-"""Who played a recording."""
+Source = Literal["person", "scripted", "policy", "random"]
+"""Who played a recording; random: nobody, its actions were drawn at random."""
 
 CellArray = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]
 # Base64 of one or more bytes from 0 to 5; tested against the decoder.

@@ -13,11 +13,13 @@ from tril.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import EvaluationRow, RunRow, Source
 
-_PLAYERS: dict[str, PlayerKind] = {
+PLAYERS: dict[str, PlayerKind] = {
     Source.PERSON: "person",
     Source.SCRIPTED: "demonstrator",
     Source.POLICY: "imitator",
+    Source.RANDOM: "random",
 }
+"""Who is said to have played the recordings of each source."""
 
 
 def judged_games(
@@ -44,7 +46,7 @@ def judged_games(
         assert worth is not None
         quantity = true_quantity(worth.targets, worth.strays)
         game = JudgedGame(quantity, returns[number], number)
-        found[_PLAYERS[row.source], True].append(game)
+        found[PLAYERS[row.source], True].append(game)
     for played in games:
         if played.predicted_return is None or played.targets is None or played.strays is None:
             continue

@@ -6,10 +6,11 @@ import { playedBy } from "@/lib/things";
 /** Who played a recording. */
 export function SourceBadge({ recording }: { recording: Recording }) {
   const { source, player } = recording;
+  const name = source === "random" ? "random play" : source;
   return (
     <Badge>
       <ThingMark thing={playedBy(source)}>
-        {source === "person" && player ? player : source}
+        {source === "person" && player ? player : name}
       </ThingMark>
     </Badge>
   );

@@ -4,7 +4,7 @@ import { recordingsQuery } from "@/api/recordings";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
-import { rankingQuery } from "@/features/ranking/order/rankings";
+import { borrowedQuery, rankingQuery } from "@/features/ranking/order/rankings";
 
 import { RankingDesk } from "./RankingDesk";
 
@@ -12,8 +12,9 @@ import { RankingDesk } from "./RankingDesk";
 export function RankPage({ behaviour }: { behaviour: Behaviour }) {
   const ranking = useQuery(rankingQuery(behaviour.id));
   const recordings = useQuery(recordingsQuery(behaviour.id));
-  const error = ranking.error ?? recordings.error;
-  if (error && !(ranking.data && recordings.data)) {
+  const borrowed = useQuery(borrowedQuery(behaviour.id));
+  const error = ranking.error ?? recordings.error ?? borrowed.error;
+  if (error && !(ranking.data && recordings.data && borrowed.data)) {
     return (
       <Failed
         what="The ranking"
@@ -21,11 +22,13 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
         onRetry={() => {
           void ranking.refetch();
           void recordings.refetch();
+          void borrowed.refetch();
         }}
       />
     );
   }
-  if (!ranking.data || !recordings.data) return <Loading what="the ranking" rows={4} />;
+  if (!ranking.data || !recordings.data || !borrowed.data)
+    return <Loading what="the ranking" rows={4} />;
   const { tiers, unranked } = ranking.data;
   if (tiers.length === 0 && unranked.length === 0) return <NothingToRank behaviour={behaviour} />;
   return (
@@ -33,7 +36,7 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
       key={behaviour.id}
       behaviour={behaviour}
       ranking={ranking.data}
-      recordings={recordings.data}
+      recordings={[...recordings.data, ...borrowed.data]}
     />
   );
 }

@@ -8,10 +8,12 @@ import { allPlaces, isGap, describePlace, readPlace } from "@/features/ranking/b
 import { CardBody, type Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
 import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
-import { place, tierOf, type Tiers } from "@/features/ranking/order/order";
+import { place, placeAll, tierOf, type Tiers } from "@/features/ranking/order/order";
 import type { SaverState } from "@/features/ranking/order/saver";
 import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
+import { classes } from "@/lib/classes";
+import { count } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import { ConflictDialog } from "./ConflictDialog";
@@ -20,7 +22,9 @@ import { Pairs } from "./Pairs";
 import { Preview } from "./Preview";
 import styles from "./RankingDesk.module.css";
 import { SaveBar } from "./SaveBar";
+import { SelectionBar } from "./SelectionBar";
 import { useMedia } from "./use-media";
+import { useGiveBack, VariedGames } from "./VariedGames";
 
 interface RankingDeskProps {
   behaviour: Behaviour;
@@ -33,11 +37,14 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [state, saver] = useRankingSaver(ranking);
   const [previewed, setPreviewed] = useState<number | null>(null);
   const [spoken, setSpoken] = useState("");
+  const [chosen, setChosen] = useState<ReadonlySet<number>>(new Set());
   const actions = useRecordingActions(behaviour.id);
+  const giveBack = useGiveBack(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
   const unranked = unrankedOf(state);
+  const selected = [...tiers.flat(), ...unranked].filter((id) => chosen.has(id));
   useUndoKeys(saver);
   const keepFocus = useKeptFocus(tiers);
 
@@ -51,6 +58,15 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
   }
 
+  function putSelected(to: string) {
+    const [first] = selected;
+    if (first === undefined) return;
+    keepFocus(first);
+    saver.change(placeAll(tiers, selected, readPlace(to)));
+    setSpoken(`Dropped ${count(selected.length, "recording")}: ${nameOfPlace(to)}.`);
+    setChosen(new Set());
+  }
+
   const desk = {
     tiers,
     recordings: byId,
@@ -59,7 +75,13 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     narrow,
     onPreview: setPreviewed,
     onMove: move,
+    selected: chosen,
+    onSelect: (id: number, on: boolean) =>
+      setChosen(
+        (before) => new Set(on ? [...before, id] : [...before].filter((one) => one !== id)),
+      ),
     onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
+    onGiveBack: giveBack,
   };
   return (
     <DragBoard
@@ -73,7 +95,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
         return recording && <CardBody recording={recording} behaviour={behaviour} />;
       }}
     >
-      <div className={styles.page}>
+      <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
         <section aria-label="Ranking">
           <SaveBar state={state} saver={saver} />
           <Pairs
@@ -101,9 +123,25 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             />
           )}
           <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
-          <Tray {...desk} unranked={unranked} />
+          <Tray {...desk} unranked={unranked}>
+            <VariedGames
+              behaviour={behaviour}
+              unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
+              onAdded={(ids) => {
+                setChosen(new Set(ids));
+                setSpoken(`${count(ids.length, "varied game")} added and selected.`);
+              }}
+              onSelect={(ids) => setChosen(new Set(ids))}
+            />
+          </Tray>
         </div>
       </div>
+      <SelectionBar
+        tiers={tiers}
+        selected={selected}
+        onPut={putSelected}
+        onSelectNone={() => setChosen(new Set())}
+      />
       <p role="status" className="visually-hidden">
         {spoken}
       </p>

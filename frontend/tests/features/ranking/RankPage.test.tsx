@@ -32,9 +32,29 @@ function rankingServer(begin: Partial<Ranking>) {
     history.push(standing);
     return standing;
   };
+  const varied = [
+    recording({ id: 11, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true }),
+    recording({ id: 12, source: "random", player: null }),
+    recording({ id: 13, source: "random", player: null }),
+  ];
+  const borrowed = () => all.filter((one) => one.borrowed);
   const asked = serve({
+    "GET /api/behaviours/1/borrowed": () => borrowed(),
+    "POST /api/behaviours/1/borrowed": () => {
+      all.push(...varied);
+      standing = { ...standing, unranked: [...standing.unranked, 11, 12, 13] };
+      return varied;
+    },
+    "DELETE /api/behaviours/1/borrowed/11": () => {
+      all.splice(
+        all.findIndex(({ id }) => id === 11),
+        1,
+      );
+      standing = { ...standing, unranked: standing.unranked.filter((id) => id !== 11) };
+      return undefined;
+    },
     "GET /api/behaviours/1/ranking": () => standing,
-    "GET /api/behaviours/1/recordings": () => all,
+    "GET /api/behaviours/1/recordings": () => all.filter((one) => !one.borrowed),
     "PUT /api/behaviours/1/ranking": ({ body }: Asked) => {
       const { base_revision: base, tiers } = body as { base_revision: number; tiers: number[][] };
       if (base === standing.revision) return put(tiers);
@@ -158,6 +178,91 @@ describe("ranking by keyboard", () => {
   });
 });
 
+describe("varied games", () => {
+  it("are added, marked, selected, and put below the worst in one revision", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3] });
+    await press("Add varied games");
+    expect(await screen.findByText("3 varied games added and selected.")).toBeInTheDocument();
+    const borrowed = within(screen.getByRole("article", { name: "Recording 11" }));
+    expect(borrowed.getByText("from Column 2")).toBeVisible();
+    expect(borrowed.queryByRole("button", { name: /perfect/ })).toBeNull();
+    const random = within(screen.getByRole("article", { name: "Recording 12" }));
+    expect(random.getByText("random play")).toBeVisible();
+    await press("Put below the worst");
+    expect(board()).toEqual([["1"], ["2"], ["11", "12", "13"]]);
+    expect(screen.getByText("Dropped 3 recordings: new tier, worst of all.")).toBeInTheDocument();
+    expect(screen.queryByRole("group", { name: "Selected recordings" })).toBeNull();
+    expect(screen.getByRole("button", { name: "Move Recording 11" })).toHaveFocus();
+    await waitFor(() =>
+      expect(server.now()).toMatchObject({ revision: 2, tiers: [[1], [2], [11, 12, 13]] }),
+    );
+    expect(server.asked.find(({ method }) => method === "POST")?.body).toEqual({ count: 24 });
+  });
+
+  it("can be selected again, and given back", async () => {
+    await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    await press("Add varied games");
+    await screen.findByText("3 recordings selected");
+    await press("Select none");
+    expect(screen.queryByText(/recordings selected/)).toBeNull();
+    await press("Select all varied (3)");
+    expect(screen.getByRole("checkbox", { name: "Select Recording 11" })).toBeChecked();
+    expect(screen.getByRole("checkbox", { name: "Select Recording 3" })).not.toBeChecked();
+    await press("Give back: Recording 11");
+    await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 11" })).toBeNull());
+    expect(screen.getByText("2 recordings selected")).toBeVisible();
+  });
+
+  it("say why they could not be added", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    serve({
+      "POST /api/behaviours/1/borrowed": () => new Refusal(503, { detail: "Too much to do." }),
+    });
+    await press("Add varied games");
+    expect(await screen.findByText("Too much to do.")).toBeVisible();
+    expect(screen.getByRole("button", { name: "Add varied games" })).toBeVisible();
+    expect(server.now().revision).toBe(1);
+  });
+});
+
+describe("several selected recordings", () => {
+  const select = (id: number) =>
+    userEvent.click(screen.getByRole("checkbox", { name: `Select Recording ${id}` }));
+
+  it("go into a tier that is chosen, and an undo brings all of them back", async () => {
+    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    await select(3);
+    await select(4);
+    await userEvent.selectOptions(
+      screen.getByRole("combobox", { name: "Tier to put them into" }),
+      "Tier 1, best",
+    );
+    await press("Put into tier 1");
+    expect(board()).toEqual([["1", "3", "4"], ["2"]]);
+    expect(
+      screen.getByText("Dropped 2 recordings: tier 1 of 2, with 1 recording."),
+    ).toBeInTheDocument();
+    await waitFor(() => expect(server.now().revision).toBe(2));
+    await press("Undo (Ctrl+Z)");
+    await waitFor(() => expect(board()).toEqual([["1"], ["2"]]));
+  });
+
+  it("are taken off the board by keyboard alone", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    screen.getByRole("checkbox", { name: "Select Recording 4" }).focus();
+    await userEvent.keyboard(" ");
+    expect(screen.queryByRole("button", { name: "Take off the board" })).toBeNull();
+    await userEvent.keyboard(" ");
+    screen.getByRole("checkbox", { name: "Select Recording 2" }).focus();
+    await userEvent.keyboard(" ");
+    screen.getByRole("button", { name: "Take off the board" }).focus();
+    await userEvent.keyboard("{Enter}");
+    expect(board()).toEqual([["1"], ["3"]]);
+    expect(screen.getByText("Dropped 1 recording: unranked.")).toBeInTheDocument();
+    await waitFor(() => expect(server.now().tiers).toEqual([[1], [3]]));
+  });
+});
+
 describe("two tabs", () => {
   it("see both orders and choose one", async () => {
     const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
@@ -196,6 +301,7 @@ describe("what training needs", () => {
     serve({
       "GET /api/behaviours/1/ranking": () => ranking(),
       "GET /api/behaviours/1/recordings": () => [],
+      "GET /api/behaviours/1/borrowed": () => [],
     });
     show(<RankPage behaviour={behaviour()} />);
     expect(await screen.findByRole("link", { name: "Play a game" })).toHaveAttribute(

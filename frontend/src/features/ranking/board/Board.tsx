@@ -28,7 +28,10 @@ interface BoardProps {
   narrow: boolean;
   onPreview: (id: number) => void;
   onMove: (id: number, move: Move) => void;
+  selected: ReadonlySet<number>;
+  onSelect: (id: number, selected: boolean) => void;
   onPerfect: (recording: Recording) => void;
+  onGiveBack: (recording: Recording) => void;
 }
 
 /** Applies a card's button to the order. */
@@ -119,8 +122,8 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
 }
 
 /** The unranked recordings. */
-export function Tray(props: BoardProps & { unranked: readonly number[] }) {
-  const { unranked } = props;
+export function Tray(props: BoardProps & { unranked: readonly number[]; children: ReactNode }) {
+  const { unranked, children } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
   return (
     <section
@@ -129,6 +132,7 @@ export function Tray(props: BoardProps & { unranked: readonly number[] }) {
       aria-label={`Unranked, ${count(unranked.length, "recording")}`}
     >
       <h3>Unranked ({unranked.length})</h3>
+      {children}
       {unranked.length === 0 ? (
         <p className={styles.trayEmpty}>All recordings are ranked.</p>
       ) : (
@@ -139,7 +143,8 @@ export function Tray(props: BoardProps & { unranked: readonly number[] }) {
 }
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
-  const { tiers, recordings, behaviour, previewed, narrow, onPreview, onMove, onPerfect } = props;
+  const { tiers, recordings, behaviour, previewed, narrow, selected } = props;
+  const { onPreview, onMove, onSelect, onPerfect, onGiveBack } = props;
   const recording = recordings.get(id);
   if (!recording) return null;
   return (
@@ -153,7 +158,10 @@ function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
         unfolded={previewed === id && narrow}
         possible={possibleMoves(tiers, id)}
         onMove={(move) => onMove(id, move)}
+        selected={selected.has(id)}
+        onSelect={(on) => onSelect(id, on)}
         onPerfect={() => onPerfect(recording)}
+        onGiveBack={() => onGiveBack(recording)}
         onPreview={() => onPreview(id)}
       />
     </div>

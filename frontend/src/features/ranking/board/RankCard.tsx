@@ -3,6 +3,7 @@ import type { ReactNode } from "react";
 import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
+import { Badge } from "@/components/feedback/Badge";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
@@ -26,7 +27,10 @@ interface RankCardProps {
   /** Moves that would change something. */
   possible: ReadonlySet<Move>;
   onMove: (move: Move) => void;
+  selected: boolean;
+  onSelect: (selected: boolean) => void;
   onPerfect: () => void;
+  onGiveBack: () => void;
   onPreview: () => void;
 }
 
@@ -34,7 +38,7 @@ const SCREEN = { width: 320, height: 210 } as const;
 
 /** A recording on the board: dragged, or moved by its buttons. */
 export function RankCard(props: RankCardProps) {
-  const { recording, behaviour, place, previewed, unfolded, onPreview } = props;
+  const { recording, behaviour, place, selected, previewed, unfolded, onSelect, onPreview } = props;
   const { setItem, setHandle, listeners, descriptionId, isDragging } = useDragItem(
     String(recording.id),
     place,
@@ -48,7 +52,12 @@ export function RankCard(props: RankCardProps) {
       ref={setItem}
       aria-label={name}
       data-recording={recording.id}
-      className={classes(styles.card, previewed && styles.previewed, isDragging && styles.lifted)}
+      className={classes(
+        styles.card,
+        previewed && styles.previewed,
+        selected && styles.selected,
+        isDragging && styles.lifted,
+      )}
       onClick={onPreview}
       {...hover}
       {...listeners}
@@ -64,7 +73,17 @@ export function RankCard(props: RankCardProps) {
       >
         <Icon name="grip" />
       </button>
-      <Facts recording={recording} behaviour={behaviour} />
+      <Facts recording={recording} behaviour={behaviour}>
+        <input
+          type="checkbox"
+          className={styles.select}
+          aria-label={`Select ${name}`}
+          checked={selected}
+          onChange={(event) => onSelect(event.currentTarget.checked)}
+          // Selecting is not a wish to see it.
+          onClick={(event) => event.stopPropagation()}
+        />
+      </Facts>
       <Buttons {...props} name={name} />
       {unfolded && (
         <div className={styles.screen}>
@@ -90,17 +109,25 @@ export function CardBody({ recording, behaviour }: { recording: Recording; behav
 function Facts({
   recording,
   behaviour,
+  children,
 }: {
   recording: Recording;
   behaviour: Behaviour;
+  children?: ReactNode;
 }): ReactNode {
   return (
     <>
       <AlienGrid hits={hitCells(recording)} target={behaviour.target} label="" />
       <div className={styles.words}>
         <div className={styles.title}>
+          {children}
           <h3>{recordingName(recording)}</h3>
           <SourceBadge recording={recording} />
+          {recording.borrowed && (
+            <Badge icon="tray" title="A game of another behaviour, borrowed for this ranking.">
+              from {recording.behaviour_name}
+            </Badge>
+          )}
         </div>
         <span>{describeScore(recording, behaviour.target?.length ?? null)}</span>
         <span className={styles.quiet}>{describeCourse(recording)}</span>
@@ -115,6 +142,7 @@ function Buttons({
   possible,
   onMove,
   onPerfect,
+  onGiveBack,
   name,
 }: RankCardProps & { name: string }) {
   const moves = ranked
@@ -131,16 +159,18 @@ function Buttons({
       ] as const);
   return (
     <div className={styles.buttons} role="group" aria-label={`Moves of ${name}`}>
-      <IconButton
-        icon="star"
-        filled={recording.perfect}
-        className={styles.star}
-        label={
-          recording.perfect ? `${name} is perfect. Remove the mark` : `Mark ${name} as perfect`
-        }
-        aria-pressed={recording.perfect}
-        onClick={onPerfect}
-      />
+      {!recording.borrowed && (
+        <IconButton
+          icon="star"
+          filled={recording.perfect}
+          className={styles.star}
+          label={
+            recording.perfect ? `${name} is perfect. Remove the mark` : `Mark ${name} as perfect`
+          }
+          aria-pressed={recording.perfect}
+          onClick={onPerfect}
+        />
+      )}
       {moves.map(([move, icon, label]) => (
         <IconButton
           key={move}
@@ -154,6 +184,9 @@ function Buttons({
           }}
         />
       ))}
+      {recording.borrowed && !ranked && (
+        <IconButton icon="close" label={`Give back: ${name}`} onClick={onGiveBack} />
+      )}
     </div>
   );
 }

@@ -4,9 +4,12 @@ import type { Tiers } from "@/features/ranking/order/order";
 
 import type { Move } from "./RankCard";
 
-/** Keeps the focus on the button that moved a card: another tier mounts the card anew. */
-export function useKeptFocus(tiers: Tiers): (id: number, move: Move) => void {
-  const moved = useRef<{ id: number; move: Move } | null>(null);
+/**
+ * Keeps the focus on the button that moved a card, without a move on its handle: another tier
+ * mounts the card anew.
+ */
+export function useKeptFocus(tiers: Tiers): (id: number, move?: Move) => void {
+  const moved = useRef<{ id: number; move: Move | undefined } | null>(null);
   useEffect(() => {
     const { id, move } = moved.current ?? {};
     moved.current = null;

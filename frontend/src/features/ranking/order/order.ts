@@ -20,14 +20,23 @@ export function tierOf(tiers: Tiers, id: number): number {
 
 /** Moves a recording to a place. */
 export function place(tiers: Tiers, id: number, to: Place): Tiers {
-  const without = tiers.map((tier) => tier.filter((other) => other !== id));
+  return placeAll(tiers, [id], to);
+}
+
+/** Moves recordings to a place, tied with each other; those in that tier already keep their place. */
+export function placeAll(tiers: Tiers, ids: readonly number[], to: Place): Tiers {
+  const without = tiers.map((tier) => tier.filter((id) => !ids.includes(id)));
   if (to.kind === "tier") {
-    const changed = without.map((tier, index) => (index === to.tier ? [...tier, id] : tier));
-    // Its own tier: no change.
-    return tierOf(tiers, id) === to.tier ? tiers : withoutEmpty(changed);
+    return withoutEmpty(
+      tiers.map((tier, index) =>
+        index === to.tier
+          ? [...tier, ...ids.filter((id) => !tier.includes(id))]
+          : (without[index] ?? []),
+      ),
+    );
   }
   if (to.kind === "gap") {
-    return withoutEmpty([...without.slice(0, to.before), [id], ...without.slice(to.before)]);
+    return withoutEmpty([...without.slice(0, to.before), ids, ...without.slice(to.before)]);
   }
   return withoutEmpty(without);
 }

@@ -11,6 +11,7 @@ import {
   newTier,
   pairCount,
   place,
+  placeAll,
   type Place,
   sameOrder,
   tierOf,
@@ -37,6 +38,30 @@ function isSound(order: Tiers): boolean {
 function without(order: Tiers, id: number): Tiers {
   return place(order, id, { kind: "tray" });
 }
+
+describe("putting several recordings somewhere", () => {
+  const several = situation.chain(({ order, id, to }) =>
+    fc.record({
+      order: fc.constant(order),
+      ids: fc.subarray([...new Set([...order.flat(), id])], { minLength: 1 }),
+      to: fc.constant(to),
+    }),
+  );
+
+  it("ties them with each other and leaves the others as they were", () => {
+    fc.assert(
+      fc.property(several, ({ order, ids, to }) => {
+        const after = placeAll(order, ids, to);
+        const others = (of: Tiers) => placeAll(of, ids, { kind: "tray" });
+        expect(isSound(after)).toBe(true);
+        expect(sameOrder(others(after), others(order))).toBe(true);
+        const places = new Set(ids.map((id) => tierOf(after, id)));
+        expect(places.size).toBe(1);
+        expect(places.has(-1)).toBe(to.kind === "tray");
+      }),
+    );
+  });
+});
 
 describe("putting a recording somewhere", () => {
   it("leaves a sound order that differs in nothing else", () => {

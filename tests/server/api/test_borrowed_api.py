@@ -1,0 +1,102 @@
+"""Varied games over HTTP: added, listed, ranked and given back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from testsupport.workplace import Workplace
+from tril.store import recordings
+
+COLUMN_1 = "/api/behaviours/1"
+COLUMN_2 = "/api/behaviours/2"
+
+
+def add(client: TestClient, count: int) -> list[dict[str, Any]]:
+    answer = client.post(f"{COLUMN_2}/borrowed", json={"count": count})
+    assert answer.status_code == 201, answer.text
+    added: list[dict[str, Any]] = answer.json()
+    return added
+
+
+def test_varied_games_are_added_unranked_and_said_to_be_what_they_are(
+    client: TestClient, workplace: Workplace
+) -> None:
+    added = add(client, 4)
+    of_others, made = added[:2], added[2:]
+    assert {one["id"] for one in of_others} < set(workplace.ranked)
+    assert {(one["behaviour_name"], one["borrowed"]) for one in of_others} == {("Column 1", True)}
+    assert {(one["source"], one["behaviour_id"]) for one in made} == {("random", 2)}
+    assert {(one["player"], one["borrowed"]) for one in made} == {(None, False)}
+    assert {one["verification"] for one in added} == {"verified"}
+    ranking = client.get(f"{COLUMN_2}/ranking").json()
+    assert (ranking["tiers"], set(ranking["unranked"])) == ([], {one["id"] for one in added})
+    listed = client.get(f"{COLUMN_2}/borrowed").json()
+    assert sorted(one["id"] for one in listed) == sorted(one["id"] for one in of_others)
+    library = client.get(f"{COLUMN_2}/recordings").json()
+    assert {one["id"] for one in library} == {one["id"] for one in made}
+
+
+def test_a_borrowed_game_is_judged_by_its_borrower(
+    client: TestClient, workplace: Workplace
+) -> None:
+    firing, *others = workplace.ranked
+    with workplace.database.writing() as session:
+        recordings.get(session, firing).hits = [[0, 0, 120]]
+    (at_home,) = (one for one in client.get(f"{COLUMN_1}/recordings").json() if one["perfect"])
+    assert at_home["id"] == firing
+    assert (at_home["targets"], at_home["strays"], at_home["ranked"]) == (1, 0, True)
+    add(client, 8)
+    shown = {one["id"]: one for one in client.get(f"{COLUMN_2}/borrowed").json()}
+    assert sorted(shown) == sorted([firing, *others])
+    borrowed = shown[firing]
+    assert (borrowed["targets"], borrowed["strays"]) == (0, 1)
+    assert not borrowed["perfect"]
+    assert not borrowed["ranked"]
+    client.put(f"{COLUMN_2}/ranking", json={"base_revision": 0, "tiers": [[firing]]})
+    assert {one["id"]: one for one in client.get(f"{COLUMN_2}/borrowed").json()}[firing]["ranked"]
+
+
+def test_a_game_is_given_back_once_it_is_off_the_board(
+    client: TestClient, workplace: Workplace
+) -> None:
+    one = add(client, 2)[0]["id"]
+    client.put(f"{COLUMN_2}/ranking", json={"base_revision": 0, "tiers": [[one]]})
+    refused = client.delete(f"{COLUMN_2}/borrowed/{one}")
+    assert refused.status_code == 409
+    assert "Take it off the board" in refused.json()["detail"]
+    client.put(f"{COLUMN_2}/ranking", json={"base_revision": 1, "tiers": []})
+    assert client.delete(f"{COLUMN_2}/borrowed/{one}").status_code == 204
+    assert client.get(f"{COLUMN_2}/borrowed").json() == []
+    assert one not in client.get(f"{COLUMN_2}/ranking").json()["unranked"]
+    assert client.get(f"/api/recordings/{one}").json()["deleted"] is False
+    assert client.delete(f"{COLUMN_2}/borrowed/{one}").status_code == 404
+
+
+def test_a_run_shows_borrowed_games_by_its_own_target(
+    client: TestClient, workplace: Workplace
+) -> None:
+    firing, idle, *_ = workplace.ranked
+    with workplace.database.writing() as session:
+        recordings.get(session, firing).hits = [[0, 1, 120]]
+    own = add(client, 8)[-1]["id"]
+    client.patch(f"/api/recordings/{own}", json={"perfect": True})
+    tiers = [[firing], [own], [idle]]
+    answer = client.put(f"{COLUMN_2}/ranking", json={"base_revision": 0, "tiers": tiers})
+    assert answer.status_code == 200, answer.text
+    run = client.post("/api/runs", json={"behaviour_id": 2, "recipe": "fast", "steps": 10_000})
+    assert run.status_code == 201, run.text
+    best = client.get(f"/api/runs/{run.json()['id']}/results").json()["best_demonstration"]
+    assert (best["id"], best["targets"], best["borrowed"]) == (firing, 1, True)
+
+
+@pytest.mark.parametrize("body", [{"count": 0}, {"count": 61}, {"count": "x"}, {"n": 3}])
+def test_a_malformed_wish_is_refused(reader: TestClient, body: object) -> None:
+    assert reader.post(f"{COLUMN_2}/borrowed", json=body).status_code == 422
+
+
+def test_an_unknown_behaviour_is_none_to_borrow_for(reader: TestClient) -> None:
+    assert reader.post("/api/behaviours/999/borrowed", json={}).status_code == 404
+    assert reader.get("/api/behaviours/999/borrowed").status_code == 404
