@@ -84,9 +84,10 @@ def rank_example(
     flawless = kind.error_model == PERFECT
     tiers: dict[tuple[int, ...], list[int]] = {}
     for number, game in games.items():
-        merit = (-game.plan_number,) if flawless else _merit(behaviour, game)
-        tiers.setdefault(merit, []).append(number)
-    true = normalise(tiers[merit] for merit in sorted(tiers, reverse=True))
+        plan = (-game.plan_number,)
+        worth = plan if flawless else merit(behaviour, game.hits, game.end)
+        tiers.setdefault(worth, []).append(number)
+    true = normalise(tiers[worth] for worth in sorted(tiers, reverse=True))
     rng = np.random.default_rng([_MISTAKES_STREAM, example_seed])
     return Judgement(true, swap_neighbours(true, kind.n_mistakes, rng))
 
@@ -114,8 +115,17 @@ def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) ->
     return normalise(tiers)
 
 
-def _merit(behaviour: Behaviour, game: PlannedGame) -> tuple[int, int]:
-    found = score(behaviour, game.hits)
+def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: EndReason | None) -> tuple[int, int]:
+    """Return what a game is worth, to be compared: its hits, then whether it was survived.
+
+    An out-of-order target counts as a stray.
+
+    Args:
+        behaviour: A behaviour with target cells.
+        hits: The aliens hit as (row, column), in order of time.
+        end: Why the game ended, None if it was quit.
+    """
+    found = score(behaviour, hits)
     assert found is not None, "only behaviours with target cells have an example"
     worth = found.targets - 2 * found.order_errors - found.strays
-    return worth, int(game.end is not EndReason.HIT)
+    return worth, int(end is not EndReason.HIT)

@@ -1,0 +1,302 @@
+"""What an imitator learns from games like a person's, and from further ranked games.
+
+    python -m benchmarks.learning.people -b column-3 --demonstrations person-250 --steps 200000
+    python -m benchmarks.learning.people -b column-3 --random-games 24
+    python -m benchmarks.learning.people -b column-3 --rounds 4 --answers 8
+
+A scripted player with a person's limits plays twelve games to be ranked and twelve best efforts;
+the order is by outcome, with three swaps of neighbours. `--random-games` are games of random play
+that are inserted into the order, or, with `--unsorted`, put below the worst. With `--rounds` the
+training is interrupted: some of the imitator's own games are inserted into the order (one answer
+in ten is wrong), and the reward is learned anew. The imitator is judged on the 32 evaluation
+starts with their openings, greedily and with sticky actions, and without openings.
+
+Prints the figures and appends them to a ledger, a line of JSON a training. 200,000 steps take a
+quarter of an hour on one of two cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from trainer.nn.precision import Precision
+from trainer.policy.cloning import train_clone
+from trainer.policy.evaluation import EvaluatedGame, play
+from trainer.policy.imitation import ImitationTask
+from trainer.policy.imitator import train_imitator
+from trainer.policy.networks import Policy, load_policy, save_policy
+from trainer.progress import NullProgress
+from trainer.reward.check import check_ranking, final_level
+from trainer.reward.model import RewardModel
+from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
+from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
+from trainer.reward.reward_trainer import train_reward_model
+from tril.behaviours import BUILT_IN, Behaviour, Cell, score
+from tril.demonstrator import kind_named, make_example
+from tril.demonstrator.judging import merit, swap_neighbours
+from tril.demonstrator.random_play import play_randomly
+from tril.game.console import Console
+from tril.game.episode import DEATHS
+from tril.game.openings import Opening, draw_opening, evaluation_opening
+from tril.game.starts import (
+    EVALUATION_START_COUNT,
+    EVALUATION_STARTS,
+    TRAINING_IDLE_FRAMES,
+    Start,
+)
+from tril.ranking import kendall_tau, normalise
+from tril.recipes import FAST, Recipe, with_values
+from tril.recording import Recording, Trajectory, trajectory
+from tril.store.training.evaluations import ActionSelection
+
+WRONG_ANSWERS = 0.1
+"""Share of the answers about the imitator's games that put them in a random place."""
+
+OPENINGS = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
+
+Merit = tuple[int, int]
+
+
+@dataclass
+class Ranked:
+    """Ranked games and the order that a scripted person gives them.
+
+    Attributes:
+        behaviour: What the order is by.
+        recordings: The games.
+        trajectories: Their trajectories.
+        merits: Their true worth.
+        tiers: Indices of them, best tier first.
+    """
+
+    behaviour: Behaviour
+    recordings: list[Recording] = field(default_factory=list)
+    trajectories: list[Trajectory] = field(default_factory=list)
+    merits: list[Merit] = field(default_factory=list)
+    tiers: list[list[int]] = field(default_factory=list)
+
+    def add(self, recording: Recording, console: Console) -> int:
+        """Add a game without ranking it; return its index."""
+        seen = trajectory(recording, console)
+        self.recordings.append(recording)
+        self.trajectories.append(seen)
+        self.merits.append(merit(self.behaviour, _cells(seen.hits), seen.end))
+        return len(self.merits) - 1
+
+    def order(self, n_mistakes: int, rng: np.random.Generator) -> None:
+        """Rank all games by their merit, with swaps of neighbours."""
+        tiers: dict[Merit, list[int]] = {}
+        for index, worth in enumerate(self.merits):
+            tiers.setdefault(worth, []).append(index)
+        true = normalise(tiers[worth] for worth in sorted(tiers, reverse=True))
+        self.tiers = [list(tier) for tier in swap_neighbours(true, n_mistakes, rng).tiers]
+
+    def insert(self, index: int, rng: np.random.Generator) -> None:
+        """Rank one more game, beside equals if there are any; one answer in ten is wrong."""
+        if rng.random() < WRONG_ANSWERS:
+            self.tiers.insert(int(rng.integers(len(self.tiers) + 1)), [index])
+            return
+        worth = self.merits[index]
+        for tier in self.tiers:
+            if worth in {self.merits[other] for other in tier}:
+                tier.append(index)
+                return
+        means = [np.mean([self.merits[other][0] for other in tier]) for tier in self.tiers]
+        self.tiers.insert(sum(mean > worth[0] for mean in means), [index])
+
+
+def _cells(hits: Sequence[Any]) -> tuple[Cell, ...]:
+    return tuple((hit.row, hit.column) for hit in hits)
+
+
+def judge(
+    policy: Policy,
+    behaviour: Behaviour,
+    model: RewardModel,
+    starts: Sequence[Start | Opening],
+    how: ActionSelection,
+) -> dict[str, Any]:
+    """Return a policy's figures over games, and how far the reward model agrees with them."""
+    games = play(policy, starts, how, model=model)
+    figures = [_figures(behaviour, game) for game in games]
+    levels = [final_level(model.level(g.rewards)) for g in games if g.rewards is not None]
+    worths = [merit(behaviour, _cells(game.hits), game.end) for game in games]
+    tiers: dict[Merit, list[int]] = {}
+    for index, worth in enumerate(worths):
+        tiers.setdefault(worth, []).append(index)
+    order = [tiers[worth] for worth in sorted(tiers, reverse=True)]
+    return {name: float(np.mean([one[name] for one in figures])) for name in figures[0]} | {
+        "level": float(np.mean(levels)),
+        "tau": kendall_tau(order, levels) if len(order) > 1 else None,
+    }
+
+
+def _figures(behaviour: Behaviour, game: EvaluatedGame) -> dict[str, float]:
+    found = score(behaviour, _cells(game.hits))
+    assert found is not None
+    assert behaviour.target is not None
+    died = game.end in DEATHS
+    flawless = found.targets == len(behaviour.target) and not found.strays and not died
+    return {
+        "targets": found.targets,
+        "strays": found.strays,
+        "died": died,
+        "perfect": flawless and not found.order_errors,
+    }
+
+
+class Lesson:
+    """A scripted person's demonstrations, and the imitator that learns from them.
+
+    Args:
+        arguments: Of the command line.
+    """
+
+    def __init__(self, arguments: argparse.Namespace) -> None:
+        self.arguments = arguments
+        self.behaviour = {one.slug: one for one in BUILT_IN}[arguments.behaviour]
+        self.recipe: Recipe = with_values(FAST, dict(one.split("=", 1) for one in arguments.set))
+        self.seed: int = arguments.training_seed
+        self.console = Console()
+        self.rng = np.random.default_rng([self.seed, 1_000_039])
+        self.ranked = Ranked(self.behaviour)
+        kind = kind_named(arguments.demonstrations)
+        shown = list(make_example(self.behaviour, np.random.default_rng(self.seed), kind=kind))
+        for one in shown:
+            if not one.perfect:
+                self.ranked.add(one.recording, self.console)
+        self.ranked.order(kind.n_mistakes, self.rng)
+        self._add_random_games(kind.n_mistakes)
+        self.perfect = [one.recording for one in shown if one.perfect]
+        self.seen = [trajectory(recording, self.console) for recording in self.perfect]
+        self._copies: list[PerturbedDemonstration] | None = None
+
+    def _add_random_games(self, n_mistakes: int) -> None:
+        games = [
+            self.ranked.add(play_randomly(self.rng, self.console).recording, self.console)
+            for _ in range(self.arguments.random_games)
+        ]
+        if games and self.arguments.unsorted:
+            self.ranked.tiers.append(games)
+        elif games:
+            self.ranked.order(n_mistakes, self.rng)
+
+    def dataset(self) -> PreferenceDataset:
+        """Return what the reward is learned from, by the ranking as it is now."""
+        recipe = self.recipe.reward
+        if self._copies is None:
+            rng = np.random.default_rng([self.seed, 1_000_033])
+            self._copies = perturb_demonstrations(
+                self.perfect if recipe.perturbed_share else [],
+                recipe.perturbed_copies,
+                rng,
+                lambda: None,
+            )
+        perfect = PerfectDemonstrations(self.seen, [None] * len(self.seen), self._copies)
+        ranked = self.ranked
+        return PreferenceDataset.from_demonstrations(
+            ranked.trajectories, ranked.tiers, recipe, perfect
+        )
+
+    def train(self, folder: Path) -> dict[str, Any]:
+        """Train the clone, then reward and imitator in rounds; return all figures."""
+        clone, _ = train_clone(self.seen, self.recipe.cloning, self.seed, NullProgress())
+        start = folder / "clone.zip"
+        save_policy(clone, start)
+        rounds = []
+        for number in range(self.arguments.rounds):
+            began = time.monotonic()
+            dataset = self.dataset()
+            model = train_reward_model(dataset, self.seed, NullProgress())
+            learned = time.monotonic()
+            check = None
+            if self.arguments.check:
+                check = check_ranking(model, dataset, self.seed, NullProgress())
+            place = folder / str(number)
+            place.mkdir()
+            start = self._imitate(model, start, place, number)
+            imitator = load_policy(start)
+            found = {
+                "sticky": judge(imitator, self.behaviour, model, OPENINGS, "sticky"),
+                "greedy": judge(imitator, self.behaviour, model, OPENINGS, "greedy"),
+                "idle starts": judge(imitator, self.behaviour, model, EVALUATION_STARTS, "greedy"),
+                "reward_s": learned - began,
+                "imitator_s": time.monotonic() - learned,
+                "n_ranked": len(self.ranked.recordings),
+            }
+            if check:
+                found |= {"tau": check.tau, "held_out_accuracy": check.held_out_accuracy}
+            print(number, json.dumps(found), flush=True)
+            rounds.append(found)
+            if number + 1 < self.arguments.rounds:
+                self._answer(imitator, number)
+        judged = judge(Policy(clone), self.behaviour, model, OPENINGS, "sticky")
+        return {"rounds": rounds, "clone": judged}
+
+    def _imitate(self, model: RewardModel, start: Path, folder: Path, number: int) -> Path:
+        task = ImitationTask(
+            model=model,
+            recordings=self.ranked.recordings,
+            tiers=self.ranked.tiers,
+            recipe=self.recipe,
+            steps=self.arguments.steps // self.arguments.rounds,
+            training_seed=100 * self.seed + number,
+            behaviour=self.behaviour,
+            perfect=self.perfect,
+            clone=start,
+        )
+        path = folder / "imitator.zip"
+        precision = Precision.of("auto", torch.device("cpu"))
+        train_imitator(task, path, folder, NullProgress(), precision=precision)
+        return path
+
+    def _answer(self, imitator: Policy, number: int) -> None:
+        """Insert some of the imitator's games from training starts into the order."""
+        rng = np.random.default_rng([self.seed, number, 5])
+        idle_frames = rng.choice(TRAINING_IDLE_FRAMES, self.arguments.answers, replace=False)
+        starts = [draw_opening(Start(idle), rng) for idle in idle_frames.tolist()]
+        for game in play(imitator, starts, "sampled", sampling_seed=1_000 + number):
+            self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
+
+
+def main() -> None:
+    """Train, judge and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-b", "--behaviour", default="column-3")
+    parser.add_argument("--demonstrations", default="person-250", help="see tril demo --help")
+    parser.add_argument("-s", "--training-seed", type=int, default=0)
+    parser.add_argument("--steps", type=int, default=200_000, help="of all rounds together")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--random-games", type=int, default=0)
+    parser.add_argument("--unsorted", action="store_true", help="all random games below the worst")
+    parser.add_argument("--rounds", type=int, default=1)
+    parser.add_argument("--answers", type=int, default=8, help="games inserted between two rounds")
+    parser.add_argument(
+        "--check", action="store_true", help="measure the check of the ranking, too"
+    )
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--ledger", type=Path, help="file that a line is appended to")
+    arguments = parser.parse_args()
+    torch.set_num_threads(arguments.threads)
+    with tempfile.TemporaryDirectory() as folder:
+        found = Lesson(arguments).train(Path(folder))
+    asked = {k: v for k, v in vars(arguments).items() if k not in {"ledger", "threads", "check"}}
+    line = json.dumps(asked | found)
+    print(line)
+    if arguments.ledger:
+        with arguments.ledger.open("a") as ledger:
+            ledger.write(line + "\n")
+
+
+if __name__ == "__main__":
+    main()
