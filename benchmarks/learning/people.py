@@ -1,11 +1,11 @@
 """What an imitator learns from games like a person's, and from further ranked games.
 
     python -m benchmarks.learning.people -b column-3 --demonstrations person-250 --steps 200000
-    python -m benchmarks.learning.people -b column-3 --random-games 24
+    python -m benchmarks.learning.people -b column-3 --varied-games 24
     python -m benchmarks.learning.people -b column-3 --rounds 4 --answers 8
 
 A scripted player with a person's limits plays twelve games to be ranked and twelve best efforts;
-the order is by outcome, with three swaps of neighbours. `--random-games` are games of random play
+the order is by outcome, with three swaps of neighbours. `--varied-games` are games of varied play
 that are inserted into the order, or, with `--unsorted`, put below the worst. With `--rounds` the
 training is interrupted: some of the imitator's own games are inserted into the order (one answer
 in ten is wrong), and the reward is learned anew. The imitator is judged on the 32 evaluation
@@ -45,6 +45,7 @@ from tril.behaviours import BUILT_IN, Behaviour, Cell, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours
 from tril.demonstrator.random_play import play_randomly
+from tril.demonstrator.varied_play import play_varied
 from tril.game.console import Console
 from tril.game.episode import DEATHS
 from tril.game.openings import Opening, draw_opening, evaluation_opening
@@ -112,7 +113,7 @@ class Ranked:
                 tier.append(index)
                 return
         means = [np.mean([self.merits[other][0] for other in tier]) for tier in self.tiers]
-        self.tiers.insert(sum(mean > worth[0] for mean in means), [index])
+        self.tiers.insert(sum(bool(mean > worth[0]) for mean in means), [index])
 
 
 def _cells(hits: Sequence[Any]) -> tuple[Cell, ...]:
@@ -176,15 +177,16 @@ class Lesson:
             if not one.perfect:
                 self.ranked.add(one.recording, self.console)
         self.ranked.order(kind.n_mistakes, self.rng)
-        self._add_random_games(kind.n_mistakes)
+        self._add_varied_games(kind.n_mistakes)
         self.perfect = [one.recording for one in shown if one.perfect]
         self.seen = [trajectory(recording, self.console) for recording in self.perfect]
         self._copies: list[PerturbedDemonstration] | None = None
 
-    def _add_random_games(self, n_mistakes: int) -> None:
+    def _add_varied_games(self, n_mistakes: int) -> None:
+        play_one = play_randomly if self.arguments.random_play else play_varied
         games = [
-            self.ranked.add(play_randomly(self.rng, self.console).recording, self.console)
-            for _ in range(self.arguments.random_games)
+            self.ranked.add(play_one(self.rng, self.console).recording, self.console)
+            for _ in range(self.arguments.varied_games)
         ]
         if games and self.arguments.unsorted:
             self.ranked.tiers.append(games)
@@ -277,8 +279,9 @@ def main() -> None:
     parser.add_argument("-s", "--training-seed", type=int, default=0)
     parser.add_argument("--steps", type=int, default=200_000, help="of all rounds together")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("--random-games", type=int, default=0)
-    parser.add_argument("--unsorted", action="store_true", help="all random games below the worst")
+    parser.add_argument("--varied-games", type=int, default=0)
+    parser.add_argument("--random-play", action="store_true", help="of random play alone")
+    parser.add_argument("--unsorted", action="store_true", help="all of them below the worst")
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--answers", type=int, default=8, help="games inserted between two rounds")
     parser.add_argument(

@@ -156,10 +156,13 @@ def example_plans(behaviour: Behaviour) -> tuple[DemonstrationPlan, ...]:
     return tuple(plans)
 
 
-def draw_hits(plan: DemonstrationPlan, rng: np.random.Generator) -> tuple[Cell, ...]:
+def draw_hits(
+    plan: DemonstrationPlan, rng: np.random.Generator, first_column: int = 0
+) -> tuple[Cell, ...]:
     """Draw hits that fulfil a plan, in an order in which they can be shot.
 
-    The next alien tends to be near the last one, as when people play.
+    The next alien tends to be near the last one, as when people play, and the first one near
+    ``first_column``.
 
     Raises:
         Invalid: No such order was found; the plan's rule contradicts itself.
@@ -171,7 +174,7 @@ def draw_hits(plan: DemonstrationPlan, rng: np.random.Generator) -> tuple[Cell, 
         hits: list[Cell] = []
         while len(hits) < n_hits and (open_cells := _open_cells(plan.allowed, hits)):
             columns = np.array([column for _, column in open_cells])
-            weights = np.exp(-_NEARNESS * abs(columns - (hits[-1][1] if hits else 0)))
+            weights = np.exp(-_NEARNESS * abs(columns - (hits[-1][1] if hits else first_column)))
             hits.append(open_cells[rng.choice(len(open_cells), p=weights / weights.sum())])
         if rule_violation(plan, hits) is None:
             return tuple(hits)

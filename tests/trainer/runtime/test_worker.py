@@ -33,6 +33,9 @@ SOON_S = 3.0
 CONFUSED = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9})
 """Its reward model learns nothing and orders the demonstrations by chance."""
 
+WRONG = 3
+"""A training seed for which chance orders them wrongly (tau is -0.33)."""
+
 
 def until(what: Callable[[], bool], worker: WorkerProcess | None = None) -> None:
     wait_until(what, what_was_said=lambda: worker.log.read_text()[-3000:] if worker else "")
@@ -218,7 +221,7 @@ def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
 def test_two_workers_never_take_the_same_run(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    runs = [workplace.make_run(CONFUSED, go_on_anyway=False) for _ in range(8)]
+    runs = [workplace.make_run(CONFUSED, training_seed=WRONG, go_on_anyway=False) for _ in range(8)]
     for run_id in runs:
         jobs.enqueue(run_id)
     data = workplace.settings.data
@@ -234,7 +237,7 @@ def test_two_workers_never_take_the_same_run(
 def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to_go_on(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    run_id = workplace.make_run(CONFUSED, go_on_anyway=False)
+    run_id = workplace.make_run(CONFUSED, training_seed=WRONG, go_on_anyway=False)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, run_id, worker)

@@ -85,7 +85,8 @@ def test_games_count_as_abandoned_once_nobody_owned_them_for_long_enough(session
     played, its_epoch = begin(session)
     games.release(session, left.id, epoch)
     assert games.is_anyone_playing(session)
-    assert [row.id for row in games.abandoned(session, timedelta(0))] == [left.id]
+    in_a_second = timedelta(seconds=-1)
+    assert [row.id for row in games.abandoned(session, in_a_second)] == [left.id]
     assert games.abandoned(session, timedelta(minutes=1)) == []
     games.release(session, played.id, its_epoch)
     assert not games.is_anyone_playing(session)
@@ -112,7 +113,7 @@ def test_games_count_as_open_until_a_minute_after_their_lease(session: Session) 
     )
     assert (games.count_open(session), games.count_open(session, owner)) == (2, 1)
     assert games.is_open(session, mine.id)
-    mine.lease_expires_at = now() - games.OPEN_FOR
+    mine.lease_expires_at = now() - games.OPEN_FOR - timedelta(seconds=1)
     session.flush()
     assert (games.count_open(session), games.count_open(session, owner)) == (1, 0)
     assert not games.is_open(session, mine.id)
