@@ -155,7 +155,8 @@ class StageProgress:
         self._clock = clock
         self._began = self._reported_at = clock()
         self._first_share: float | None = None
-        self._share = 0.0
+        # A stage that is begun again is at least as far as it was until it says where it goes on.
+        self._share = context.run.stage_done if context.run.stage == stage else 0.0
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Report progress, see trainer.progress.Progress.
@@ -187,7 +188,7 @@ class StageProgress:
 
     def remaining_s(self) -> float:
         """Return the estimated seconds to the end of the whole run."""
-        gained = self._share - (self._first_share or 0.0)
+        gained = 0.0 if self._first_share is None else self._share - self._first_share
         own = None
         if gained >= SETTLED_SHARE:
             own = (self._clock() - self._began) * (1.0 - self._share) / gained

@@ -21,6 +21,11 @@ SLOWEST, FASTEST = 4.0, 0.25
 """Bounds of the correction by which a run's finished stages scale those still to come."""
 
 
+NEGLIGIBLE_S = 20.0
+"""What a stage takes besides what grows with its work; a stage that took little more says little of
+how fast the machine is."""
+
+
 @dataclass(frozen=True)
 class CostEstimate:
     """What a recipe costs on this machine.
@@ -54,9 +59,14 @@ def _stage_seconds(recipe: Recipe, steps: int, last: RunRow | None) -> dict[Stag
         return expected
     of_last = expected_seconds(recipe_from_dict(last.recipe), last.steps)
     return {
-        stage: seconds * last.finished_stages.get(stage, of_last[stage]) / of_last[stage]
+        stage: seconds * _slowness(last.finished_stages.get(stage, of_last[stage]), of_last[stage])
         for stage, seconds in expected.items()
     }
+
+
+def _slowness(took_s: float, expected_s: float) -> float:
+    """Return how much longer a stage took than expected, about 1 if it was a short one."""
+    return (took_s + NEGLIGIBLE_S) / (expected_s + NEGLIGIBLE_S)
 
 
 @dataclass(frozen=True)

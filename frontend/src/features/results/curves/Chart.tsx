@@ -173,10 +173,16 @@ function optionsOf({
         stroke: resolveColour(colour),
         width: 1.75,
         spanGaps: true,
-        points: { show: false },
+        // A line needs two points.
+        points: { show: (plot: uPlot, index: number) => nPoints(plot.data[index]) === 1 },
         ...(dashed ? { dash: [5, 4] } : {}),
       })),
     ],
     hooks: { setCursor: [(chart) => onCursor(chart.cursor.idx ?? null)] },
   };
+}
+
+/** Returns how many values of a line there are. */
+function nPoints(values: ArrayLike<number | null | undefined> | undefined): number {
+  return values ? Array.from(values).filter((value) => value != null).length : 0;
 }
