@@ -63,6 +63,9 @@ from tril.store.training.evaluations import ActionSelection
 WRONG_ANSWERS = 0.1
 """Share of the answers about the imitator's games that put them in a random place."""
 
+N_UNSEEN_VARIED = 48
+"""Games of varied play that the learned reward is judged on."""
+
 OPENINGS = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
 
 Merit = tuple[int, int]
@@ -93,6 +96,10 @@ class Ranked:
         self.trajectories.append(seen)
         self.merits.append(merit(self.behaviour, _cells(seen.hits), seen.end))
         return len(self.merits) - 1
+
+    def levels(self, model: RewardModel) -> list[float]:
+        """Return the level that each game ends at."""
+        return [final_level(model.level(model.score(t.observations))) for t in self.trajectories]
 
     def order(self, n_mistakes: int, rng: np.random.Generator) -> None:
         """Rank all games by their merit, with swaps of neighbours."""
@@ -132,14 +139,45 @@ def judge(
     figures = [_figures(behaviour, game) for game in games]
     levels = [final_level(model.level(g.rewards)) for g in games if g.rewards is not None]
     worths = [merit(behaviour, _cells(game.hits), game.end) for game in games]
+    return {name: float(np.mean([one[name] for one in figures])) for name in figures[0]} | {
+        "level": float(np.mean(levels)),
+        "tau": _tau(worths, levels),
+    }
+
+
+class UnseenGames:
+    """Games of others that a learned reward should order as they are worth.
+
+    Args:
+        behaviour: What they are worth something in.
+        console: The console to play on.
+    """
+
+    def __init__(self, behaviour: Behaviour, console: Console) -> None:
+        rng = np.random.default_rng(2_000_003)
+        self._console = console
+        self._own, self._varied = Ranked(behaviour), Ranked(behaviour)
+        for kind in ("scripted", "person-150"):
+            for one in make_example(behaviour, rng, n_perfect=1, kind=kind_named(kind)):
+                self._own.add(one.recording, console)
+        for _ in range(N_UNSEEN_VARIED):
+            self._varied.add(play_varied(rng, console).recording, console)
+
+    def taus(self, model: RewardModel) -> dict[str, float | None]:
+        """Return Kendall's tau of final levels with the games' worth, by kind of games."""
+        return {
+            "tau_own": _tau(self._own.merits, self._own.levels(model)),
+            "tau_varied": _tau(self._varied.merits, self._varied.levels(model)),
+        }
+
+
+def _tau(worths: Sequence[Merit], levels: Sequence[float]) -> float | None:
+    """Return Kendall's tau between worth and levels; None if all games are worth the same."""
     tiers: dict[Merit, list[int]] = {}
     for index, worth in enumerate(worths):
         tiers.setdefault(worth, []).append(index)
     order = [tiers[worth] for worth in sorted(tiers, reverse=True)]
-    return {name: float(np.mean([one[name] for one in figures])) for name in figures[0]} | {
-        "level": float(np.mean(levels)),
-        "tau": kendall_tau(order, levels) if len(order) > 1 else None,
-    }
+    return kendall_tau(order, levels) if len(order) > 1 else None
 
 
 def _figures(behaviour: Behaviour, game: EvaluatedGame) -> dict[str, float]:
@@ -180,6 +218,7 @@ class Lesson:
         self._add_varied_games(kind.n_mistakes)
         self.perfect = [one.recording for one in shown if one.perfect]
         self.seen = [trajectory(recording, self.console) for recording in self.perfect]
+        self.unseen = UnseenGames(self.behaviour, self.console)
         self._copies: list[PerturbedDemonstration] | None = None
 
     def _add_varied_games(self, n_mistakes: int) -> None:
@@ -221,6 +260,8 @@ class Lesson:
             dataset = self.dataset()
             model = train_reward_model(dataset, self.seed, NullProgress())
             learned = time.monotonic()
+            taus = self.unseen.taus(model)
+            print(number, json.dumps(taus), flush=True)
             check = None
             if self.arguments.check:
                 check = check_ranking(model, dataset, self.seed, NullProgress())
@@ -235,6 +276,7 @@ class Lesson:
                 "reward_s": learned - began,
                 "imitator_s": time.monotonic() - learned,
                 "n_ranked": len(self.ranked.recordings),
+                **taus,
             }
             if check:
                 found |= {"tau": check.tau, "held_out_accuracy": check.held_out_accuracy}
