@@ -9,6 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import JSONResponse, Response
 
 from server.api.schemas.rankings import (
+    BorrowedGames,
     Ranking,
     RankingConflict,
     RankingRevision,
@@ -91,6 +92,17 @@ def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list
     """Return the games that a behaviour has borrowed, newest first."""
     behaviours.get(session, behaviour_id)
     return RecordingViews(session, behaviour_id).all(borrowed.listing(session, behaviour_id))
+
+
+@borrowed_router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)
+def borrow_games(
+    session: WriteSession, behaviour_id: BehaviourId, games: BorrowedGames
+) -> list[Recording]:
+    """Add these games, unranked, and return them; those that are borrowed already stay so."""
+    behaviours.get(session, behaviour_id)
+    borrowed.borrow(session, behaviour_id, games.recording_ids)
+    rows = recordings.by_ids(session, games.recording_ids)
+    return RecordingViews(session, behaviour_id).all(rows[key] for key in sorted(rows))
 
 
 @playing_router.post("", status_code=201, responses=NOT_FOUND)

@@ -7,9 +7,11 @@ import threading
 from pathlib import Path
 
 import pytest
+import torch
 
 from tests.trainings import checked
 from testsupport.workplace import TINY, Workplace
+from trainer.policy.networks import load_network
 from trainer.reporting.run_entry import describe_example
 from trainer.runtime.pipeline import (
     FINISHED,
@@ -24,10 +26,12 @@ from trainer.runtime.stages import demonstrations
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
+from tril.files.artifact_store import ArtifactStore
+from tril.recipes import with_values
 from tril.stages import Stage
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
-from tril.store.training import leases, runs
+from tril.store.training import artifacts, leases, runs
 
 NAME = "worker-0"
 
@@ -159,6 +163,39 @@ def test_failures_are_explained_with_what_to_do() -> None:
     unexpected = failure_message("clone", ZeroDivisionError("division by zero"), "abc")
     assert "ZeroDivisionError: division by zero" in unexpected
     assert "logs/runs/abc.log" in unexpected
+
+
+def policy_of(workplace: Workplace, run_id: str, kind: str) -> dict[str, torch.Tensor]:
+    """Return the weights of a run's imitator or clone."""
+    store = ArtifactStore(workplace.settings.artifact_root)
+    with artifacts.local_file(workplace.database, store, run_id, kind) as path:
+        return load_network(path).state_dict()
+
+
+def test_a_continued_run_begins_with_its_parents_imitator_and_still_has_a_clone(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    to_the_imitator = only(pipeline, *list(Stage)[: list(Stage).index(Stage.EVALUATION)])
+    recipe = with_values(TINY, {"reward.perturbed_share": 0.0})
+    parent = workplace.make_run(recipe)
+    assert pipeline.train(parent, to_the_imitator) == "left"
+    # So little is learned that the imitator is what it began with.
+    frozen = with_values(recipe, {"policy.learning_rate": 1e-12})
+    child = workplace.make_run(frozen, training_seed=1, parent_run_id=parent)
+    # The files of a deleted run stay, so the child does not notice.
+    with workplace.database.writing() as session:
+        runs.get(session, parent).status = RunStatus.CANCELLED
+        runs.delete(session, parent)
+    assert pipeline.train(child, to_the_imitator) == "left"
+    began_with = policy_of(workplace, child, "imitator")
+    for kind, is_start in (("imitator", True), ("clone", False)):
+        same = [
+            torch.allclose(tensor, began_with[name], rtol=0, atol=1e-9)
+            for name, tensor in policy_of(workplace, parent, kind).items()
+        ]
+        assert all(same) == is_start, kind
+    clones = [policy_of(workplace, run_id, "clone") for run_id in (parent, child)]
+    assert not all(torch.equal(clones[0][name], clones[1][name]) for name in clones[0])
 
 
 @pytest.fixture
