@@ -87,22 +87,22 @@ def list_ranking_revisions(
     ]
 
 
+@router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)
+def add_games(
+    session: WriteSession, behaviour_id: BehaviourId, games: BorrowedGames
+) -> list[Recording]:
+    """Borrow games for the ranking, unranked, and return them; those borrowed already stay so."""
+    behaviours.get(session, behaviour_id)
+    borrowed.borrow(session, behaviour_id, games.recording_ids)
+    rows = recordings.by_ids(session, games.recording_ids)
+    return RecordingViews(session, behaviour_id).all(rows[key] for key in sorted(rows))
+
+
 @borrowed_router.get("", responses=NOT_FOUND)
 def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list[Recording]:
     """Return the games that a behaviour has borrowed, newest first."""
     behaviours.get(session, behaviour_id)
     return RecordingViews(session, behaviour_id).all(borrowed.listing(session, behaviour_id))
-
-
-@borrowed_router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)
-def borrow_games(
-    session: WriteSession, behaviour_id: BehaviourId, games: BorrowedGames
-) -> list[Recording]:
-    """Add these games, unranked, and return them; those that are borrowed already stay so."""
-    behaviours.get(session, behaviour_id)
-    borrowed.borrow(session, behaviour_id, games.recording_ids)
-    rows = recordings.by_ids(session, games.recording_ids)
-    return RecordingViews(session, behaviour_id).all(rows[key] for key in sorted(rows))
 
 
 @playing_router.post("", status_code=201, responses=NOT_FOUND)
