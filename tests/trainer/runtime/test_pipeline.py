@@ -22,11 +22,13 @@ from trainer.runtime.pipeline import (
     failure_message,
     own_scratch_folder,
 )
-from trainer.runtime.stages import demonstrations
+from trainer.runtime.stages import STAGE_WORK, demonstrations
+from trainer.runtime.stages.evaluation import starts_seen
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore
+from tril.game.starts import evaluation_start
 from tril.recipes import with_values
 from tril.stages import Stage
 from tril.store import behaviours, rankings, recordings
@@ -196,6 +198,30 @@ def test_a_continued_run_begins_with_its_parents_imitator_and_still_has_a_clone(
         assert all(same) == is_start, kind
     clones = [policy_of(workplace, run_id, "clone") for run_id in (parent, child)]
     assert not all(torch.equal(clones[0][name], clones[1][name]) for name in clones[0])
+
+
+def test_what_a_parent_has_learned_from_is_not_held_out_from_its_children(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with workplace.database.writing() as session:
+        recordings.get(session, workplace.ranked[3]).idle_frames = evaluation_start(7).idle_frames
+    of_start_0 = with_values(TINY, {"policy.own_starts": (0,)})
+    grandparent, child = workplace.make_run(of_start_0), workplace.make_run()
+    with workplace.database.writing() as session:
+        rankings.save(session, workplace.behaviour_id, 1, [[n] for n in workplace.ranked[:3]])
+    parent, alone = workplace.make_run(), workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.get(session, parent).parent_run_id = grandparent
+        runs.get(session, child).parent_run_id = parent
+        runs.request_cancel(session, grandparent)
+        runs.delete(session, grandparent)
+    seen: list[set[int]] = []
+    monkeypatch.setitem(
+        STAGE_WORK, Stage.TRAJECTORIES, lambda data, _: seen.append(starts_seen(data))
+    )
+    for run_id in (child, parent, alone):
+        pipeline.train(run_id, only(pipeline, Stage.TRAJECTORIES))
+    assert seen == [{0, 7}, {0, 7}, set()]
 
 
 @pytest.fixture

@@ -151,6 +151,14 @@ def get(session: Session, run_id: str, *, for_update: bool = False) -> RunRow:
     return row
 
 
+def lineage(session: Session, row: RunRow) -> list[RunRow]:
+    """Return a run, the run that it continues, and so on; deleted ones too."""
+    found = [row]
+    while (parent := found[-1].parent_run_id) is not None:
+        found.append(session.get_one(RunRow, parent))
+    return found
+
+
 def listing(session: Session, behaviour_id: int | None = None) -> list[RunRow]:
     """Return the runs, of one behaviour or of all, newest first."""
     query = select(RunRow).where(RunRow.deleted_at.is_(None))
