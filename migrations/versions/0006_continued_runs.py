@@ -14,8 +14,8 @@ def upgrade() -> None:
     op.add_column(
         "runs",
         sa.Column("parent_run_id", sa.String(length=36), parent, nullable=True),
-        # SQLite can't add a constraint afterwards.
-        inline_references=True,
+        # SQLite can't add a constraint afterwards; this way it has no name.
+        inline_references=op.get_context().dialect.name == "sqlite",
     )
 
 
