@@ -168,7 +168,7 @@ function GameCell({
         </span>
       </button>
       {name !== "Best demonstration" && (
-        <AddToRanking recording={recording} behaviourId={behaviour.id} compact />
+        <AddToRanking recording={recording} behaviourId={behaviour.id} kind="quiet" />
       )}
     </>
   );

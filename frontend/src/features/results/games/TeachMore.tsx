@@ -20,7 +20,7 @@ interface TeachMoreProps {
   onWatch: (watched: Watched) => void;
 }
 
-const SCREEN = { width: 160, height: 105 } as const;
+const SCREEN = { width: 320, height: 210 } as const;
 
 /** Proposes games of the imitator for the ranking, and to train the imitator further. */
 export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
