@@ -74,11 +74,18 @@ class Workplace:
         steps: int = 256,
         training_seed: int = 0,
         go_on_anyway: bool = True,
+        parent_run_id: str | None = None,
     ) -> str:
         """Make a queued run, which goes on whatever the check of its ranking says."""
         with self.database.writing() as session:
             return runs.create(
-                session, self.behaviour_id, recipe, steps, training_seed, go_on_anyway
+                session,
+                self.behaviour_id,
+                recipe,
+                steps,
+                training_seed,
+                go_on_anyway,
+                parent_run_id=parent_run_id,
             ).id
 
     def lease(self, run_id: str, worker: str = "worker-0") -> Lease:

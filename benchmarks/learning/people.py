@@ -297,7 +297,7 @@ class Lesson:
             training_seed=100 * self.seed + number,
             behaviour=self.behaviour,
             perfect=self.perfect,
-            clone=start,
+            start_policy=start,
         )
         path = folder / "imitator.zip"
         precision = Precision.of("auto", torch.device("cpu"))

@@ -227,6 +227,6 @@ def _runs_of(workspace: Workspace, cells: Mapping[LedgerCell, Recipe]) -> list[s
 
 
 def _is_usable(row: RunRow) -> bool:
-    if not row.example:
+    if not row.example or row.parent_run_id is not None:
         return False
     return row.status == RunStatus.DONE or not RunStatus(row.status).is_over

@@ -40,6 +40,7 @@ def start_run(
     go_on_anyway: bool = False,
     example: bool = False,
     example_kind: str = SCRIPTED.name,
+    parent_run_id: str | None = None,
 ) -> str:
     """Create and enqueue a run; return its id."""
     with workspace.database.writing() as session:
@@ -53,6 +54,7 @@ def start_run(
             example=example,
             player_id=players.owner(session).id,
             example_kind=example_kind,
+            parent_run_id=parent_run_id,
         )
         cost = estimate(session, recipe)
         run_id = row.id
@@ -83,6 +85,10 @@ def train(
     go_on_anyway: Annotated[
         bool, typer.Option(help="Train even if the ranking fails its check.")
     ] = False,
+    continue_from: Annotated[
+        str | None,
+        typer.Option(metavar="RUN_ID", help="Begin with this run's imitator, not with the clone."),
+    ] = None,
     wait: Annotated[bool, typer.Option(help="Follow the run until it is over.")] = True,
 ) -> None:
     """Train an imitator and a clone on a behaviour's ranking."""
@@ -95,6 +101,7 @@ def train(
             steps or chosen.default_steps,
             training_seed,
             go_on_anyway=go_on_anyway,
+            parent_run_id=continue_from,
         )
         if not wait:
             console.print(run_id)
@@ -148,6 +155,8 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
             )
             return
         console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
+        if row.parent_run_id is not None:
+            console.print(f"Continues run {row.parent_run_id}.")
         print_results(workspace, row)
 
 
@@ -172,6 +181,7 @@ def run_entry(row: RunRow) -> dict[str, Any]:
     return {
         "id": row.id,
         "behaviour_id": row.behaviour_id,
+        "parent_run_id": row.parent_run_id,
         "recipe": row.recipe_name,
         "steps": row.steps,
         "training_seed": row.training_seed,

@@ -9,6 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import JSONResponse, Response
 
 from server.api.schemas.rankings import (
+    BorrowedGames,
     Ranking,
     RankingConflict,
     RankingRevision,
@@ -84,6 +85,17 @@ def list_ranking_revisions(
         RankingRevision.of(row, player=names.get(row.player_id or 0))
         for row in rankings.revisions(session, behaviour_id)
     ]
+
+
+@router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)
+def add_games(
+    session: WriteSession, behaviour_id: BehaviourId, games: BorrowedGames
+) -> list[Recording]:
+    """Borrow games for the ranking, unranked, and return them; those borrowed already stay so."""
+    behaviours.get(session, behaviour_id)
+    borrowed.borrow(session, behaviour_id, games.recording_ids)
+    rows = recordings.by_ids(session, games.recording_ids)
+    return RecordingViews(session, behaviour_id).all(rows[key] for key in sorted(rows))
 
 
 @borrowed_router.get("", responses=NOT_FOUND)

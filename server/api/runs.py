@@ -68,6 +68,7 @@ def create_run(request: Request, new: RunNew) -> Run:
             new.go_on_anyway,
             new.example,
             players.owner(session).id,
+            parent_run_id=None if new.parent_run_id is None else str(new.parent_run_id),
         )
         shown = run_view(session, row)
     # After the commit, because the worker looks for the run's row.

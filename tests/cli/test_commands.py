@@ -9,6 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
+from testsupport.workplace import Workplace
+from tril.store.training import artifacts
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 runner = CliRunner()
@@ -62,6 +64,21 @@ def test_varied_games_are_borrowed_and_ranked_below_the_worst(three: Path) -> No
 def test_a_training_without_a_ranking_is_refused() -> None:
     output = _run("train", "column-3", status=1)
     assert "at least two tiers" in output
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_a_training_continues_from_a_run_that_has_an_imitator(workplace: Workplace) -> None:
+    parent = workplace.make_run()
+    command = ("train", "column-1", "--no-wait", "--continue-from")
+    assert "has no imitator yet" in _run(*command, parent, status=1)
+    with workplace.database.writing() as session:
+        artifacts.save(session, parent, "imitator", "imitator.zip", "application/zip", 1)
+    child = _run(*command, parent).split()[-1]
+    assert workplace.run(child).parent_run_id == parent
+    assert f"Continues run {parent}." in _run("runs", "show", child)
+    listed = json.loads(_run("runs", "list", "--json"))
+    assert {one["id"]: one["parent_run_id"] for one in listed} == {child: parent, parent: None}
+    assert "no such training" in _run(*command, "missing", status=1)
 
 
 @pytest.mark.usefixtures("data_folder")

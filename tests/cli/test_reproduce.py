@@ -49,6 +49,14 @@ def test_failed_runs_and_runs_on_other_demonstrations_are_started_again(
     assert workplace.run(started).example
 
 
+def test_a_run_that_continues_another_is_no_result_of_its_recipe(workplace: Workplace) -> None:
+    parent = example_run(workplace, workplace.behaviour_id, RunStatus.DONE)
+    child = example_run(workplace, workplace.behaviour_id, RunStatus.DONE)
+    with workplace.database.writing() as session:
+        runs.get(session, child).parent_run_id = parent
+    assert runs_of(workplace) == [parent]
+
+
 def test_runs_of_deleted_behaviours_are_passed_over(workplace: Workplace) -> None:
     run_id = example_run(workplace, workplace.behaviour_id, RunStatus.DONE)
     with workplace.database.writing() as session:

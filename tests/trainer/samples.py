@@ -120,7 +120,7 @@ def imitation_task(folder: Path) -> ImitationTask:
         training_seed=11,
         behaviour=BUILT_IN[0],
         perfect=[short_recording()],
-        clone=clone,
+        start_policy=clone,
     )
 
 

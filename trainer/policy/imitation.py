@@ -38,7 +38,8 @@ class ImitationTask:
         training_seed: Seeds all random numbers.
         behaviour: For DAgger's expert and the curves of hits; PPO never looks at it.
         perfect: The perfect demonstrations; episodes may begin in them as in the best ranked ones.
-        clone: File of the run's clone, for a warm start.
+        start_policy: File of the policy that a warm start begins with: the run's clone, or an
+            earlier run's imitator.
     """
 
     model: RewardModel
@@ -49,7 +50,7 @@ class ImitationTask:
     training_seed: int
     behaviour: Behaviour | None = None
     perfect: Sequence[Recording] = ()
-    clone: Path | None = None
+    start_policy: Path | None = None
 
 
 @dataclass(frozen=True)

@@ -73,8 +73,8 @@ def train_imitator(
         device: Device to learn and to compute rewards on.
 
     Raises:
-        Invalid: A warm start has no clone of the imitator's network, or GAIL no perfect
-            demonstration.
+        Invalid: A warm start has no policy of the imitator's network to begin with, or GAIL no
+            perfect demonstration.
         RunCancelled: Raised by ``progress``.
     """
     recipe = task.recipe.policy
@@ -119,19 +119,21 @@ def train_imitator(
     return ImitatorResult(tuple(snapshots), best_snapshot(snapshots).steps, precision)
 
 
-def _clone_network(task: ImitationTask) -> ScreenPolicy:
-    """Return the clone that a warm start begins with.
+def _start_network(task: ImitationTask, imitator: ScreenPolicy) -> ScreenPolicy:
+    """Return the policy that a warm start begins with.
 
     Raises:
         Invalid: There is none, or its network differs from the imitator's.
     """
-    clone, own = task.recipe.cloning.network, task.recipe.policy.network
-    if task.clone is None or clone != own:
+    if task.start_policy is None:
+        raise Invalid("A warm start needs a policy to begin with, such as the run's clone.")
+    start = load_network(task.start_policy)
+    if start.features_extractor.features_dim != imitator.features_extractor.features_dim:
         raise Invalid(
-            f"A warm start begins with the run's clone, of the same network; the recipe's clone is"
-            f" {clone!r}, its imitator {own!r}."
+            f"A warm start begins with a policy of the imitator's network, which is"
+            f" {task.recipe.policy.network!r}; {task.start_policy.name} has another one."
         )
-    return load_network(task.clone)
+    return start
 
 
 def _training_starts(task: ImitationTask) -> TrainingStarts:
@@ -228,7 +230,7 @@ class _TrainingCallback(BaseCallback):
         self.snapshots: list[SnapshotScore] = []
 
     def restore_or_start(self) -> None:
-        """Continue from the checkpoint, or from the clone for a warm start."""
+        """Continue from the checkpoint, or begin with the start policy for a warm start."""
         ppo, path = self._ppo, self._folder / _CHECKPOINT
         if path.exists():
             extra, discriminator_tensors = load_checkpoint(path, ppo, self._env)
@@ -238,7 +240,7 @@ class _TrainingCallback(BaseCallback):
             self._reporter.recent.extend(extra["recent"])
             self._reporter.steps_per_s()
         if self._task.recipe.policy.warm_start:
-            start = _clone_network(self._task).to(ppo.device)
+            start = _start_network(self._task, ppo.policy).to(ppo.device)
             if self._task.recipe.policy.kl_coef:
                 ppo.start_policy = start
             if not ppo.num_timesteps:

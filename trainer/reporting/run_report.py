@@ -78,6 +78,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
         result=result,
         sources=sorted({row.source for row in demonstrations.values()}),
         example=describe_example(run.outcome),
+        parent_run_id=run.parent_run_id,
         warning=run.outcome.check.warning if run.outcome.check else "",
         duels=duels,
         group=group,

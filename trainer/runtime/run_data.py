@@ -160,5 +160,12 @@ class RunData:
 
     def artifact_file(self, kind: str) -> AbstractContextManager[Path]:
         """Give the run's artifact of a kind as a file on this machine."""
-        context = self.context
-        return artifacts.local_file(context.database, context.artifacts, context.run_id, kind)
+        return self._file_of(self.context.run_id, kind)
+
+    def start_policy_file(self) -> AbstractContextManager[Path]:
+        """Give the policy that a warm start begins with: the parent's imitator, or the clone."""
+        parent = self.context.run.parent_run_id
+        return self.artifact_file("clone") if parent is None else self._file_of(parent, "imitator")
+
+    def _file_of(self, run_id: str, kind: str) -> AbstractContextManager[Path]:
+        return artifacts.local_file(self.context.database, self.context.artifacts, run_id, kind)

@@ -60,9 +60,9 @@ class BehaviourImportResult:
 def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[str, Any], list[str]]:
     """Return a behaviour file, ready for json.dumps, and notices about what it leaves out.
 
-    Deleted recordings and games borrowed from other behaviours are included if a revision of the
-    ranking names them. Recordings that are not verified are left out, also of the revisions, since
-    they could not be imported.
+    Deleted recordings and borrowed games are included if a revision of the ranking names them.
+    Recordings that are not verified are left out, also of the revisions, since they could not be
+    imported.
     """
     revisions = rankings.history(session, behaviour.id)
     named = recordings.by_ids(
@@ -91,7 +91,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         "ordered": about.ordered,
         "recordings": [
             _numbered(row, known, names)
-            if row.behaviour_id == behaviour.id
+            if row.behaviour_id == behaviour.id and row.run_id is None
             else _numbered_borrowed(session, row, names, row.id in borrowed_now)
             for row in sound
         ],
@@ -153,12 +153,14 @@ def _numbered(row: RecordingRow, known: set[int], names: dict[int, str]) -> dict
 def _numbered_borrowed(
     session: Session, row: RecordingRow, names: dict[int, str], is_borrowed: bool
 ) -> dict[str, Any]:
-    """Return a game of another behaviour, which becomes the imported behaviour's own.
+    """Return a borrowed game, which becomes the imported behaviour's own.
 
     What is said of it as an example of its own behaviour doesn't hold there: that it is perfect,
     its notes, and the conditions by which the demonstrator knows it again.
     """
     origin = session.get_one(BehaviourRow, row.behaviour_id).name
+    if row.run_id is not None:
+        origin = f"a training of {origin}"
     numbered = _numbered(row, set(), names)
     numbered["recording"] |= {"perfect": False, "notes": f"Borrowed from {origin}."}
     numbered["recording"].pop("conditions", None)

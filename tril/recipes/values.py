@@ -140,10 +140,10 @@ class PolicyRecipe:
             as long as they fit into this share of the ranking.
         demonstration_share: Share of the episodes that begin in a state of the best or perfect
             demonstrations.
-        warm_start: Whether the policy starts from the run's clone, which has to use the same
-            network.
-        kl_coef: Initial coefficient of the KL divergence from the clone; it falls linearly to zero
-            over the training. Without a warm start there is none.
+        warm_start: Whether the policy starts from the run's clone, or from the imitator of the
+            run that it continues, which has to use the same network.
+        kl_coef: Initial coefficient of the KL divergence from that policy; it falls linearly to
+            zero over the training. Without a warm start there is none.
         critic_warm_up_steps: Steps during which only the critic learns.
         snapshot_steps: Steps after which a snapshot of the policy competes for the best one; the
             published snapshots come after 500,000, then every 1,000,000.

@@ -1,14 +1,15 @@
-"""Varied games for a behaviour's ranking: borrowed from other behaviours, and random play.
+"""What a behaviour's ranking may hold beside its library: borrowed games, and varied ones.
 
-A ranking of games of one kind shows few ways of being bad, and a reward learned from it
-generalises badly. A borrowed game stays its own behaviour's recording; the borrowing behaviour's
-ranking may hold it.
+A borrowed game is of another behaviour, or was played by a policy of any; it stays what it is, and
+the borrowing behaviour's ranking may hold it. Varied games are borrowed from other behaviours'
+libraries and random play: a ranking of games of one kind shows few ways of being bad, and a reward
+learned from it generalises badly.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 
 import numpy as np
 from sqlalchemy import select
@@ -41,13 +42,24 @@ def listing(session: Session, behaviour_id: int) -> list[RecordingRow]:
     return list(session.scalars(query.order_by(RecordingRow.id.desc())))
 
 
-def borrow(session: Session, behaviour_id: int, recording_ids: Sequence[int]) -> None:
-    """Borrow games; those that can't be borrowed, or are already, are passed over."""
+def borrow(session: Session, behaviour_id: int, recording_ids: Collection[int]) -> None:
+    """Borrow games, all or none; those that are borrowed already are passed over.
+
+    Raises:
+        NotFound: A recording does not exist.
+        Conflict: One is in the behaviour's library, of a deleted behaviour, or can't be ranked;
+            all such recordings are named.
+    """
     rankings.lock(session, behaviour_id)
-    possible = _borrowable(session, behaviour_id)
-    for recording_id in recording_ids:
-        if recording_id in possible:
-            session.add(BorrowedGameRow(behaviour_id=behaviour_id, recording_id=recording_id))
+    held = set(session.scalars(rankings.borrowed_ids(behaviour_id)))
+    rows = recordings.by_ids(session, recording_ids)
+    if unknown := sorted(set(recording_ids) - rows.keys()):
+        raise NotFound(f"There are no such recordings: {', '.join(map(str, unknown))}.")
+    new = [row for key, row in sorted(rows.items()) if key not in held]
+    reasons = [(row.id, _why_not_lent(session, behaviour_id, row)) for row in new]
+    if refused := [f"recording {key} {reason}" for key, reason in reasons if reason]:
+        raise Conflict(f"Nothing was added to the ranking's games: {', '.join(refused)}.")
+    session.add_all(BorrowedGameRow(behaviour_id=behaviour_id, recording_id=row.id) for row in new)
     session.flush()
     note_change(session, "ranking", behaviour_id)
 
@@ -104,7 +116,8 @@ def add_varied_games(
     games = [play(int(seed)) for seed in rng.integers(2**63, size=count - len(chosen))]
     with database.writing() as session:
         behaviours.get(session, behaviour_id)
-        borrow(session, behaviour_id, chosen)
+        # Some may have been deleted, or borrowed, meanwhile.
+        borrow(session, behaviour_id, _borrowable(session, behaviour_id).keys() & chosen)
         made = [
             recordings.add(session, behaviour_id, game.recording, game.replay, Source.RANDOM).id
             for game in games
@@ -134,8 +147,16 @@ def pick_evenly(traits: Sequence[Traits], count: int, rng: np.random.Generator) 
     return picked
 
 
+def _why_not_lent(session: Session, behaviour_id: int, row: RecordingRow) -> str | None:
+    if row.behaviour_id == behaviour_id and row.run_id is None:
+        return "is in the behaviour's library, so that it can be ranked already"
+    if session.get_one(BehaviourRow, row.behaviour_id).deleted_at is not None:
+        return "is of a deleted behaviour"
+    return rankings.why_unrankable(row)
+
+
 def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
-    """Return the behaviour, source and class of length of the games that could be borrowed."""
+    """Return the behaviour, source and class of length of what other libraries could lend."""
     query = (
         select(
             RecordingRow.id, RecordingRow.behaviour_id, RecordingRow.source, RecordingRow.n_frames
@@ -143,6 +164,7 @@ def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
         .join(BehaviourRow, BehaviourRow.id == RecordingRow.behaviour_id)
         .where(
             RecordingRow.behaviour_id != behaviour_id,
+            RecordingRow.run_id.is_(None),
             RecordingRow.id.not_in(rankings.borrowed_ids(behaviour_id)),
             *rankings.RANKABLE,
             BehaviourRow.deleted_at.is_(None),

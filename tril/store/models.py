@@ -255,7 +255,7 @@ class RankingRow(Base):
 
 
 class BorrowedGameRow(Base):
-    """A recording of another behaviour that a behaviour's ranking may hold."""
+    """A recording of another behaviour, or of a policy, that a behaviour's ranking may hold."""
 
     __tablename__ = "borrowed_games"
 
@@ -271,9 +271,10 @@ class RunRow(Base):
 
     ``snapshot`` is frozen when the run is made (with ``example``, once its demonstrations exist).
     ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
-    is the full recipe as data. ``finished_stages`` maps each finished stage to the seconds of work
-    it took. ``epoch`` grows with every lease of the run to a worker; what a worker with an older
-    epoch writes is refused.
+    is the full recipe as data. ``parent_run_id`` names the run whose imitator PPO begins with in
+    place of the run's own clone. ``finished_stages`` maps each finished stage to the seconds of
+    work it took. ``epoch`` grows with every lease of the run to a worker; what a worker with an
+    older epoch writes is refused.
     """
 
     __tablename__ = "runs"
@@ -281,6 +282,7 @@ class RunRow(Base):
     id: Mapped[str] = mapped_column(String(36), primary_key=True)
     behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), index=True)
     player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    parent_run_id: Mapped[str | None] = mapped_column(ForeignKey("runs.id"))
     example: Mapped[bool] = mapped_column(Boolean, default=False)
     example_kind: Mapped[str] = mapped_column(
         String(24), default="scripted", server_default="scripted"

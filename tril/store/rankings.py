@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from sqlalchemy import Select, or_, select, union
+from sqlalchemy import Select, and_, or_, select, union
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid
@@ -27,12 +27,11 @@ from tril.store.models import (
 Tiers = Sequence[Sequence[int]]
 
 RANKABLE = (
-    RecordingRow.run_id.is_(None),
     RecordingRow.state == RecordingState.KEPT,
     RecordingRow.verification == Verification.VERIFIED,
     RecordingRow.deleted_at.is_(None),
 )
-"""What holds of every recording that can be ranked, of its own behaviour or borrowed."""
+"""What holds of every recording that can be ranked, of the behaviour's library or borrowed."""
 
 
 class RankingConflict(Conflict):
@@ -124,8 +123,8 @@ def save(
 
     Raises:
         RankingConflict: ``base_revision`` is not the newest any more.
-        Invalid: A recording is named twice, is deleted, neither the behaviour's own nor borrowed,
-            not kept or not verified; all such recordings are named.
+        Invalid: A recording is named twice, is deleted, neither of the behaviour's library nor
+            borrowed, not kept or not verified; all such recordings are named.
     """
     newest = lock(session, behaviour_id, base_revision, tiers)
     ranking = normalise(tiers)
@@ -254,7 +253,7 @@ def _add(
 
 
 def _rankable(session: Session, behaviour_id: int) -> set[int]:
-    is_own = RecordingRow.behaviour_id == behaviour_id
+    is_own = and_(RecordingRow.behaviour_id == behaviour_id, RecordingRow.run_id.is_(None))
     is_borrowed = RecordingRow.id.in_(borrowed_ids(behaviour_id))
     query = select(RecordingRow.id).where(or_(is_own, is_borrowed), *RANKABLE)
     return set(session.scalars(query))
@@ -281,15 +280,20 @@ def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> 
     raise Invalid(f"This order can't be used: {', '.join(reasons)}. Take it out of the ranking.")
 
 
-def _why_not(row: RecordingRow | None) -> str:
-    if row is None:
-        return "does not exist"
+def why_unrankable(row: RecordingRow) -> str | None:
+    """Say what of RANKABLE doesn't hold of a recording: "is not verified"; None if all does."""
     if row.deleted_at is not None:
         return "has been deleted"
-    if row.run_id is not None:
-        return "belongs to a training"
     if row.state != RecordingState.KEPT:
         return "is not kept in the library"
     if row.verification != Verification.VERIFIED:
         return "is not verified"
-    return "is of another behaviour and not borrowed"
+    return None
+
+
+def _why_not(row: RecordingRow | None) -> str:
+    if row is None:
+        return "does not exist"
+    if row.run_id is not None:
+        return why_unrankable(row) or "belongs to a training and is not borrowed"
+    return why_unrankable(row) or "is of another behaviour and not borrowed"

@@ -190,6 +190,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/ranking/games": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Add Games
+         * @description Borrow games for the ranking, unranked, and return them; those borrowed already stay so.
+         */
+        post: operations["add_games"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking/redo": {
         parameters: {
             query?: never;
@@ -975,6 +995,14 @@ export interface components {
             ][] | null;
         };
         /**
+         * BorrowedGames
+         * @description Games to borrow, all or none: of other behaviours, or of the policies of any training.
+         */
+        BorrowedGames: {
+            /** Recording Ids */
+            recording_ids: number[];
+        };
+        /**
          * Branch
          * @description A related recording, and the frame at which the two part.
          */
@@ -1512,9 +1540,10 @@ export interface components {
          *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
          *     if unknown. ``parent`` is the recording that this one continues.
          *
-         *     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, that the
-         *     behaviour in question has borrowed for its ranking: ``targets``, ``strays``, ``order_errors``
-         *     and ``ranked`` are by the borrower's target and ranking, and it is never ``perfect`` there.
+         *     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, or of a
+         *     training's policy, that the behaviour in question has borrowed for its ranking: ``targets``,
+         *     ``strays``, ``order_errors`` and ``ranked`` are by the borrower's target and ranking, and it is
+         *     never ``perfect`` there.
          */
         Recording: {
             /** Behaviour Id */
@@ -1709,6 +1738,8 @@ export interface components {
             n_perfect: number | null;
             /** N Ranked */
             n_ranked: number | null;
+            /** Parent Run Id */
+            parent_run_id: string | null;
             /** Progress */
             progress: number;
             /** Ranking Revision */
@@ -1745,7 +1776,8 @@ export interface components {
          * RunNew
          * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
-         *     ``steps`` defaults to the recipe's.
+         *     ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
+         *     training in place of the clone.
          */
         RunNew: {
             /** Behaviour Id */
@@ -1762,6 +1794,8 @@ export interface components {
             go_on_anyway: boolean;
             /** Learning Rate */
             learning_rate?: number | null;
+            /** Parent Run Id */
+            parent_run_id?: string | null;
             /**
              * Recipe
              * @default fast
@@ -1780,6 +1814,7 @@ export interface components {
          * @description All results of a training; parts that are missing yet are None or empty.
          *
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
+         *     ``proposed`` are the recordings of the imitator's games that are proposed for the ranking.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1797,6 +1832,8 @@ export interface components {
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
             judged: components["schemas"]["JudgedGames"][];
+            /** Proposed */
+            proposed: number[];
             run: components["schemas"]["Run"];
             /** Summaries */
             summaries: components["schemas"]["PolicyGamesSummary"][];
@@ -2997,6 +3034,104 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RankingConflict"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_games: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BorrowedGames"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Recording"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description The body is too large. */

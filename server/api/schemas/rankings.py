@@ -48,6 +48,12 @@ class VariedGamesWish(Schema):
     count: int = Field(default=24, strict=True, ge=1, le=60)
 
 
+class BorrowedGames(Schema):
+    """Games to borrow, all or none: of other behaviours, or of the policies of any training."""
+
+    recording_ids: list[Id] = Field(min_length=1, max_length=60)
+
+
 class RankingConflict(Schema):
     """Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent."""
 

@@ -49,9 +49,10 @@ class Recording(Schema):
     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
     if unknown. ``parent`` is the recording that this one continues.
 
-    ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, that the
-    behaviour in question has borrowed for its ranking: ``targets``, ``strays``, ``order_errors``
-    and ``ranked`` are by the borrower's target and ranking, and it is never ``perfect`` there.
+    ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, or of a
+    training's policy, that the behaviour in question has borrowed for its ranking: ``targets``,
+    ``strays``, ``order_errors`` and ``ranked`` are by the borrower's target and ranking, and it is
+    never ``perfect`` there.
     """
 
     id: int

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from typing import Any, Literal
+from uuid import UUID
 
 from pydantic import Field, StrictBool
 
@@ -45,7 +46,8 @@ class Recipe(Schema):
 class RunNew(Schema):
     """A training to start. ``example`` first makes and ranks missing scripted demonstrations.
 
-    ``steps`` defaults to the recipe's.
+    ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
+    training in place of the clone.
     """
 
     behaviour_id: Id
@@ -55,6 +57,7 @@ class RunNew(Schema):
     training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
     go_on_anyway: StrictBool = False
     example: StrictBool = False
+    parent_run_id: UUID | None = None
 
 
 class Run(Schema):
@@ -63,6 +66,7 @@ class Run(Schema):
     id: str
     behaviour_id: int
     behaviour_name: str
+    parent_run_id: str | None
     example: bool
     recipe: str
     recipe_values: dict[str, Any]
@@ -201,6 +205,7 @@ class RunResults(Schema):
     """All results of a training; parts that are missing yet are None or empty.
 
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
+    ``proposed`` are the recordings of the imitator's games that are proposed for the ranking.
     """
 
     run: Run
@@ -208,6 +213,7 @@ class RunResults(Schema):
     comparison: list[ComparisonRow]
     further_comparison: list[ComparisonRow]
     games: list[EvaluationGame]
+    proposed: list[int]
     summaries: list[PolicyGamesSummary]
     best_demonstration: Recording | None
     alarm: RewardAlarm | None

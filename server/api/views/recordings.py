@@ -39,6 +39,7 @@ class RecordingViews:
         self._names = players.names(session)
         self._behaviours: dict[int, Behaviour] = {}
         self._ranked: dict[int, frozenset[int]] = {}
+        self._borrowed: dict[int, frozenset[int]] = {}
 
     def all(self, rows: Iterable[RecordingRow]) -> list[Recording]:
         """Show recordings in the given order."""
@@ -47,7 +48,7 @@ class RecordingViews:
     def one(self, row: RecordingRow) -> Recording:
         """Show a recording."""
         shown_for = self._behaviour_id or row.behaviour_id
-        borrowed = shown_for != row.behaviour_id
+        borrowed = shown_for != row.behaviour_id or row.id in self._borrowed_by(shown_for)
         hits = hits_of(row)
         cells = tuple((hit.row, hit.column) for hit in hits)
         behaviour = self._behaviour(shown_for)
@@ -88,6 +89,12 @@ class RecordingViews:
             row = self._session.get_one(BehaviourRow, behaviour_id)
             self._behaviours[behaviour_id] = behaviours.as_behaviour(row)
         return self._behaviours[behaviour_id]
+
+    def _borrowed_by(self, behaviour_id: int) -> frozenset[int]:
+        if behaviour_id not in self._borrowed:
+            ids = self._session.scalars(rankings.borrowed_ids(behaviour_id))
+            self._borrowed[behaviour_id] = frozenset(ids)
+        return self._borrowed[behaviour_id]
 
     def _ranked_of(self, behaviour_id: int) -> frozenset[int]:
         if behaviour_id not in self._ranked:

@@ -55,6 +55,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         comparison=_comparison(headline_starts, games, views),
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
+        proposed=[row.recording_id for row in evaluations.proposed_games(games, headline_starts)],
         summaries=_summaries(games, behaviours.n_targets(session, run.behaviour_id)),
         best_demonstration=shown.get(tiers[0][0]) if tiers else None,
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),

@@ -1,4 +1,4 @@
-"""Varied games over HTTP: added, listed, ranked and given back."""
+"""Varied games and those of policies over HTTP: added, listed, ranked and given back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ import pytest
 from starlette.testclient import TestClient
 
 from testsupport.workplace import Workplace
+from tril.behaviours import Score
+from tril.recording import verify
 from tril.store import recordings
+from tril.store.models import Source
+from tril.store.training import evaluations, runs
+from tril.store.training.evaluations import EvaluationKey
 
 COLUMN_1 = "/api/behaviours/1"
 COLUMN_2 = "/api/behaviours/2"
@@ -90,6 +95,63 @@ def test_a_run_shows_borrowed_games_by_its_own_target(
     assert run.status_code == 201, run.text
     best = client.get(f"/api/runs/{run.json()['id']}/results").json()["best_demonstration"]
     assert (best["id"], best["targets"], best["borrowed"]) == (firing, 1, True)
+
+
+def policys_game(workplace: Workplace) -> tuple[str, int]:
+    """Return a run of column 1 that is over, and a game that its policy has played."""
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, run_id)
+        game = recordings.as_recording(recordings.get(session, workplace.ranked[0]))
+        played = verify(game).replay
+        row = recordings.add(session, 1, game, played, Source.POLICY, run_id=run_id)
+        key = EvaluationKey("imitator", "sticky", 7)
+        evaluations.add(session, run_id, key, row.id, True, 1.5, Score(3, 1, 0))
+        return run_id, row.id
+
+
+def test_a_policys_game_is_added_to_the_ranking_and_outlives_its_run(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id, game = policys_game(workplace)
+    (shown,) = client.get(f"/api/runs/{run_id}/results").json()["games"]
+    assert not shown["recording"]["borrowed"]
+    assert client.get(f"/api/runs/{run_id}/results").json()["proposed"] == [game]
+    answer = client.post(f"{COLUMN_1}/ranking/games", json={"recording_ids": [game]})
+    assert answer.status_code == 201, answer.text
+    (added,) = answer.json()
+    assert (added["id"], added["run_id"], added["borrowed"]) == (game, run_id, True)
+    assert (added["perfect"], added["ranked"]) == (False, False)
+    assert client.get(f"{COLUMN_1}/ranking").json()["unranked"] == [game]
+    assert [one["id"] for one in client.get(f"{COLUMN_1}/borrowed").json()] == [game]
+    (shown,) = client.get(f"/api/runs/{run_id}/results").json()["games"]
+    assert shown["recording"]["borrowed"]
+
+    tiers = [[game], [workplace.ranked[0]]]
+    ranked = client.put(f"{COLUMN_1}/ranking", json={"base_revision": 1, "tiers": tiers})
+    assert ranked.status_code == 200, ranked.text
+    assert client.delete(f"/api/runs/{run_id}").status_code == 204
+    assert client.get(f"{COLUMN_1}/ranking").json()["tiers"] == tiers
+    (kept,) = client.get(f"{COLUMN_1}/borrowed").json()
+    assert (kept["id"], kept["ranked"]) == (game, True)
+    again = client.post("/api/runs", json={"behaviour_id": 1})
+    assert again.status_code == 201, again.text
+
+
+def test_games_that_can_not_be_added_are_refused_by_name(
+    client: TestClient, workplace: Workplace
+) -> None:
+    def add_games(ids: list[int], behaviour: str = COLUMN_1) -> tuple[int, str]:
+        answer = client.post(f"{behaviour}/ranking/games", json={"recording_ids": ids})
+        return answer.status_code, str(answer.json()["detail"])
+
+    own = workplace.ranked[0]
+    status, detail = add_games([own])
+    assert (status, f"recording {own} is in the behaviour's library" in detail) == (409, True)
+    assert add_games([999]) == (404, "There are no such recordings: 999.")
+    assert add_games([own], "/api/behaviours/999")[0] == 404
+    assert add_games([])[0] == add_games([own] * 61)[0] == add_games([0])[0] == 422
+    assert client.get(f"{COLUMN_1}/borrowed").json() == []
 
 
 @pytest.mark.parametrize("body", [{"count": 0}, {"count": 61}, {"count": "x"}, {"n": 3}])

@@ -89,6 +89,30 @@ def test_dagger_is_refused_where_its_expert_knows_nothing(
     assert client.post("/api/runs", json={"behaviour_id": 999}).status_code == 404
 
 
+def test_a_run_continues_from_another_ones_imitator(
+    client: TestClient, workplace: Workplace
+) -> None:
+    parent = workplace.make_run()
+    new = {"behaviour_id": 1, "parent_run_id": parent}
+    refused = client.post("/api/runs", json=new)
+    assert refused.status_code == 409
+    assert "has no imitator yet" in refused.json()["detail"]
+    with workplace.database.writing() as session:
+        artifacts.save(session, parent, "imitator", "imitator.zip", "application/zip", 1)
+    child = client.post("/api/runs", json=new)
+    assert child.status_code == 201, child.text
+    assert child.json()["parent_run_id"] == parent
+    assert client.get(f"/api/runs/{child.json()['id']}").json()["parent_run_id"] == parent
+    assert client.get(f"/api/runs/{parent}").json()["parent_run_id"] is None
+    for recipe in ("paper", "dagger", "gail"):
+        answer = client.post("/api/runs", json=new | {"recipe": recipe})
+        assert answer.status_code == 422
+        assert f"The recipe {recipe} can't continue" in answer.json()["detail"]
+    unknown = {"behaviour_id": 1, "parent_run_id": "00000000-0000-4000-8000-000000000000"}
+    assert client.post("/api/runs", json=unknown).status_code == 404
+    assert client.post("/api/runs", json=new | {"parent_run_id": "x"}).status_code == 422
+
+
 def test_a_run_is_cancelled_resumed_and_deleted(client: TestClient) -> None:
     run = client.post("/api/runs", json={"behaviour_id": 1}).json()
     path = f"/api/runs/{run['id']}"

@@ -106,19 +106,20 @@ def test_a_training_from_scratch_needs_no_demonstration_states(
     recipe = tiny_recipe(
         warm_start=False, demonstration_share=0.0, reward="sigmoid", critic_warm_up_steps=0
     )
-    plain = replace(task, recipe=recipe, behaviour=None, recordings=[], clone=None)
+    plain = replace(task, recipe=recipe, behaviour=None, recordings=[], start_policy=None)
     progress = RecordingProgress()
     train_imitator(plain, tmp_path / "imitator.zip", tmp_path, progress)
     assert not any("hits" in values for _, values in progress.points)
 
 
-def test_a_warm_start_needs_a_clone_of_the_same_network(
+def test_a_warm_start_needs_a_policy_of_the_same_network(
     task: ImitationTask, tmp_path: Path
 ) -> None:
-    with pytest.raises(Invalid, match="begins with the run's clone"):
-        train_imitator(replace(task, clone=None), tmp_path / "a.zip", tmp_path, RecordingProgress())
-    other = replace(task.recipe, cloning=replace(task.recipe.cloning, network="nature"))
-    with pytest.raises(Invalid, match="of the same network"):
+    without = replace(task, start_policy=None)
+    with pytest.raises(Invalid, match="needs a policy to begin with"):
+        train_imitator(without, tmp_path / "a.zip", tmp_path, RecordingProgress())
+    other = replace(task.recipe, policy=replace(task.recipe.policy, network="nature"))
+    with pytest.raises(Invalid, match=r"which is 'nature'; clone.zip has another one"):
         train_imitator(
             replace(task, recipe=other), tmp_path / "a.zip", tmp_path, RecordingProgress()
         )

@@ -65,6 +65,16 @@ def test_the_page_has_a_line_for_every_action_selection_and_what_games_were_wort
     assert "| demonstrator | yes | 3 |" in page
 
 
+def test_the_page_names_the_run_whose_imitator_was_trained_further(workplace: Workplace) -> None:
+    assert "PPO began with" not in page_of(workplace, HONEST["both rise"])
+    parent, child = workplace.make_run(), workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.get(session, child).parent_run_id = parent
+    store = ArtifactStore(workplace.settings.artifact_root)
+    page = write_report(workplace.database, store, child, workplace.settings.data / "child")
+    assert f"PPO began with the imitator of run `{parent}`." in page.read_text()
+
+
 def test_without_targets_no_game_has_a_worth(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         behaviours.get(session, workplace.behaviour_id).target = None

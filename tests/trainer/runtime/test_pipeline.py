@@ -7,9 +7,11 @@ import threading
 from pathlib import Path
 
 import pytest
+import torch
 
 from tests.trainings import checked
 from testsupport.workplace import TINY, Workplace
+from trainer.policy.networks import load_network
 from trainer.reporting.run_entry import describe_example
 from trainer.runtime.pipeline import (
     FINISHED,
@@ -20,14 +22,18 @@ from trainer.runtime.pipeline import (
     failure_message,
     own_scratch_folder,
 )
-from trainer.runtime.stages import demonstrations
+from trainer.runtime.stages import STAGE_WORK, demonstrations
+from trainer.runtime.stages.evaluation import starts_seen
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
+from tril.files.artifact_store import ArtifactStore
+from tril.game.starts import evaluation_start
+from tril.recipes import with_values
 from tril.stages import Stage
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
-from tril.store.training import leases, runs
+from tril.store.training import artifacts, leases, runs
 
 NAME = "worker-0"
 
@@ -159,6 +165,63 @@ def test_failures_are_explained_with_what_to_do() -> None:
     unexpected = failure_message("clone", ZeroDivisionError("division by zero"), "abc")
     assert "ZeroDivisionError: division by zero" in unexpected
     assert "logs/runs/abc.log" in unexpected
+
+
+def policy_of(workplace: Workplace, run_id: str, kind: str) -> dict[str, torch.Tensor]:
+    """Return the weights of a run's imitator or clone."""
+    store = ArtifactStore(workplace.settings.artifact_root)
+    with artifacts.local_file(workplace.database, store, run_id, kind) as path:
+        return load_network(path).state_dict()
+
+
+def test_a_continued_run_begins_with_its_parents_imitator_and_still_has_a_clone(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    to_the_imitator = only(pipeline, *list(Stage)[: list(Stage).index(Stage.EVALUATION)])
+    recipe = with_values(TINY, {"reward.perturbed_share": 0.0})
+    parent = workplace.make_run(recipe)
+    assert pipeline.train(parent, to_the_imitator) == "left"
+    # So little is learned that the imitator is what it began with.
+    frozen = with_values(recipe, {"policy.learning_rate": 1e-12})
+    child = workplace.make_run(frozen, training_seed=1, parent_run_id=parent)
+    # The files of a deleted run stay, so the child does not notice.
+    with workplace.database.writing() as session:
+        runs.get(session, parent).status = RunStatus.CANCELLED
+        runs.delete(session, parent)
+    assert pipeline.train(child, to_the_imitator) == "left"
+    began_with = policy_of(workplace, child, "imitator")
+    for kind, is_start in (("imitator", True), ("clone", False)):
+        same = [
+            torch.allclose(tensor, began_with[name], rtol=0, atol=1e-9)
+            for name, tensor in policy_of(workplace, parent, kind).items()
+        ]
+        assert all(same) == is_start, kind
+    clones = [policy_of(workplace, run_id, "clone") for run_id in (parent, child)]
+    assert not all(torch.equal(clones[0][name], clones[1][name]) for name in clones[0])
+
+
+def test_what_a_parent_has_learned_from_is_not_held_out_from_its_children(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with workplace.database.writing() as session:
+        recordings.get(session, workplace.ranked[3]).idle_frames = evaluation_start(7).idle_frames
+    of_start_0 = with_values(TINY, {"policy.own_starts": (0,)})
+    grandparent, child = workplace.make_run(of_start_0), workplace.make_run()
+    with workplace.database.writing() as session:
+        rankings.save(session, workplace.behaviour_id, 1, [[n] for n in workplace.ranked[:3]])
+    parent, alone = workplace.make_run(), workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.get(session, parent).parent_run_id = grandparent
+        runs.get(session, child).parent_run_id = parent
+        runs.request_cancel(session, grandparent)
+        runs.delete(session, grandparent)
+    seen: list[set[int]] = []
+    monkeypatch.setitem(
+        STAGE_WORK, Stage.TRAJECTORIES, lambda data, _: seen.append(starts_seen(data))
+    )
+    for run_id in (child, parent, alone):
+        pipeline.train(run_id, only(pipeline, Stage.TRAJECTORIES))
+    assert seen == [{0, 7}, {0, 7}, set()]
 
 
 @pytest.fixture

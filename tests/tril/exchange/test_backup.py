@@ -18,11 +18,11 @@ from tril.files.artifact_store import ArtifactStore
 from tril.jobs import Jobs
 from tril.recording import verify
 from tril.settings import Settings
-from tril.store import behaviours, rankings, recordings
+from tril.store import behaviours, borrowed, rankings, recordings
 from tril.store.database import create_database
-from tril.store.models import RunRow, RunStatus
+from tril.store.models import RunRow, RunStatus, Source
 from tril.store.schema import check_schema
-from tril.store.training import artifacts
+from tril.store.training import artifacts, runs
 
 MODEL = b"weights" * 1000
 
@@ -66,6 +66,42 @@ def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_
     jobs = Jobs(database, settings)
     jobs.reconcile()
     jobs.close()
+    database.close()
+
+
+def test_a_backup_has_the_ranked_games_and_the_imitator_of_a_deleted_run(
+    workplace: Workplace, tmp_path: Path
+) -> None:
+    parent = finished_run(workplace)
+    with workplace.database.writing() as session:
+        game = recordings.as_recording(recordings.get(session, workplace.ranked[0]))
+        lent = recordings.add(
+            session,
+            workplace.behaviour_id,
+            game,
+            verify(game).replay,
+            Source.POLICY,
+            run_id=parent,
+        ).id
+        borrowed.borrow(session, workplace.behaviour_id, [lent])
+        rankings.save(session, workplace.behaviour_id, 1, [[lent], [workplace.ranked[1]]])
+        imitator = artifacts.find(session, parent, "model.bin")
+        assert imitator is not None
+        imitator.kind = "imitator"
+    child = workplace.make_run(parent_run_id=parent)
+    with workplace.database.writing() as session:
+        runs.delete(session, parent)
+    made = make_backup(workplace.settings, tmp_path / "backup")
+    assert (made.n_recordings, made.n_runs, made.notices) == (5, 2, ())
+    settings = Settings(data=made.folder)
+    database = create_database(settings.application_url)
+    with database.writing() as session:
+        assert [row.id for row in borrowed.listing(session, workplace.behaviour_id)] == [lent]
+        rankings.save(session, workplace.behaviour_id, 2, [[workplace.ranked[1]], [lent]])
+        assert runs.get(session, child).parent_run_id == parent
+    store = ArtifactStore(settings.artifact_root)
+    with artifacts.local_file(database, store, parent, "imitator") as file:
+        assert file.read_bytes() == MODEL
     database.close()
 
 

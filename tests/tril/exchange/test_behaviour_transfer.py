@@ -18,6 +18,7 @@ from tril.exchange.recording_transfer import export_recordings
 from tril.recording import verify
 from tril.store import behaviours, borrowed, players, rankings, recordings
 from tril.store.models import RecordingRow, Source, Verification
+from tril.store.training import runs
 
 SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "behaviour-format.schema.json"
 File = dict[str, Any]
@@ -115,6 +116,49 @@ def test_borrowed_games_travel_as_the_behaviours_own_and_as_no_examples_of_it(
         "slug": "again",
         "name": "Again",
     }
+
+
+def test_a_policys_ranked_game_travels_as_the_behaviours_own(
+    origin: Workplace, other: Workplace
+) -> None:
+    best, second, *_ = origin.ranked
+    run_id = origin.make_run()
+    with origin.database.writing() as session:
+        by_policy = []
+        for key in (best, second):
+            game = recordings.as_recording(recordings.get(session, key))
+            row = recordings.add(
+                session,
+                origin.behaviour_id,
+                game,
+                verify(game).replay,
+                Source.POLICY,
+                run_id=run_id,
+                conditions={"policy": "imitator", "action_selection": "sticky"},
+            )
+            by_policy.append(row.id)
+        borrowed.borrow(session, origin.behaviour_id, by_policy)
+        newest = rankings.current(session, origin.behaviour_id)
+        tiers = [by_policy[:1], *newest.tiers]
+        rankings.save(session, origin.behaviour_id, newest.revision, tiers)
+        runs.request_cancel(session, run_id)
+        runs.delete(session, run_id)
+    file = exported(origin)
+    travels = {one["number"]: one for one in file["recordings"]}
+    assert by_policy[1] not in travels, "nobody has ranked it"
+    game = travels[by_policy[0]]
+    assert (game["deleted"], game["recording"]["source"]) == (False, "policy")
+    assert game["recording"]["notes"] == "Borrowed from a training of Column 1."
+    slug = import_behaviour(other.database, json.dumps(file).encode()).slug
+    with other.database.reading() as session:
+        behaviour = behaviours.by_slug(session, slug)
+        first = rankings.current(session, behaviour.id).tiers[0][0]
+        row = recordings.get(session, first)
+        assert (row.source, row.run_id, row.behaviour_id) == (Source.POLICY, None, behaviour.id)
+        assert borrowed.listing(session, behaviour.id) == []
+        exported_tiers = [line.get("tier") for line in export_recordings(session, behaviour.id)]
+    assert exported_tiers[0] == 1
+    assert renumbered(exported(other, slug)) == renumbered(file) | {"slug": slug}
 
 
 def test_exported_recordings_keep_their_tiers_beside_borrowed_ones(origin: Workplace) -> None:

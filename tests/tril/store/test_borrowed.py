@@ -1,4 +1,4 @@
-"""Games that a behaviour borrows from others for its ranking."""
+"""Games that a behaviour borrows for its ranking, from others and from policies."""
 
 from __future__ import annotations
 
@@ -143,9 +143,113 @@ def test_games_of_a_deleted_behaviour_stay_with_their_borrowers_but_are_lent_no_
     with workplace.database.writing() as session:
         behaviours.delete(session, behaviours.get(session, own))
         assert session.get(BorrowedGameRow, (own, workplace.ranked[0])) is None
-    borrow(workplace, [kept])
+    with pytest.raises(Conflict, match=f"recording {kept} is of a deleted behaviour"):
+        borrow(workplace, [kept])
     assert held(workplace) == [lent]
     assert tiers_of(workplace) == [[workplace.ranked[0]], [lent]]
+
+
+@pytest.fixture
+def run_id(workplace: Workplace) -> str:
+    """A run of column 1 that is over."""
+    made = workplace.make_run()
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, made)
+    return made
+
+
+@pytest.fixture
+def by_policy(workplace: Workplace, run_id: str) -> list[int]:
+    """Games that the run's policies have played."""
+    with workplace.database.writing() as session:
+        return [
+            recordings.add(
+                session,
+                workplace.behaviour_id,
+                one.recording,
+                one.replay,
+                Source.POLICY,
+                run_id=run_id,
+            ).id
+            for one in games(2)
+        ]
+
+
+def test_a_policys_game_is_ranked_once_it_is_borrowed_by_its_own_behaviour_or_another(
+    workplace: Workplace, by_policy: list[int]
+) -> None:
+    best, *_ = workplace.ranked
+    first, second = by_policy
+    with pytest.raises(Invalid, match=f"{first} belongs to a training and is not borrowed"):
+        rank(workplace, [[best], [first]])
+    borrow(workplace, [first])
+    rank(workplace, [[first], [best]])
+    borrow(workplace, by_policy)
+    assert held(workplace) == [second, first]
+    with workplace.database.reading() as session:
+        newest = rankings.current(session, workplace.behaviour_id)
+        assert rankings.unranked(session, newest)[0] == second
+        library = recordings.listing(session, workplace.behaviour_id)
+        frozen = runs.snapshot(session, workplace.behaviour_id)
+    assert set(by_policy).isdisjoint(row.id for row in library)
+    assert (frozen.tiers, frozen.perfect) == ([[first], [best]], [best])
+    with workplace.database.writing() as session:
+        column_2 = behaviours.by_slug(session, "column-2").id
+        borrowed.borrow(session, column_2, by_policy)
+        assert rankings.save(session, column_2, 0, [[first]]).tiers == [[first]]
+
+
+def test_a_deleted_runs_games_stay_with_the_rankings_that_hold_them(
+    workplace: Workplace, run_id: str, by_policy: list[int]
+) -> None:
+    best, *_ = workplace.ranked
+    borrow(workplace, by_policy)
+    rank(workplace, [by_policy[:1], [best]])
+    with workplace.database.writing() as session:
+        runs.delete(session, run_id)
+    rank(workplace, [[best], by_policy])
+    assert held(workplace) == sorted(by_policy, reverse=True)
+    with workplace.database.writing() as session:
+        newest = rankings.current(session, workplace.behaviour_id)
+        assert rankings.undo(session, workplace.behaviour_id, newest.revision).tiers == [
+            by_policy[:1],
+            [best],
+        ]
+    frozen = workplace.run(workplace.make_run()).snapshot
+    assert frozen is not None
+    assert frozen.tiers == [by_policy[:1], [best]]
+
+
+def test_games_are_borrowed_all_or_none_and_the_reasons_are_named(
+    workplace: Workplace, others: list[int], by_policy: list[int]
+) -> None:
+    own, *_ = workplace.ranked
+    deleted, unverified, good = others
+    with workplace.database.writing() as session:
+        recordings.delete(session, [recordings.get(session, deleted)], None)
+        recordings.get(session, unverified).verification = Verification.FAILED
+    with pytest.raises(Conflict) as refusal:
+        borrow(workplace, [good, own, deleted, unverified, *by_policy])
+    assert str(refusal.value) == (
+        "Nothing was added to the ranking's games:"
+        f" recording {own} is in the behaviour's library, so that it can be ranked already,"
+        f" recording {deleted} has been deleted, recording {unverified} is not verified."
+    )
+    with pytest.raises(NotFound, match="no such recordings: 998, 999"):
+        borrow(workplace, [good, 999, 998])
+    assert held(workplace) == []
+
+
+@pytest.mark.usefixtures("by_policy")
+def test_no_policys_game_is_among_varied_games(workplace: Workplace) -> None:
+    with workplace.database.reading() as session:
+        column_2 = behaviours.by_slug(session, "column-2").id
+    played = iter(games(4))
+    rng = np.random.default_rng(0)
+    add_varied_games(workplace.database, column_2, 8, lambda _: next(played), rng)
+    with workplace.database.reading() as session:
+        lent = [row.id for row in borrowed.listing(session, column_2)]
+    assert sorted(lent) == sorted(workplace.ranked)
 
 
 def test_half_of_the_varied_games_are_borrowed_while_there_are_enough(

@@ -13,6 +13,7 @@ from alembic import command
 from sqlalchemy import inspect, text
 
 from tril.errors import Unavailable
+from tril.recipes import FAST
 from tril.store import behaviours, players
 from tril.store.database import Database, create_database, use_wal
 from tril.store.models import Base
@@ -96,6 +97,25 @@ def test_an_older_database_says_how_to_bring_it_up_to_date(
     )
     with pytest.raises(Unavailable, match=r"older version.*tril migrate.*Nothing is lost"):
         check_schema(database)
+
+
+def test_a_downgrade_to_a_version_without_parents_keeps_the_runs(database: Database) -> None:
+    upgrade(database)
+    with database.writing() as session:
+        column_1 = behaviours.by_slug(session, "column-1").id
+        parent = runs.create(session, column_1, FAST, 10, 0, example=True)
+        child = runs.create(session, column_1, FAST, 10, 0, example=True)
+        child.parent_run_id = parent.id
+    with database.engine.execution_options(tril_writes=True).begin() as connection:
+        config = alembic_config()
+        config.attributes["connection"] = connection
+        command.downgrade(config, "0005")
+        columns = {column["name"] for column in inspect(connection).get_columns("runs")}
+    assert "parent_run_id" not in columns
+    upgrade(database)
+    check_schema(database)
+    with database.reading() as session:
+        assert [row.parent_run_id for row in runs.listing(session)] == [None, None]
 
 
 def test_a_database_that_can_not_be_opened_is_named_so(tmp_path: Path) -> None:

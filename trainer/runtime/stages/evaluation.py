@@ -13,10 +13,11 @@ from tril.behaviours import score
 from tril.game.console import Console
 from tril.game.episode import Ending
 from tril.game.starts import evaluation_number
+from tril.recipes import recipe_from_dict
 from tril.recording import verify
 from tril.store import recordings
 from tril.store.models import Source
-from tril.store.training import evaluations, leases
+from tril.store.training import evaluations, leases, runs
 from tril.store.training.evaluations import (
     ACTION_SELECTIONS,
     POLICIES,
@@ -103,11 +104,19 @@ def conditions_of(policy: str, action_selection: ActionSelection) -> dict[str, A
 
 
 def starts_seen(data: RunData) -> set[int]:
-    """Return the evaluation starts from which demonstrations or training games of the run began."""
-    shown = data.recordings(data.snapshot.recordings)
+    """Return the evaluation starts from which demonstrations or training games of the run began.
+
+    What the runs that it continues have learned from counts, too.
+    """
+    with data.context.database.reading() as session:
+        lineage = runs.lineage(session, data.context.run)
+    shown = data.recordings(
+        [key for run in lineage if run.snapshot for key in run.snapshot.recordings]
+    )
     numbers = {evaluation_number(recording.start) for recording in shown.values()}
     shown_from = {number for number in numbers if number is not None}
-    return shown_from | set(data.context.recipe.policy.own_starts)
+    own_starts = (recipe_from_dict(run.recipe).policy.own_starts for run in lineage)
+    return shown_from.union(*own_starts)
 
 
 def headline(data: RunData) -> Headline:

@@ -74,7 +74,10 @@ def learn_clone(data: RunData, progress: Progress) -> None:
 
 
 def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
-    """Train the imitator as its recipe says, from its checkpoint if there is one; keep it."""
+    """Train the imitator as its recipe says, from its checkpoint if there is one; keep it.
+
+    PPO begins with the run's clone, or with the imitator of the run that it continues.
+    """
     context = data.context
     task = ImitationTask(
         model=data.reward_model,
@@ -88,12 +91,12 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     )
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
-    with data.artifact_file("clone") as clone:
+    with data.start_policy_file() as start_policy:
         if context.recipe.method == "dagger":
             result = train_by_dagger(task, path, folder, progress, context.device)
         else:
             result = train_imitator(
-                replace(task, clone=clone),
+                replace(task, start_policy=start_policy),
                 path,
                 folder,
                 progress,

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Literal, NamedTuple
 
+import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
@@ -13,6 +14,7 @@ from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.behaviours import Score
 from tril.game.episode import DEATHS
 from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.store.borrowed import pick_evenly
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
 
@@ -23,6 +25,10 @@ ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")
 """How a policy's actions are selected: the likeliest one; drawn by their probabilities; the
 likeliest one, while the machine repeats actions at random. Runs of earlier versions have no sticky
 games."""
+
+
+N_PROPOSED = 8
+"""Games of an imitator that are proposed for the ranking at most."""
 
 
 class EvaluationKey(NamedTuple):
@@ -85,6 +91,33 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
         .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.action_selection)
     )
     return list(session.scalars(query))
+
+
+def proposed_games(
+    games: Sequence[EvaluationRow], kept_starts: Collection[int]
+) -> list[EvaluationRow]:
+    """Return the games of the imitator that a person had best rank: few, and unlike each other.
+
+    They are greedy and sticky ones, which show what the imitator does at its best and where it
+    doesn't recover, spread evenly over action selections, targets and strays, or over the number of
+    aliens hit for a behaviour without target cells. A later run that learns from a game takes its
+    start for seen, so some starts are kept for its headline figures.
+
+    Args:
+        games: A run's evaluation games, loaded with their recordings.
+        kept_starts: Starts to leave out, unless there are games from no others.
+
+    Returns:
+        At most N_PROPOSED, by start number; the same ones for the same games.
+    """
+    own = [g for g in games if g.policy == "imitator" and g.action_selection != "sampled"]
+    candidates = [g for g in own if g.start_number not in kept_starts] or own
+    traits = [
+        (g.action_selection, len(g.recording.hits) if g.targets is None else g.targets, g.strays)
+        for g in candidates
+    ]
+    picked = pick_evenly(traits, N_PROPOSED, np.random.default_rng(0))
+    return [candidates[place] for place in sorted(picked)]
 
 
 def figures_of(row: EvaluationRow, n_targets: int | None = None) -> GameFigures:

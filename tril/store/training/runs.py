@@ -11,10 +11,11 @@ from sqlalchemy.orm import Session
 from tril.analysis.outcome import RunSnapshot
 from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
-from tril.recipes import MAX_DAGGER_STEPS, Recipe
+from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.models import NOT_OVER, RunRow, RunStatus, now
+from tril.store.training import artifacts
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
 
@@ -29,6 +30,7 @@ def create(
     example: bool = False,
     player_id: int | None = None,
     example_kind: str = SCRIPTED.name,
+    parent_run_id: str | None = None,
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
 
@@ -45,11 +47,13 @@ def create(
             frozen once they exist.
         player_id: Who started it.
         example_kind: Which demonstrations an example has, see tril.demonstrator.KINDS.
+        parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
 
     Raises:
-        NotFound: No such behaviour.
+        NotFound: No such behaviour or parent.
         Invalid: The ranking or the perfect demonstrations don't suffice, or the recipe does not
-            allow this behaviour or this many steps.
+            allow this behaviour, this parent or this many steps.
+        Conflict: The parent has no imitator yet.
     """
     behaviour = behaviours.get(session, behaviour_id)
     if steps < 1:
@@ -61,10 +65,13 @@ def create(
                 f"DAgger keeps every state that it has seen: train it for at most"
                 f" {MAX_DAGGER_STEPS:,} steps, not {steps:,}."
             )
+    if parent_run_id is not None:
+        _refuse_unfit_parent(session, behaviour_id, recipe, parent_run_id)
     row = RunRow(
         id=str(uuid.uuid4()),
         behaviour_id=behaviour_id,
         player_id=player_id,
+        parent_run_id=parent_run_id,
         example=example,
         example_kind=kind_named(example_kind).name,
         recipe_name=recipe.name,
@@ -79,6 +86,35 @@ def create(
     session.flush()
     note_change(session, "run", row.id)
     return row
+
+
+def _refuse_unfit_parent(
+    session: Session, behaviour_id: int, recipe: Recipe, parent_run_id: str
+) -> None:
+    """Raise unless a run of the behaviour by this recipe can begin with the parent's imitator."""
+    parent = get(session, parent_run_id)
+    if parent.behaviour_id != behaviour_id:
+        raise Invalid(
+            "The training to continue from teaches another behaviour. Choose one of this behaviour."
+        )
+    if recipe.method != "ppo" or not recipe.policy.warm_start:
+        raise Invalid(
+            f"The recipe {recipe.name} can't continue from an imitator: it does not train by PPO"
+            " with a warm start. Choose one that does, such as fast."
+        )
+    its_network = recipe_from_dict(parent.recipe).policy.network
+    if its_network != recipe.policy.network:
+        raise Invalid(
+            f"The imitator to continue from has the network {its_network!r}, but the recipe"
+            f" {recipe.name} trains {recipe.policy.network!r}. Choose a recipe with the same one."
+        )
+    try:
+        artifacts.of_kind(session, parent_run_id, "imitator")
+    except NotFound as missing:
+        raise Conflict(
+            "The training to continue from has no imitator yet. Let it train its imitator first,"
+            " or choose another training."
+        ) from missing
 
 
 def snapshot(session: Session, behaviour_id: int) -> RunSnapshot:
@@ -113,6 +149,14 @@ def get(session: Session, run_id: str, *, for_update: bool = False) -> RunRow:
     if row is None or row.deleted_at is not None:
         raise NotFound("There is no such training (any more).")
     return row
+
+
+def lineage(session: Session, row: RunRow) -> list[RunRow]:
+    """Return a run, the run that it continues, and so on; deleted ones too."""
+    found = [row]
+    while (parent := found[-1].parent_run_id) is not None:
+        found.append(session.get_one(RunRow, parent))
+    return found
 
 
 def listing(session: Session, behaviour_id: int | None = None) -> list[RunRow]:
@@ -200,6 +244,9 @@ def queue_again(session: Session, run_id: str) -> RunRow:
 
 def delete(session: Session, run_id: str) -> None:
     """Take a run out of every list; its games and files stay readable by id.
+
+    So rankings keep the games that they have borrowed from it, and runs that continue from it find
+    its imitator.
 
     Raises:
         Conflict: The run is not over.

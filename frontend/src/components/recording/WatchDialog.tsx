@@ -22,12 +22,14 @@ interface WatchDialogProps {
   runId?: string | undefined;
   /** The frame to begin at, paused. */
   startFrame?: number | undefined;
+  /** Shown below the player. */
+  actions?: ReactNode;
   onClose: () => void;
 }
 
 /** Plays a recording back in a dialog. */
 export function WatchDialog(props: WatchDialogProps) {
-  const { recording, nTargets, title, runId, startFrame, onClose } = props;
+  const { recording, nTargets, title, runId, startFrame, actions, onClose } = props;
   const frames = useQuery(framesQuery(recording));
   const trace = useQuery({
     ...rewardTraceQuery(runId ?? "", recording.id),
@@ -59,6 +61,7 @@ export function WatchDialog(props: WatchDialogProps) {
           <span>{describeCourse(recording)}</span>
           <Link to={`/recordings/${recording.id}`}>Details: actions, memory, downloads</Link>
         </p>
+        {actions && <div>{actions}</div>}
       </div>
     </Dialog>
   );

@@ -1,10 +1,11 @@
 import { useQuery } from "@tanstack/react-query";
 
+import { borrowedQuery } from "@/api/borrowed";
 import { recordingsQuery } from "@/api/recordings";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
-import { borrowedQuery, rankingQuery } from "@/features/ranking/order/rankings";
+import { rankingQuery } from "@/features/ranking/order/rankings";
 
 import { RankingDesk } from "./RankingDesk";
 

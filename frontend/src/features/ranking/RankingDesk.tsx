@@ -1,6 +1,7 @@
 import { useCallback, useMemo, useState } from "react";
 
 import type { Behaviour, Ranking, Recording } from "@/api/types";
+import { useBorrowing } from "@/components/recording/use-borrowing";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
 import { DragBoard } from "@/features/ranking/board/DragBoard";
@@ -24,7 +25,7 @@ import styles from "./RankingDesk.module.css";
 import { SaveBar } from "./SaveBar";
 import { SelectionBar } from "./SelectionBar";
 import { useMedia } from "./use-media";
-import { useGiveBack, VariedGames } from "./VariedGames";
+import { VariedGames } from "./VariedGames";
 
 interface RankingDeskProps {
   behaviour: Behaviour;
@@ -39,7 +40,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [spoken, setSpoken] = useState("");
   const [chosen, setChosen] = useState<ReadonlySet<number>>(new Set());
   const actions = useRecordingActions(behaviour.id);
-  const giveBack = useGiveBack(behaviour.id);
+  const { giveBack } = useBorrowing(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;

@@ -1,10 +1,11 @@
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useMutation } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
-import { addVariedGames, giveBack, rankingQuery } from "@/features/ranking/order/rankings";
+import { useBorrowing } from "@/components/recording/use-borrowing";
+import { addVariedGames } from "@/features/ranking/order/rankings";
 
 import styles from "./VariedGames.module.css";
 
@@ -17,7 +18,7 @@ interface VariedGamesProps {
 
 /** Adds games of other kinds to the unranked recordings, and selects those that are there. */
 export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGamesProps) {
-  const refresh = useRefresh(behaviour.id);
+  const { refresh } = useBorrowing(behaviour.id);
   const toast = useToast();
   const add = useMutation({
     mutationFn: () => addVariedGames(behaviour.id),
@@ -27,7 +28,9 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
     },
     onError: (error) => toast(messageOf(error)),
   });
-  const varied = unranked.filter((one) => one.borrowed || one.source === "random");
+  const varied = unranked.filter(
+    (one) => (one.borrowed && one.run_id === null) || one.source === "random",
+  );
   return (
     <div className={styles.varied}>
       <p>
@@ -53,27 +56,4 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
       </div>
     </div>
   );
-}
-
-/** Returns what gives a borrowed recording back. */
-export function useGiveBack(behaviourId: number): (recording: Recording) => void {
-  const refresh = useRefresh(behaviourId);
-  const toast = useToast();
-  const { mutate } = useMutation({
-    mutationFn: ({ id }: Recording) => giveBack(behaviourId, id),
-    onError: (error) => toast(messageOf(error)),
-    onSettled: refresh,
-  });
-  return mutate;
-}
-
-/** Returns what loads the recordings that can be ranked again. */
-function useRefresh(behaviourId: number): () => Promise<unknown> {
-  const client = useQueryClient();
-  return () =>
-    Promise.all([
-      client.invalidateQueries({ queryKey: ["recordings", behaviourId] }),
-      client.invalidateQueries({ queryKey: rankingQuery(behaviourId).queryKey }),
-      client.invalidateQueries({ queryKey: ["behaviours"] }),
-    ]);
 }

@@ -2,13 +2,15 @@ import { useQuery } from "@tanstack/react-query";
 import { type ReactNode, useState } from "react";
 
 import { resultsQuery } from "@/api/runs";
-import type { Behaviour, Run, RunResults } from "@/api/types";
+import type { Behaviour, Recording, Run, RunResults } from "@/api/types";
 import { Failed, Loading } from "@/components/feedback/States";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { Attention } from "@/features/results/attention/Attention";
 import { Curves } from "@/features/results/curves/Curves";
+import { AddToRanking } from "@/features/results/games/AddToRanking";
 import { Comparison } from "@/features/results/games/Comparison";
 import { PolicyResults } from "@/features/results/games/PolicyResults";
+import { TeachMore } from "@/features/results/games/TeachMore";
 import { Extrapolation } from "@/features/results/reward/Extrapolation";
 import { RewardCheck } from "@/features/results/reward/RewardCheck";
 import { Alarms } from "@/features/results/run/Alarms";
@@ -46,11 +48,21 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
           nTargets={behaviour.target?.length ?? null}
           runId={results?.check ? run.id : undefined}
           startFrame={watched.frame}
+          actions={
+            isOfPolicy(watched.recording) && (
+              <AddToRanking recording={watched.recording} behaviourId={behaviour.id} />
+            )
+          }
           onClose={() => setWatched(null)}
         />
       )}
     </div>
   );
+}
+
+/** Whether a recording is a run's evaluation game, not one of its demonstrations. */
+function isOfPolicy({ source, run_id: runId }: Recording): boolean {
+  return source === "policy" && runId !== null;
 }
 
 interface SectionsProps {
@@ -108,6 +120,12 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
       title: "The same game, played by each",
       body: <Comparison results={results} behaviour={behaviour} onWatch={onWatch} />,
     },
+    !active &&
+      results.artifacts.some(({ kind }) => kind === "imitator") && {
+        id: "teach",
+        title: "Teach it more",
+        body: <TeachMore results={results} behaviour={behaviour} onWatch={onWatch} />,
+      },
     results.check && {
       id: "check",
       title: "Reward and ranking",

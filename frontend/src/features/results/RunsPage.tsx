@@ -110,6 +110,11 @@ function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
       <th scope="row">
         <Link to={`/runs/${run.id}`}>{runName(run)}</Link>
         {run.example && <span className={styles.bounds}>scripted example</span>}
+        {run.parent_run_id !== null && (
+          <span className={styles.bounds}>
+            continues {runName({ id: run.parent_run_id }).toLowerCase()}
+          </span>
+        )}
       </th>
       <td>
         <RunStatus run={run} />

@@ -1,6 +1,6 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { type SubmitEvent, useState } from "react";
-import { useNavigate } from "react-router";
+import { Link, useNavigate } from "react-router";
 
 import { messageOf } from "@/api/client";
 import { createRun } from "@/api/runs";
@@ -9,7 +9,7 @@ import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import { whole } from "@/lib/format";
-import { describeEstimate } from "@/lib/runs";
+import { describeEstimate, runName } from "@/lib/runs";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
@@ -21,10 +21,14 @@ interface TrainFormProps {
   behaviour: Behaviour;
   recipes: readonly Recipe[];
   first: Recipe;
+  /** The run whose imitator is trained further. */
+  parentId: string | null;
+  onParentRemoved: () => void;
 }
 
 /** The recipe and settings of a run. */
-export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
+export function TrainForm(props: TrainFormProps) {
+  const { behaviour, recipes, first, parentId, onParentRemoved } = props;
   const client = useQueryClient();
   const navigate = useNavigate();
   const [chosen, setChosen] = useState(first.name);
@@ -52,7 +56,7 @@ export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
   function submit(event: SubmitEvent) {
     event.preventDefault();
     setTried(true);
-    const run = runOf(values, behaviour.id, example);
+    const run = runOf(values, behaviour.id, example, parentId);
     if (run) start.mutate(run);
   }
 
@@ -60,6 +64,7 @@ export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
   return (
     <form className={styles.form} onSubmit={submit} noValidate>
       <Readiness behaviour={behaviour} missing={missing} example={example} />
+      {parentId !== null && <Parent runId={parentId} onRemove={onParentRemoved} />}
       <fieldset>
         <legend className={styles.legend}>Recipe</legend>
         <div className={styles.recipes}>
@@ -110,6 +115,22 @@ export function TrainForm({ behaviour, recipes, first }: TrainFormProps) {
         )}
       </div>
     </form>
+  );
+}
+
+/** The run that this one continues. */
+function Parent({ runId, onRemove }: { runId: string; onRemove: () => void }) {
+  const name = runName({ id: runId });
+  return (
+    <Notice tone="calm" icon="redo">
+      <p>
+        Continues <Link to={`/runs/${runId}`}>{name}</Link>: PPO begins with its imitator instead of
+        the clone.
+      </p>
+      <Button kind="quiet" icon="close" onClick={onRemove}>
+        Begin with the clone
+      </Button>
+    </Notice>
   );
 }
 

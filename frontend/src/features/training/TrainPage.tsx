@@ -1,4 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
+import { useSearchParams } from "react-router";
 
 import { recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
@@ -7,8 +8,9 @@ import { Failed, Loading } from "@/components/feedback/States";
 import { TrainForm } from "./TrainForm";
 import styles from "./TrainPage.module.css";
 
-/** Starts a run on the current ranking. */
+/** Starts a run on the current ranking, which continues the run that the address names, if any. */
 export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
+  const [search, setSearch] = useSearchParams();
   const { data: recipes, error, refetch } = useQuery(recipesQuery);
   if (error && !recipes) {
     return <Failed what="The recipes" error={error} onRetry={() => void refetch()} />;
@@ -16,7 +18,13 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
   if (!recipes?.[0]) return <Loading what="the recipes" rows={3} />;
   return (
     <div className={styles.page}>
-      <TrainForm behaviour={behaviour} recipes={recipes} first={recipes[0]} />
+      <TrainForm
+        behaviour={behaviour}
+        recipes={recipes}
+        first={recipes[0]}
+        parentId={search.get("continue")}
+        onParentRemoved={() => setSearch({}, { replace: true })}
+      />
       <aside className={styles.side} aria-label="What a run does">
         <h2>What a run does</h2>
         <ol className={styles.stages}>

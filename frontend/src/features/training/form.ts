@@ -55,8 +55,13 @@ export function errorsIn(values: FormValues): FormErrors {
   };
 }
 
-/** Returns the request of a run; null while a field is invalid. */
-export function runOf(values: FormValues, behaviourId: number, example: boolean): RunNew | null {
+/** Returns the request of a run that continues another or none; null while a field is invalid. */
+export function runOf(
+  values: FormValues,
+  behaviourId: number,
+  example: boolean,
+  parentId: string | null,
+): RunNew | null {
   if (Object.keys(errorsIn(values)).length > 0) return null;
   return {
     behaviour_id: behaviourId,
@@ -66,5 +71,6 @@ export function runOf(values: FormValues, behaviourId: number, example: boolean)
     training_seed: readWhole(values.trainingSeed),
     go_on_anyway: values.goOnAnyway,
     example,
+    parent_run_id: parentId,
   };
 }

@@ -2,7 +2,7 @@ import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
-import type { Ranking } from "@/api/types";
+import type { Ranking, Recording } from "@/api/types";
 import { RankPage } from "@/features/ranking/RankPage";
 
 import { behaviour, ranking, recording } from "../../support/data";
@@ -10,7 +10,7 @@ import { show } from "../../support/page";
 import { type Asked, Refusal, serve } from "../../support/server";
 
 /** A fake server with one ranking and its revisions. */
-function rankingServer(begin: Partial<Ranking>) {
+function rankingServer(begin: Partial<Ranking>, more: readonly Recording[] = []) {
   const all = [1, 2, 3, 4].map((id) =>
     recording({
       id,
@@ -18,6 +18,7 @@ function rankingServer(begin: Partial<Ranking>) {
       parent: id === 4 ? { recording_id: 3, frame: 300 } : null,
     }),
   );
+  all.push(...more);
   let standing = ranking(begin);
   const history = [standing];
   const put = (tiers: number[][], more: Partial<Ranking> = {}) => {
@@ -67,8 +68,8 @@ function rankingServer(begin: Partial<Ranking>) {
   return { asked, elsewhere: put, now: () => standing };
 }
 
-async function open(begin: Partial<Ranking>) {
-  const server = rankingServer(begin);
+async function open(begin: Partial<Ranking>, more: readonly Recording[] = []) {
+  const server = rankingServer(begin, more);
   show(<RankPage behaviour={behaviour({ n_recordings: 4 })} />);
   await screen.findByRole("heading", { name: "Best to worst" });
   return server;
@@ -211,6 +212,17 @@ describe("varied games", () => {
     await press("Give back: Recording 11");
     await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 11" })).toBeNull());
     expect(screen.getByText("2 recordings selected")).toBeVisible();
+  });
+
+  it("are not those of a run's policy, which name the run", async () => {
+    const runId = "3f2a9c00-0000-4000-8000-000000000000";
+    const played = recording({ id: 14, source: "policy", run_id: runId, borrowed: true });
+    await open({ tiers: [[1], [2]], unranked: [3, 14] }, [played]);
+    const card = within(screen.getByRole("article", { name: "Recording 14" }));
+    expect(card.getByText("from Run 3f2a9c")).toBeVisible();
+    expect(card.queryByRole("button", { name: /perfect/ })).toBeNull();
+    expect(card.getByRole("button", { name: "Give back: Recording 14" })).toBeVisible();
+    expect(screen.queryByRole("button", { name: /Select all varied/ })).toBeNull();
   });
 
   it("say why they could not be added", async () => {

@@ -2,7 +2,7 @@ import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
-import type { PolicySummary, Run, RunResults } from "@/api/types";
+import type { PolicySummary, Recording, Run, RunResults } from "@/api/types";
 import { RunPage } from "@/features/results/RunPage";
 import { RunsPage } from "@/features/results/RunsPage";
 
@@ -303,6 +303,123 @@ describe("the results", () => {
     const file = await screen.findByRole("link", { name: "imitator.zip" });
     expect(file).toHaveAttribute("href", "/api/artifacts/1");
     expect(screen.getByText("3.7 MB")).toBeVisible();
+  });
+});
+
+describe("teaching more", () => {
+  const one = run({ status: "cancelled", parent_run_id: "abcdef00-0000-4000-8000-000000000000" });
+  const good = recording({ id: 20, run_id: one.id, source: "policy", targets: 2 });
+  const bad = recording({ id: 21, run_id: one.id, source: "policy", strays: 3, end: "hit" });
+  const imitator = {
+    id: 1,
+    kind: "imitator",
+    name: "imitator.zip",
+    media_type: "application/zip",
+    size_bytes: 1,
+    url: "/api/artifacts/1",
+  };
+  const taught: Partial<RunResults> = {
+    comparison: [
+      {
+        start_number: 0,
+        held_out: true,
+        imitator: game({ recording: good }),
+        clone: null,
+        winner: null,
+      },
+    ],
+    games: [
+      game({ recording: good }),
+      game({ recording: bad, action_selection: "sticky", start_number: 7 }),
+    ],
+    proposed: [20, 21],
+    artifacts: [imitator],
+  };
+
+  /** Serves a ranking's games that requests change; one of them can be ranked already. */
+  function openTaught(change: Partial<RunResults> = {}, ranked = false) {
+    let held: Recording[] = ranked ? [{ ...good, borrowed: true, ranked }] : [];
+    const asked = serve({
+      [`GET /api/runs/${one.id}/results`]: () => results(one, { ...taught, ...change }),
+      [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 0, series: {} }),
+      "GET /api/behaviours/1/borrowed": () => held,
+      "POST /api/behaviours/1/ranking/games": ({ body }) => {
+        const { recording_ids: ids } = body as { recording_ids: number[] };
+        held = [...held, ...[good, bad].filter(({ id }) => ids.includes(id))];
+        return held;
+      },
+      "DELETE /api/behaviours/1/borrowed/20": () => {
+        held = held.filter(({ id }) => id !== 20);
+        return undefined;
+      },
+    });
+    return { asked, ...show(<RunPage run={one} behaviour={behaviour()} />) };
+  }
+
+  const games = async () => within(await screen.findByRole("list", { name: "Games to rank" }));
+
+  it("proposes games that differ, with what became of them", async () => {
+    openTaught();
+    const shown = (await games()).getAllByRole("listitem").map((item) => item.textContent);
+    expect(shown[0]).toContain("2 of 2 targets, no strays");
+    expect(shown[1]).toContain("3 strayshit by a bombsticky actions, start 7");
+    await userEvent.click(
+      screen.getByRole("button", { name: "Watch imitator, sticky actions, start 7" }),
+    );
+    const dialog = within(screen.getByRole("dialog"));
+    expect(
+      await dialog.findByRole("button", { name: "Add to the ranking: Recording 21" }),
+    ).toBeVisible();
+  });
+
+  it("adds a game to the ranking's games, wherever it is shown, and gives it back", async () => {
+    const { asked } = openTaught();
+    const list = await games();
+    await userEvent.click(
+      await list.findByRole("button", { name: "Add to the ranking: Recording 20" }),
+    );
+    const inRanking = { name: "In the ranking’s games: Recording 20. Give it back" };
+    expect(await list.findByRole("button", inRanking)).toHaveAttribute("aria-pressed", "true");
+    const table = within(screen.getByRole("table", { name: "Games from the first starts" }));
+    await userEvent.click(table.getByRole("button", inRanking));
+    expect(
+      await table.findByRole("button", { name: "Add to the ranking: Recording 20" }),
+    ).toBeVisible();
+    expect(asked.filter(({ method }) => method !== "GET").map(({ method }) => method)).toEqual([
+      "POST",
+      "DELETE",
+    ]);
+  });
+
+  it("adds those that are missing at once and leads to the ranking", async () => {
+    const { asked, router } = openTaught({}, true);
+    const ranked = await screen.findAllByRole("button", { name: /^Ranked: Recording 20/ });
+    for (const button of ranked) expect(button).toHaveAttribute("aria-disabled", "true");
+    await userEvent.click(screen.getByRole("button", { name: "Add 1 game and rank it" }));
+    await waitFor(() => expect(router.state.location.pathname).toBe("/behaviours/1/rank"));
+    expect(asked.find(({ method }) => method === "POST")?.body).toEqual({ recording_ids: [21] });
+  });
+
+  it("trains the imitator further, even if there are no games yet", async () => {
+    openTaught({ proposed: [], games: [], comparison: [] });
+    const further = await screen.findByRole("link", { name: "Train further from this imitator" });
+    expect(further).toHaveAttribute("href", `/behaviours/1/train?continue=${one.id}`);
+    expect(screen.queryByRole("list", { name: "Games to rank" })).not.toBeInTheDocument();
+  });
+
+  it("needs an imitator, and a run that is over", async () => {
+    openTaught({ artifacts: [] });
+    expect(await screen.findByRole("heading", { name: "Parameters" })).toBeVisible();
+    expect(screen.queryByRole("heading", { name: "Teach it more" })).not.toBeInTheDocument();
+  });
+
+  it("says which run another one continues", async () => {
+    openTaught();
+    expect(screen.getByRole("link", { name: "Run abcdef" })).toHaveAttribute(
+      "href",
+      "/runs/abcdef00-0000-4000-8000-000000000000",
+    );
+    expect(await screen.findByRole("heading", { name: "Teach it more" })).toBeVisible();
   });
 });
 

@@ -11,13 +11,13 @@ import { Refusal, serve } from "../../support/server";
 
 const RANKED = behaviour({ n_recordings: 3, n_ranked: 3, n_perfect: 1 });
 
-function open(one: Behaviour, answers: Parameters<typeof serve>[0] = {}) {
+function open(one: Behaviour, answers: Parameters<typeof serve>[0] = {}, path = "/") {
   const asked = serve({
     "GET /api/recipes": () => [recipe(), recipe({ name: "paper", default_steps: 10_000_000 })],
     "GET /api/system": () => system(true),
     ...answers,
   });
-  return { asked, ...show(<TrainPage behaviour={one} />) };
+  return { asked, ...show(<TrainPage behaviour={one} />, path) };
 }
 
 describe("training", () => {
@@ -78,6 +78,23 @@ describe("training", () => {
     await userEvent.click(screen.getByRole("radio", { name: /fast/ }));
     expect(screen.getByLabelText("Steps")).toHaveValue("20,000");
     expect(seed).toHaveValue("7");
+  });
+
+  it("continues the run that the address names, unless it is removed", async () => {
+    const parent = "3f2a9c00-0000-4000-8000-000000000000";
+    const answers = { "POST /api/runs": () => new Refusal(409, { detail: "It is gone." }) };
+    const { asked, router } = open(RANKED, answers, `/?continue=${parent}`);
+    const link = await screen.findByRole("link", { name: "Run 3f2a9c" });
+    expect(link).toHaveAttribute("href", `/runs/${parent}`);
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    expect(await screen.findByRole("alert")).toHaveTextContent("It is gone.");
+    await userEvent.click(screen.getByRole("button", { name: "Begin with the clone" }));
+    expect(link).not.toBeInTheDocument();
+    expect(router.state.location.search).toBe("");
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    const sent = () => asked.filter(({ method }) => method === "POST").map(({ body }) => body);
+    await waitFor(() => expect(sent()).toHaveLength(2));
+    expect(sent()).toMatchObject([{ parent_run_id: parent }, { parent_run_id: null }]);
   });
 
   it("names a number that won't do", async () => {

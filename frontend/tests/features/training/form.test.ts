@@ -21,7 +21,7 @@ function values(change: Partial<FormValues> = {}): FormValues {
 describe("the training form", () => {
   it("begins with a recipe that can be sent as it is", () => {
     expect(errorsIn(values())).toEqual({});
-    expect(runOf(values(), 3, false)).toEqual({
+    expect(runOf(values(), 3, false, null)).toEqual({
       behaviour_id: 3,
       recipe: "fast",
       steps: 300_000,
@@ -29,6 +29,7 @@ describe("the training form", () => {
       training_seed: 0,
       go_on_anyway: false,
       example: false,
+      parent_run_id: null,
     });
   });
 
@@ -54,6 +55,6 @@ describe("the training form", () => {
   ])("refuses %o and says what would do", (change, field) => {
     const errors = errorsIn(values(change));
     expect(Object.keys(errors)).toEqual([field]);
-    expect(runOf(values(change), 1, false)).toBeNull();
+    expect(runOf(values(change), 1, false, null)).toBeNull();
   });
 });

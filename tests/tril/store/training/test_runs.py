@@ -11,9 +11,10 @@ from sqlalchemy import update
 from testsupport.workplace import TINY, Workplace
 from tril.analysis.outcome import RunSnapshot
 from tril.errors import Conflict, Invalid, NotFound
+from tril.recipes import with_values
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.models import RunRow, RunStatus, now
-from tril.store.training import leases, runs
+from tril.store.training import artifacts, leases, runs
 from tril.store.training.leases import LeaseLost
 
 VERSIONS = {"python": "3.11"}
@@ -80,6 +81,48 @@ def test_an_example_needs_no_ranking_yet(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         row = runs.create(session, workplace.behaviour_id, TINY, 10, 0, example=True)
         assert row.snapshot is None
+
+
+def with_imitator(workplace: Workplace) -> str:
+    """Return a run that has an imitator."""
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        artifacts.save(session, run_id, "imitator", "imitator.zip", "application/octet-stream", 1)
+    return run_id
+
+
+def test_a_run_continues_from_one_that_has_an_imitator(workplace: Workplace) -> None:
+    parent = with_imitator(workplace)
+    child = workplace.run(workplace.make_run(parent_run_id=parent))
+    assert child.parent_run_id == parent
+    assert child.snapshot == workplace.run(parent).snapshot
+    assert workplace.run(parent).parent_run_id is None
+
+
+def test_a_parent_that_can_not_be_continued_is_refused_with_what_to_do(
+    workplace: Workplace,
+) -> None:
+    parent = with_imitator(workplace)
+    unfinished = workplace.make_run()
+    with pytest.raises(NotFound, match="no such training"):
+        workplace.make_run(parent_run_id="missing")
+    with pytest.raises(Conflict, match="has no imitator yet"):
+        workplace.make_run(parent_run_id=unfinished)
+    for values in ({"method": "dagger"}, {"policy.warm_start": False, "policy.kl_coef": 0.0}):
+        with pytest.raises(Invalid, match="does not train by PPO with a warm start"):
+            workplace.make_run(with_values(TINY, values), parent_run_id=parent)
+    nature = with_values(TINY, {"policy.network": "nature", "cloning.network": "nature"})
+    with pytest.raises(Invalid, match="has the network 'small', but the recipe tiny trains"):
+        workplace.make_run(nature, parent_run_id=parent)
+    with workplace.database.writing() as session:
+        column_2 = behaviours.by_slug(session, "column-2").id
+        with pytest.raises(Invalid, match="teaches another behaviour"):
+            runs.create(session, column_2, TINY, 10, 0, example=True, parent_run_id=parent)
+    with workplace.database.writing() as session:
+        runs.request_cancel(session, parent)
+        runs.delete(session, parent)
+    with pytest.raises(NotFound, match="no such training"):
+        workplace.make_run(parent_run_id=parent)
 
 
 def test_only_one_worker_gets_a_run(workplace: Workplace) -> None:

@@ -9,6 +9,7 @@ import { RecordingScreen, useHover } from "@/components/recording/RecordingScree
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { classes } from "@/lib/classes";
 import { describeCourse, hitCells, recordingName, describeScore } from "@/lib/recordings";
+import { runName } from "@/lib/runs";
 
 import { useDragItem } from "./DragBoard";
 import styles from "./RankCard.module.css";
@@ -123,16 +124,22 @@ function Facts({
           {children}
           <h3>{recordingName(recording)}</h3>
           <SourceBadge recording={recording} />
-          {recording.borrowed && (
-            <Badge icon="tray" title="A game of another behaviour, borrowed for this ranking.">
-              from {recording.behaviour_name}
-            </Badge>
-          )}
+          {recording.borrowed && <Origin recording={recording} />}
         </div>
         <span>{describeScore(recording, behaviour.target?.length ?? null)}</span>
         <span className={styles.quiet}>{describeCourse(recording)}</span>
       </div>
     </>
+  );
+}
+
+/** Where a borrowed game comes from: a run whose policy played it, or another behaviour. */
+function Origin({ recording: { run_id: runId, behaviour_name: name } }: { recording: Recording }) {
+  const title = `A game of ${runId ? "a run’s policy" : "another behaviour"}, borrowed for this ranking.`;
+  return (
+    <Badge icon="tray" title={title}>
+      from {runId ? runName({ id: runId }) : name}
+    </Badge>
   );
 }
 

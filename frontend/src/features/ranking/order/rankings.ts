@@ -17,16 +17,6 @@ export function rankingQuery(behaviourId: number) {
   });
 }
 
-/** The recordings of other behaviours that the ranking may hold. */
-export function borrowedQuery(behaviourId: number) {
-  return queryOptions({
-    // Stale whenever the behaviour's own recordings are.
-    queryKey: ["recordings", behaviourId, "borrowed"],
-    queryFn: ({ signal }) =>
-      unwrap(api.GET("/api/behaviours/{behaviour_id}/borrowed", { ...at(behaviourId), signal })),
-  });
-}
-
 const N_VARIED_GAMES = 24;
 
 /** Adds games of other behaviours and of random play, unranked; takes seconds. */
@@ -35,15 +25,6 @@ export function addVariedGames(behaviourId: number): Promise<Recording[]> {
     api.POST("/api/behaviours/{behaviour_id}/borrowed", {
       ...at(behaviourId),
       body: { count: N_VARIED_GAMES },
-    }),
-  );
-}
-
-/** Gives a borrowed recording back, which is refused while it is ranked. */
-export function giveBack(behaviourId: number, recordingId: number): Promise<unknown> {
-  return unwrap(
-    api.DELETE("/api/behaviours/{behaviour_id}/borrowed/{recording_id}", {
-      params: { path: { behaviour_id: behaviourId, recording_id: recordingId } },
     }),
   );
 }

@@ -6,6 +6,7 @@ import { count, NONE } from "@/lib/format";
 import { describeEnd, hitCells } from "@/lib/recordings";
 import { playedBy, type Thing, THING_NAMES } from "@/lib/things";
 
+import { AddToRanking } from "./AddToRanking";
 import styles from "./Comparison.module.css";
 
 interface ComparisonProps {
@@ -150,21 +151,26 @@ function GameCell({
   if (!recording) return <>{NONE}</>;
   const title = `${name} ${from}`.trim();
   return (
-    <button
-      type="button"
-      className={styles.game}
-      aria-label={`Watch ${title.charAt(0).toLowerCase()}${title.slice(1)}`}
-      onClick={() => onWatch({ recording, title })}
-    >
-      <span className={styles.only}>
-        <ThingMark thing={thing}>{name === "Best demonstration" ? "Best" : name}</ThingMark>
-      </span>
-      <AlienGrid hits={hitCells(recording)} target={behaviour.target} scale={2} />
-      <span className={styles.words}>
-        <Outcome recording={recording} />
-        <span>{describeEnd(recording.end)}</span>
-      </span>
-    </button>
+    <>
+      <button
+        type="button"
+        className={styles.game}
+        aria-label={`Watch ${title.charAt(0).toLowerCase()}${title.slice(1)}`}
+        onClick={() => onWatch({ recording, title })}
+      >
+        <span className={styles.only}>
+          <ThingMark thing={thing}>{name === "Best demonstration" ? "Best" : name}</ThingMark>
+        </span>
+        <AlienGrid hits={hitCells(recording)} target={behaviour.target} scale={2} />
+        <span className={styles.words}>
+          <Outcome recording={recording} />
+          <span>{describeEnd(recording.end)}</span>
+        </span>
+      </button>
+      {name !== "Best demonstration" && (
+        <AddToRanking recording={recording} behaviourId={behaviour.id} kind="quiet" />
+      )}
+    </>
   );
 }
 

@@ -9,6 +9,7 @@ import styles from "./Parameters.module.css";
 export function Parameters({ run }: { run: Run }) {
   const rows: ValueRow[] = [
     { section: "", name: "run", value: run.id },
+    { section: "", name: "continues run", value: run.parent_run_id ?? "none" },
     { section: "", name: "recipe", value: run.recipe },
     { section: "", name: "steps", value: whole(run.steps) },
     { section: "", name: "training seed", value: whole(run.training_seed) },

@@ -75,7 +75,10 @@ export function RunActions({ run }: { run: Run }) {
           onClose={() => setDeleting(false)}
           width="26rem"
         >
-          <p>Its results are no longer shown. Recordings and the ranking stay as they are.</p>
+          <p>
+            Its results are no longer shown. Recordings and the ranking stay as they are, its games
+            in them, too.
+          </p>
           <br />
           <div className={styles.actions}>
             <Button kind="danger" disabled={remove.isPending} onClick={() => remove.mutate()}>

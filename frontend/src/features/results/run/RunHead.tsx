@@ -1,3 +1,5 @@
+import { Link } from "react-router";
+
 import type { Run } from "@/api/types";
 import { Ago } from "@/features/results/Ago";
 import { RunStatus } from "@/features/results/RunStatus";
@@ -21,6 +23,12 @@ export function RunHead({ run }: { run: Run }) {
           <span>{shortCount(run.steps)} steps</span>
           <span>training seed {run.training_seed}</span>
           {run.n_ranked !== null && <span>{count(run.n_ranked, "ranked recording")}</span>}
+          {run.parent_run_id !== null && (
+            <span>
+              Continues{" "}
+              <Link to={`/runs/${run.parent_run_id}`}>{runName({ id: run.parent_run_id })}</Link>
+            </span>
+          )}
           <Ago time={run.created_at} />
         </p>
       </div>

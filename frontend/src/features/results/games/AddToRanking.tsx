@@ -1,0 +1,43 @@
+import { useQuery } from "@tanstack/react-query";
+
+import { borrowedQuery } from "@/api/borrowed";
+import type { Recording } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { useBorrowing } from "@/components/recording/use-borrowing";
+import { recordingName } from "@/lib/recordings";
+
+interface AddToRankingProps {
+  recording: Recording;
+  behaviourId: number;
+  kind?: "secondary" | "quiet";
+}
+
+/** Adds a policy's game to those that can be ranked, or gives it back while it is unranked. */
+export function AddToRanking({ recording, behaviourId, kind }: AddToRankingProps) {
+  const { data: borrowed } = useQuery(borrowedQuery(behaviourId));
+  const { add, giveBack, isPending } = useBorrowing(behaviourId);
+  if (!borrowed) return null;
+  const held = borrowed.find(({ id }) => id === recording.id);
+  const ranked = held?.ranked === true;
+  const text = ranked ? "Ranked" : held ? "In the ranking’s games" : "Add to the ranking";
+  const hint = ranked ? ". Take it off the board to give it back" : held ? ". Give it back" : "";
+  const label = `${text}: ${recordingName(recording)}${hint}`;
+  return (
+    <Button
+      kind={kind}
+      icon={held ? "check" : "plus"}
+      aria-label={label}
+      title={label}
+      aria-pressed={held !== undefined}
+      // Not `disabled`, which would lose the focus.
+      aria-disabled={isPending || ranked}
+      onClick={() => {
+        if (isPending || ranked) return;
+        if (held) giveBack(held);
+        else void add([recording.id]);
+      }}
+    >
+      {text}
+    </Button>
+  );
+}
