@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import threading
+import time
+from collections.abc import Mapping
 
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, ReplayTask
@@ -13,6 +15,9 @@ from tril.recording import Recording
 
 _FORMAT = 1
 """Raised whenever the files change, so that cached ones of an earlier version are not used."""
+
+MAX_RECENT = 1000
+"""Products kept in memory for get_within: 7 MB of final pictures."""
 
 
 def version_of(recording: Recording) -> str:
@@ -26,7 +31,7 @@ def version_of(recording: Recording) -> str:
 
 
 class ReplayCache:
-    """Frames, thumbnails, memory and clips of recordings; thread-safe.
+    """Frames, thumbnails, memory, final pictures and clips of recordings; thread-safe.
 
     Args:
         cache: Where the files are kept.
@@ -42,6 +47,7 @@ class ReplayCache:
         self._clips = clips or ClipMaker()
         # One at a time, so that the check of a game that ends waits for one at most.
         self._lock = threading.Lock()
+        self._recent: dict[str, bytes] = {}
 
     def get(self, recording: Recording, task: ReplayTask) -> bytes:
         """Return what a replay yields, replaying the recording unless the file is cached."""
@@ -50,9 +56,39 @@ class ReplayCache:
             with self._lock:
                 return self._replays.submit(task, recording).result()
 
-        return self._cache.get(f"{version_of(recording)}.{task}", replay)
+        return self._cache.get(_name(recording, task), replay)
+
+    def get_within(
+        self, budget_s: float, recordings: Mapping[int, Recording], task: ReplayTask
+    ) -> dict[int, bytes]:
+        """Return what replays of recordings yield, as far as it is cached or time allows.
+
+        At least one of those that are missing is replayed, and the newest are kept in memory, so
+        that asking again gets on even where nothing can be cached on disk.
+
+        Args:
+            budget_s: Time after which no further replay begins.
+            recordings: Recordings by id, the most important first.
+            task: What to replay them for.
+        """
+        deadline = time.monotonic() + budget_s
+        names = {key: _name(recording, task) for key, recording in recordings.items()}
+        found = {
+            key: self._recent.get(name) or self._cache.find(name) for key, name in names.items()
+        }
+        for key in [key for key, content in found.items() if content is None]:
+            found[key] = self.get(recordings[key], task)
+            if time.monotonic() > deadline:
+                break
+        known = {key: content for key, content in found.items() if content is not None}
+        newest = self._recent | {names[key]: content for key, content in known.items()}
+        self._recent = dict(list(newest.items())[-MAX_RECENT:])
+        return known
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""
-        name = f"{version_of(recording)}.{kind}"
-        return self._cache.get(name, lambda: self._clips.make(recording, kind))
+        return self._cache.get(_name(recording, kind), lambda: self._clips.make(recording, kind))
+
+
+def _name(recording: Recording, kind: ReplayTask | ClipKind) -> str:
+    return f"{version_of(recording)}.{kind}"

@@ -23,6 +23,9 @@ from tril.game.observation import OBSERVATION_SHAPE, AgentView
 HASH_EVERY_FRAMES = game.FRAME_RATE_HZ
 """Frames between hashes of the RAM: one second."""
 
+LEVEL_STEPS = 25
+"""Observations at a trajectory's beginning and end whose mean R is its first and its last level."""
+
 
 class RecordingRefused(Invalid):
     """A recording that is invalid or does not replay as recorded."""

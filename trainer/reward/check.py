@@ -18,9 +18,10 @@ from trainer.reward.fragment_logits import Seed
 from trainer.reward.fragments import Fragmenter, fragment_returns
 from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PreferenceDataset
-from trainer.reward.reward_trainer import LEVEL_STEPS, RewardTrainer
+from trainer.reward.reward_trainer import RewardTrainer
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
+from tril.recording import LEVEL_STEPS
 
 CONFIDENT_TAU = 0.9
 CONFIDENT_ACCURACY = 0.9

@@ -24,9 +24,7 @@ from trainer.reward.fragment_logits import FragmentLogits, PrefixSumLogits, Seed
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from trainer.reward.preference_dataset import PreferenceDataset
 from tril.errors import Invalid
-
-LEVEL_STEPS = 25
-"""Observations at a trajectory's beginning and end whose mean R is its first and its last level."""
+from tril.recording import LEVEL_STEPS
 
 CHECKPOINT_INTERVAL_S = 30.0
 

@@ -47,13 +47,12 @@ class Cache:
             name: Name derived from the inputs, in letters, digits, dots and hyphens.
             make: Makes the content.
         """
-        if not name.replace("-", "").replace(".", "").isalnum() or name.startswith("."):
-            raise ValueError(f"Expected a plain file name, got {name!r}.")
+        _check_name(name)
         with self._lock:
             lock = self._making.setdefault(name, threading.Lock())
         with lock:
             try:
-                content = self._read(name)
+                content = self.find(name)
                 if content is None:
                     content = make()
                     self._keep(name, content)
@@ -62,7 +61,9 @@ class Cache:
                     self._making.pop(name, None)
         return content
 
-    def _read(self, name: str) -> bytes | None:
+    def find(self, name: str) -> bytes | None:
+        """Return a file's content, None if it is not cached."""
+        _check_name(name)
         path = self._folder / name
         try:
             content = path.read_bytes()
@@ -115,3 +116,8 @@ class Cache:
             else:
                 used += size
         return used
+
+
+def _check_name(name: str) -> None:
+    if not name.replace("-", "").replace(".", "").isalnum() or name.startswith("."):
+        raise ValueError(f"Expected a plain file name, got {name!r}.")

@@ -210,6 +210,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/ranking/opinion": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Ranking Opinion
+         * @description Return where a linear reward places each game that it was learned without.
+         */
+        get: operations["get_ranking_opinion"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking/redo": {
         parameters: {
             query?: never;
@@ -1129,6 +1149,32 @@ export interface components {
             idle_frames?: number | null;
         };
         /**
+         * GameOpinion
+         * @description Where a linear reward that was learned from the other ranked games places a game.
+         *
+         *     Places are shares of the ranked games that are better, from 0 for the best to 1, with the ends
+         *     of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that end
+         *     like it and speak against its tier, empty unless that is improbable.
+         */
+        GameOpinion: {
+            /** Best Place */
+            best_place: number;
+            /** Best Tier */
+            best_tier: number;
+            /** Contradicted By */
+            contradicted_by: number[];
+            /** Place */
+            place: number;
+            /** Recording Id */
+            recording_id: number;
+            /** Tier */
+            tier: number;
+            /** Worst Place */
+            worst_place: number;
+            /** Worst Tier */
+            worst_tier: number;
+        };
+        /**
          * Ghost
          * @description The cannon's rectangle in a recording, in pixels of the screen.
          *
@@ -1462,6 +1508,24 @@ export interface components {
             detail: string;
             /** Yours */
             yours: number[][];
+        };
+        /**
+         * RankingOpinion
+         * @description What a linear reward, learned from a revision of the ranking, says of each game.
+         *
+         *     ``games`` is empty if ``needs_more``, since fewer than four games or two tiers are ranked, and
+         *     while ranked games are ``missing``. Those are to be replayed first; a request does so for a
+         *     second, so ask again. Of unranked games the newest 60 are looked at.
+         */
+        RankingOpinion: {
+            /** Games */
+            games: components["schemas"]["GameOpinion"][];
+            /** Missing */
+            missing: number;
+            /** Needs More */
+            needs_more: boolean;
+            /** Revision */
+            revision: number;
         };
         /**
          * RankingRevision
@@ -3127,6 +3191,91 @@ export interface operations {
             };
             /** @description The current state does not allow it. */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_ranking_opinion: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RankingOpinion"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -62,6 +62,38 @@ class RankingConflict(Schema):
     yours: list[list[int]]
 
 
+class GameOpinion(Schema):
+    """Where a linear reward that was learned from the other ranked games places a game.
+
+    Places are shares of the ranked games that are better, from 0 for the best to 1, with the ends
+    of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that end
+    like it and speak against its tier, empty unless that is improbable.
+    """
+
+    recording_id: int
+    place: float
+    best_place: float
+    worst_place: float
+    tier: int
+    best_tier: int
+    worst_tier: int
+    contradicted_by: list[int]
+
+
+class RankingOpinion(Schema):
+    """What a linear reward, learned from a revision of the ranking, says of each game.
+
+    ``games`` is empty if ``needs_more``, since fewer than four games or two tiers are ranked, and
+    while ranked games are ``missing``. Those are to be replayed first; a request does so for a
+    second, so ask again. Of unranked games the newest 60 are looked at.
+    """
+
+    revision: int
+    needs_more: bool
+    missing: int
+    games: list[GameOpinion]
+
+
 class RankingRevision(Schema):
     """A revision of a ranking and the change that made it."""
 

@@ -1,4 +1,4 @@
-"""What a replay of a recording yields: all its frames, a thumbnail, the console's memory."""
+"""What a replay of a recording yields: its frames, a thumbnail, its memory and how it ends."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ import numpy as np
 from PIL import Image
 
 from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
+from tril.analysis.linear_reward import Picture, final_picture
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Episode
+from tril.game.observation import SIZE
 from tril.game.palette import palette_rgb
-from tril.recording import Recording, replay
+from tril.recording import Recording, replay, trajectory
 
 MAGIC = b"TRILFRM1"
 KEY_EVERY_FRAMES = 60
@@ -91,3 +93,13 @@ def memory_file(recording: Recording, console: Console | None = None) -> bytes:
 
     played = replay(recording, console, add_memory)
     return memory[: played.n_frames + 1].tobytes()
+
+
+def final_picture_file(recording: Recording, console: Console | None = None) -> bytes:
+    """Return a recording's final picture: uint8 (84, 84), row by row."""
+    return final_picture(trajectory(recording, console).observations).tobytes()
+
+
+def read_final_picture(content: bytes) -> Picture:
+    """Return the picture, uint8 (84, 84), of a file."""
+    return np.frombuffer(content, np.uint8).reshape(SIZE, SIZE)

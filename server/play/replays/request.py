@@ -8,7 +8,12 @@ from enum import StrEnum
 
 import numpy as np
 
-from server.play.replays.products import frames_file, memory_file, thumbnail_png
+from server.play.replays.products import (
+    final_picture_file,
+    frames_file,
+    memory_file,
+    thumbnail_png,
+)
 from tril.demonstrator import play_randomly
 from tril.game.console import Console
 from tril.recording import Recording, Verified, verify
@@ -21,6 +26,7 @@ class ReplayTask(StrEnum):
     FRAMES = "frames"
     THUMBNAIL = "png"
     MEMORY = "ram"
+    FINAL_PICTURE = "final"
 
 
 @dataclass(frozen=True)
@@ -68,6 +74,7 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
     ReplayTask.FRAMES: frames_file,
     ReplayTask.THUMBNAIL: thumbnail_png,
     ReplayTask.MEMORY: memory_file,
+    ReplayTask.FINAL_PICTURE: final_picture_file,
 }
 
 

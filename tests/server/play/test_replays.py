@@ -13,12 +13,13 @@ import psutil
 import pytest
 
 from server.play.replays import ReplayProcess, ReplayTask, process
-from server.play.replays.products import frames_file
+from server.play.replays.products import frames_file, read_final_picture
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
+from tril.analysis.linear_reward import final_picture
 from tril.demonstrator import play_randomly
 from tril.errors import Unavailable
-from tril.recording import Recording, RecordingRefused
+from tril.recording import Recording, RecordingRefused, trajectory
 from tril.store import recordings
 
 PATIENCE_S = 60.0
@@ -69,6 +70,15 @@ def test_frames_are_those_of_a_replay_in_this_process(
     recording, _ = played
     made = replays.submit(ReplayTask.FRAMES, recording).result(PATIENCE_S)
     assert made == frames_file(recording)
+
+
+def test_a_final_picture_shows_how_a_game_ends(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    recording, _ = played
+    made = replays.submit(ReplayTask.FINAL_PICTURE, recording).result(PATIENCE_S)
+    shown = final_picture(trajectory(recording).observations)
+    assert np.array_equal(read_final_picture(made), shown)
 
 
 def test_a_game_is_played_at_random_from_its_seed(replays: ReplayProcess) -> None:

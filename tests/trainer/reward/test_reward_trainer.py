@@ -20,8 +20,9 @@ from trainer.reward import reward_trainer
 from trainer.reward.check import are_told_apart, check_ranking
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
 from trainer.reward.preference_dataset import PreferenceDataset
-from trainer.reward.reward_trainer import LEVEL_STEPS, RewardTrainer, train_reward_model
+from trainer.reward.reward_trainer import RewardTrainer, train_reward_model
 from tril.recipes import RewardRecipe
+from tril.recording import LEVEL_STEPS
 
 TRAJECTORIES = planted_trajectories()
 

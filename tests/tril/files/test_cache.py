@@ -25,6 +25,15 @@ def test_cached_files_are_not_made_again(tmp_path: Path) -> None:
     assert len(made) == 1
 
 
+def test_what_is_cached_is_found_without_making_it(tmp_path: Path) -> None:
+    cache = Cache(tmp_path, 1000)
+    assert cache.find("abc.final") is None
+    cache.get("abc.final", lambda: b"picture")
+    assert cache.find("abc.final") == b"picture"
+    with pytest.raises(ValueError, match="plain file name"):
+        cache.find("../abc")
+
+
 def test_concurrent_callers_make_a_file_once(tmp_path: Path) -> None:
     cache = Cache(tmp_path, 1000)
     barrier = threading.Barrier(6)

@@ -11,7 +11,12 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
     case "recording":
       return [["recordings"], ["recording", Number(key)], ["ranking"], ["behaviours"]];
     case "ranking":
-      return [["ranking", Number(key)], ["recordings", Number(key)], ["behaviours"]];
+      return [
+        ["ranking", Number(key)],
+        ["opinion", Number(key)],
+        ["recordings", Number(key)],
+        ["behaviours"],
+      ];
     case "behaviour":
       return [["behaviours"]];
     case "system":

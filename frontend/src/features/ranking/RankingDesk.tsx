@@ -8,6 +8,9 @@ import { DragBoard } from "@/features/ranking/board/DragBoard";
 import { allPlaces, isGap, describePlace, readPlace } from "@/features/ranking/board/places";
 import { CardBody, type Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
+import { Opinion } from "@/features/ranking/opinion/Opinion";
+import { OpinionBar } from "@/features/ranking/opinion/OpinionBar";
+import { useOpinions } from "@/features/ranking/opinion/use-opinions";
 import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
 import { place, placeAll, tierOf, type Tiers } from "@/features/ranking/order/order";
 import type { SaverState } from "@/features/ranking/order/saver";
@@ -39,6 +42,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [previewed, setPreviewed] = useState<number | null>(null);
   const [spoken, setSpoken] = useState("");
   const [chosen, setChosen] = useState<ReadonlySet<number>>(new Set());
+  const [advised, setAdvised] = useState(true);
+  const [kept, setKept] = useState<ReadonlySet<number>>(new Set());
+  const opinions = useOpinions(behaviour.id, state, advised);
   const actions = useRecordingActions(behaviour.id);
   const { giveBack } = useBorrowing(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
@@ -53,8 +59,11 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
 
   function move(id: number, kind: Move) {
-    const next = applyMove(tiers, id, kind);
     keepFocus(id, kind);
+    show(id, applyMove(tiers, id, kind));
+  }
+
+  function show(id: number, next: Tiers) {
     saver.change(next);
     setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
   }
@@ -83,6 +92,25 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       ),
     onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
     onGiveBack: giveBack,
+    renderOpinion: (id: number) => {
+      const opinion = opinions.of.get(id);
+      const at = tierOf(tiers, id);
+      return (
+        opinion && (
+          <Opinion
+            opinion={opinion}
+            tier={at < 0 ? null : at + 1}
+            kept={kept.has(id)}
+            current={opinions.current}
+            onMove={(tier) => {
+              keepFocus(id);
+              show(id, place(tiers, id, { kind: "tier", tier: tier - 1 }));
+            }}
+            onKeep={() => setKept((before) => new Set([...before, id]))}
+          />
+        )
+      );
+    },
   };
   return (
     <DragBoard
@@ -99,6 +127,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
         <section aria-label="Ranking">
           <SaveBar state={state} saver={saver} />
+          <OpinionBar opinions={opinions} shown={advised} onShow={setAdvised} />
           <Pairs
             pairs={openPairs(tiers, unranked, byId)}
             behaviour={behaviour}

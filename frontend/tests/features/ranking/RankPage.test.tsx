@@ -2,7 +2,7 @@ import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
-import type { Ranking, Recording } from "@/api/types";
+import type { GameOpinion, Ranking, RankingOpinion, Recording } from "@/api/types";
 import { RankPage } from "@/features/ranking/RankPage";
 
 import { behaviour, ranking, recording } from "../../support/data";
@@ -10,7 +10,11 @@ import { show } from "../../support/page";
 import { type Asked, Refusal, serve } from "../../support/server";
 
 /** A fake server with one ranking and its revisions. */
-function rankingServer(begin: Partial<Ranking>, more: readonly Recording[] = []) {
+function rankingServer(
+  begin: Partial<Ranking>,
+  opinion: () => Partial<RankingOpinion> = () => ({}),
+  more: readonly Recording[] = [],
+) {
   const all = [1, 2, 3, 4].map((id) =>
     recording({
       id,
@@ -55,6 +59,13 @@ function rankingServer(begin: Partial<Ranking>, more: readonly Recording[] = [])
       return undefined;
     },
     "GET /api/behaviours/1/ranking": () => standing,
+    "GET /api/behaviours/1/ranking/opinion": () => ({
+      revision: standing.revision,
+      needs_more: false,
+      missing: 0,
+      games: [],
+      ...opinion(),
+    }),
     "GET /api/behaviours/1/recordings": () => all.filter((one) => !one.borrowed),
     "PUT /api/behaviours/1/ranking": ({ body }: Asked) => {
       const { base_revision: base, tiers } = body as { base_revision: number; tiers: number[][] };
@@ -68,8 +79,12 @@ function rankingServer(begin: Partial<Ranking>, more: readonly Recording[] = [])
   return { asked, elsewhere: put, now: () => standing };
 }
 
-async function open(begin: Partial<Ranking>, more: readonly Recording[] = []) {
-  const server = rankingServer(begin, more);
+async function open(
+  begin: Partial<Ranking>,
+  opinion?: () => Partial<RankingOpinion>,
+  more: readonly Recording[] = [],
+) {
+  const server = rankingServer(begin, opinion, more);
   show(<RankPage behaviour={behaviour({ n_recordings: 4 })} />);
   await screen.findByRole("heading", { name: "Best to worst" });
   return server;
@@ -217,7 +232,7 @@ describe("varied games", () => {
   it("are not those of a run's policy, which name the run", async () => {
     const runId = "3f2a9c00-0000-4000-8000-000000000000";
     const played = recording({ id: 14, source: "policy", run_id: runId, borrowed: true });
-    await open({ tiers: [[1], [2]], unranked: [3, 14] }, [played]);
+    await open({ tiers: [[1], [2]], unranked: [3, 14] }, undefined, [played]);
     const card = within(screen.getByRole("article", { name: "Recording 14" }));
     expect(card.getByText("from Run 3f2a9c")).toBeVisible();
     expect(card.queryByRole("button", { name: /perfect/ })).toBeNull();
@@ -272,6 +287,104 @@ describe("several selected recordings", () => {
     expect(board()).toEqual([["1"], ["3"]]);
     expect(screen.getByText("Dropped 1 recording: unranked.")).toBeInTheDocument();
     await waitFor(() => expect(server.now().tiers).toEqual([[1], [3]]));
+  });
+});
+
+describe("what the other games suggest", () => {
+  const game = (change: Partial<GameOpinion>): GameOpinion => ({
+    recording_id: 1,
+    place: 0.3,
+    best_place: 0.1,
+    worst_place: 0.5,
+    tier: 1,
+    best_tier: 1,
+    worst_tier: 2,
+    contradicted_by: [],
+    ...change,
+  });
+  const card = (id: number) => within(screen.getByRole("article", { name: `Recording ${id}` }));
+  const contradiction = { recording_id: 3, tier: 1, worst_tier: 1, contradicted_by: [1, 2] };
+
+  it("is shown beside ranked and unranked games", async () => {
+    await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+      games: [game({}), game({ recording_id: 4, tier: 2, best_tier: 2 })],
+    }));
+    expect(await screen.findByText("The others suggest tier 1 (1 to 2)")).toBeVisible();
+    expect(card(4).getByText("Probably tier 2")).toBeVisible();
+    expect(card(2).queryByText(/suggest/)).toBeNull();
+    expect(screen.getByText(/the wider the band, the less sure it is/)).toBeVisible();
+  });
+
+  it("names a contradiction and moves the game where they suggest", async () => {
+    let games = [game(contradiction)];
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({ games }));
+    expect(
+      await screen.findByText(
+        "The other games suggest that it is better: about tier 1. It ends like Recording 1 and " +
+          "Recording 2.",
+      ),
+    ).toBeVisible();
+    games = [];
+    card(3).getByRole("button", { name: "Move to tier 1: Recording 3" }).focus();
+    await userEvent.keyboard("{Enter}");
+    expect(board()).toEqual([["1", "3"], ["2"]]);
+    expect(screen.getByText("Recording 3: tier 1 of 2, tied with 1.")).toBeInTheDocument();
+    await waitFor(() => expect(server.now().tiers).toEqual([[1, 3], [2]]));
+    await waitFor(() => expect(screen.queryByText(/The other games suggest that/)).toBeNull());
+  });
+
+  it("moves nothing by tiers of another order", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+      revision: 7,
+      games: [game(contradiction)],
+    }));
+    const move = await screen.findByRole("button", { name: "Move to tier 1: Recording 3" });
+    expect(move).toHaveAttribute("aria-disabled", "true");
+    await userEvent.click(move);
+    expect(server.asked.filter(({ method }) => method === "PUT")).toEqual([]);
+  });
+
+  it("can be declined for a game, and hidden for all", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+      games: [game(contradiction)],
+    }));
+    await userEvent.click(await screen.findByRole("button", { name: "Keep it here: Recording 3" }));
+    expect(screen.queryByRole("group", { name: "Contradiction at Recording 3" })).toBeNull();
+    expect(card(3).getByRole("button", { name: "Move Recording 3" })).toHaveFocus();
+    expect(card(3).getByText("The others suggest tier 1")).toBeVisible();
+    await userEvent.click(
+      screen.getByRole("checkbox", { name: "Show what the other games suggest" }),
+    );
+    expect(card(3).queryByText(/suggest/)).toBeNull();
+    expect(server.now().revision).toBe(1);
+  });
+
+  it("is asked again after each saved change and while games are missing", async () => {
+    let missing = 2;
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+      missing: Math.max(0, missing--),
+    }));
+    expect(await screen.findByText("Looking at how 2 more games end…")).toBeVisible();
+    expect(await screen.findByText("Looking at how 1 more game ends…")).toBeVisible();
+    expect(await screen.findByText(/the less sure it is/)).toBeVisible();
+    const times = () => server.asked.filter(({ path }) => path.endsWith("/opinion")).length;
+    const before = times();
+    await press("Up: Recording 3");
+    await waitFor(() => expect(times()).toBe(before + 1));
+  });
+
+  it("says what it needs, and what went wrong", async () => {
+    let more: Partial<RankingOpinion> = { needs_more: true };
+    await open({ tiers: [[1], [2]], unranked: [3, 4] }, () => more);
+    expect(await screen.findByText(/Rank four games in at least two tiers/)).toBeVisible();
+    more = {};
+    serve({
+      "PUT /api/behaviours/1/ranking": () => ranking({ revision: 2, tiers: [[2], [1]] }),
+      "GET /api/behaviours/1/ranking/opinion": () =>
+        new Refusal(503, { detail: "Too much to do." }),
+    });
+    await press("Up: Recording 2");
+    expect(await screen.findByText("It could not be worked out: Too much to do.")).toBeVisible();
   });
 });
 

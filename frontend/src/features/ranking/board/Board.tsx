@@ -32,6 +32,8 @@ interface BoardProps {
   onSelect: (id: number, selected: boolean) => void;
   onPerfect: (recording: Recording) => void;
   onGiveBack: (recording: Recording) => void;
+  /** Shows what else there is to say of a recording. */
+  renderOpinion: (id: number) => ReactNode;
 }
 
 /** Applies a card's button to the order. */
@@ -144,7 +146,7 @@ export function Tray(props: BoardProps & { unranked: readonly number[]; children
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
   const { tiers, recordings, behaviour, previewed, narrow, selected } = props;
-  const { onPreview, onMove, onSelect, onPerfect, onGiveBack } = props;
+  const { onPreview, onMove, onSelect, onPerfect, onGiveBack, renderOpinion } = props;
   const recording = recordings.get(id);
   if (!recording) return null;
   return (
@@ -163,6 +165,7 @@ function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
         onPerfect={() => onPerfect(recording)}
         onGiveBack={() => onGiveBack(recording)}
         onPreview={() => onPreview(id)}
+        opinion={renderOpinion(id)}
       />
     </div>
   );

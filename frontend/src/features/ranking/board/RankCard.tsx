@@ -33,6 +33,7 @@ interface RankCardProps {
   onPerfect: () => void;
   onGiveBack: () => void;
   onPreview: () => void;
+  opinion: ReactNode;
 }
 
 const SCREEN = { width: 320, height: 210 } as const;
@@ -85,6 +86,7 @@ export function RankCard(props: RankCardProps) {
           onClick={(event) => event.stopPropagation()}
         />
       </Facts>
+      {props.opinion}
       <Buttons {...props} name={name} />
       {unfolded && (
         <div className={styles.screen}>

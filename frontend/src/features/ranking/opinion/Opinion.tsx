@@ -1,0 +1,87 @@
+import type { GameOpinion } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Icon } from "@/components/controls/Icon";
+import { recordingName } from "@/lib/recordings";
+
+import styles from "./Opinion.module.css";
+
+interface OpinionProps {
+  opinion: GameOpinion;
+  /** The game's tier, counted from 1; null if it is unranked. */
+  tier: number | null;
+  /** Whether the game is to stay where it is, whatever the others suggest. */
+  kept: boolean;
+  /** Whether tiers have the numbers that the opinion names. */
+  current: boolean;
+  onMove: (tier: number) => void;
+  onKeep: () => void;
+}
+
+/** Where a quick reward would place a game, how sure it is, and whether that is a contradiction. */
+export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: OpinionProps) {
+  const { place, best_place: best, worst_place: worst, contradicted_by: against } = opinion;
+  const name = recordingName({ id: opinion.recording_id });
+  return (
+    <div className={styles.opinion}>
+      <p className={styles.place}>
+        <span className={styles.scale} aria-hidden="true">
+          <i
+            className={styles.band}
+            style={{ insetInlineStart: along(best), inlineSize: along(worst - best) }}
+          />
+          <i className={styles.tick} style={{ insetInlineStart: along(place) }} />
+        </span>
+        {tier === null ? "Probably" : "The others suggest"} {describeTiers(opinion)}
+      </p>
+      {tier !== null && against.length > 0 && !kept && (
+        <div role="group" aria-label={`Contradiction at ${name}`} className={styles.contradiction}>
+          <Icon name="alert" />
+          <p>
+            The other games suggest that it is {opinion.tier < tier ? "better" : "worse"}: about
+            tier {opinion.tier}. It ends like{" "}
+            {against.map((id) => recordingName({ id })).join(" and ")}.
+          </p>
+          <div className={styles.choice}>
+            <Button
+              aria-label={`Move to tier ${opinion.tier}: ${name}`}
+              // Not `disabled`, which would lose the focus.
+              aria-disabled={!current}
+              onClick={({ currentTarget }) => {
+                if (!current) return;
+                focusHandle(currentTarget);
+                onMove(opinion.tier);
+              }}
+            >
+              Move to tier {opinion.tier}
+            </Button>
+            <Button
+              kind="quiet"
+              aria-label={`Keep it here: ${name}`}
+              onClick={({ currentTarget }) => {
+                focusHandle(currentTarget);
+                onKeep();
+              }}
+            >
+              Keep it here
+            </Button>
+          </div>
+        </div>
+      )}
+    </div>
+  );
+}
+
+/** Focuses the handle of a button's card: the button goes with the contradiction. */
+function focusHandle(button: HTMLElement): void {
+  button.closest("article")?.querySelector("button")?.focus();
+}
+
+/** A share of the scale, in CSS. */
+function along(share: number): string {
+  return `${100 * share}%`;
+}
+
+/** Describes a tier and the tiers that are possible. */
+function describeTiers({ tier, best_tier: best, worst_tier: worst }: GameOpinion): string {
+  return best === worst ? `tier ${tier}` : `tier ${tier} (${best} to ${worst})`;
+}

@@ -1,0 +1,41 @@
+import { messageOf } from "@/api/client";
+import { count } from "@/lib/format";
+
+import styles from "./OpinionBar.module.css";
+import type { Opinions } from "./use-opinions";
+
+interface OpinionBarProps {
+  opinions: Opinions;
+  shown: boolean;
+  onShow: (shown: boolean) => void;
+}
+
+/** Says what the marks beside the games mean, and hides them. */
+export function OpinionBar({ opinions, shown, onShow }: OpinionBarProps) {
+  return (
+    <div className={styles.bar}>
+      <label>
+        <input
+          type="checkbox"
+          checked={shown}
+          onChange={(event) => onShow(event.currentTarget.checked)}
+        />
+        Show what the other games suggest
+      </label>
+      {shown && <p>{legend(opinions)}</p>}
+    </div>
+  );
+}
+
+function legend({ answer, error }: Opinions): string {
+  if (error !== null) return `It could not be worked out: ${messageOf(error)}`;
+  if (!answer) return "Working it out…";
+  if (answer.needs_more)
+    return "Rank four games in at least two tiers to see where they suggest that each game belongs.";
+  if (answer.missing > 0)
+    return `Looking at how ${count(answer.missing, "more game ends", "more games end")}…`;
+  return (
+    "The bar beside a game runs from best to worst. Its tick is where a linear reward places the " +
+    "game, learned from how the other ranked games end; the wider the band, the less sure it is."
+  );
+}

@@ -1,0 +1,50 @@
+import { keepPreviousData, queryOptions, useQuery } from "@tanstack/react-query";
+import { useMemo } from "react";
+
+import { api, unwrap } from "@/api/client";
+import type { GameOpinion, RankingOpinion } from "@/api/types";
+import { sameOrder } from "@/features/ranking/order/order";
+import type { SaverState } from "@/features/ranking/order/saver";
+
+/** Pause between two requests while games are still to be replayed, for a second each. */
+const ASK_AGAIN_MS = 250;
+
+function opinionQuery(behaviourId: number, revision: number) {
+  return queryOptions({
+    queryKey: ["opinion", behaviourId, revision],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.GET("/api/behaviours/{behaviour_id}/ranking/opinion", {
+          params: { path: { behaviour_id: behaviourId } },
+          signal,
+        }),
+      ),
+    // What was said of the order before stays until the new answer is there.
+    placeholderData: keepPreviousData,
+    refetchInterval: ({ state }) => (state.data?.missing ? ASK_AGAIN_MS : false),
+  });
+}
+
+export interface Opinions {
+  readonly of: ReadonlyMap<number, GameOpinion>;
+  /** Whether they are of the order shown, so that their tiers are those on the board. */
+  readonly current: boolean;
+  readonly answer: RankingOpinion | undefined;
+  readonly error: unknown;
+}
+
+/** Returns what a quick reward says of each game, asked anew after each saved change. */
+export function useOpinions(
+  behaviourId: number,
+  { saved, tiers }: SaverState,
+  enabled: boolean,
+): Opinions {
+  const { data, error } = useQuery({ ...opinionQuery(behaviourId, saved.revision), enabled });
+  const answer = enabled ? data : undefined;
+  const of = useMemo(
+    () => new Map(answer?.games.map((game) => [game.recording_id, game])),
+    [answer],
+  );
+  const current = answer?.revision === saved.revision && sameOrder(saved.tiers, tiers);
+  return { of, current, answer, error };
+}
