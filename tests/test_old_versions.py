@@ -55,8 +55,11 @@ SIX = ("fast", "Row 1", 0, 256)
 DONE = (DEMO, ALARMED, GAIL, SIX)
 """Recipe, behaviour, training seed and steps of the finished runs."""
 
-UNDECIDED_STAY = PlayRules(max_games=1, decided_after=timedelta(days=100_000))
-"""Else the undecided game is kept while the tests look at it."""
+FOR_EVER = timedelta(days=100_000)
+NOTHING_ENDS = PlayRules(
+    max_games=1, idle_after=FOR_EVER, abandoned_after=FOR_EVER, decided_after=FOR_EVER
+)
+"""Else the abandoned game ends and the undecided one is kept while the tests look at them."""
 
 Json = dict[str, Any]
 
@@ -123,7 +126,7 @@ def old(folders: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Old
         before.row_factory = sqlite3.Row
         stored = {row["id"]: dict(row) for row in before.execute("SELECT * FROM runs")}
     workplace = start_on(folder / "data")
-    with signed_in(workplace, build_frontend(folder), UNDECIDED_STAY) as client:
+    with signed_in(workplace, build_frontend(folder), NOTHING_ENDS) as client:
         yield OldFolder(workplace, client, stored)
     workplace.database.close()
 
@@ -133,7 +136,7 @@ def changed(folders: Path, tmp_path: Path) -> Iterator[tuple[Workplace, TestClie
     """A server on an upgraded data folder that a test may change."""
     shutil.copytree(folders / "data", tmp_path / "data")
     workplace = start_on(tmp_path / "data")
-    with signed_in(workplace, build_frontend(tmp_path), UNDECIDED_STAY) as client:
+    with signed_in(workplace, build_frontend(tmp_path), NOTHING_ENDS) as client:
         yield workplace, client
     workplace.database.close()
 
@@ -251,8 +254,8 @@ def test_recipes_have_the_values_that_they_were_started_with(old: OldFolder) -> 
         stored = Counter(_leaves(json.loads(old.stored[key]["recipe"])))
         now = Counter(_leaves(recipe.to_dict()))
         assert not stored - now
-        # The death forfeit, openings and sticky actions came later, and are off.
-        assert now - stored == {"0.0": 3, "false": 1}
+        # The death forfeit, openings, sticky actions and end_share came later, and are off.
+        assert now - stored == {"0.0": 4, "false": 1}
     demo = recipes[old.run(DEMO)["id"]]
     assert (demo.policy.n_envs, demo.policy.n_steps, demo.policy.n_epochs) == (2, 32, 1)
     assert (demo.policy.kl_coef, demo.policy.clip_range) == (0.03, 0.2)
@@ -425,7 +428,7 @@ def test_a_backup_is_whole_and_can_be_worked_on(folders: Path, tmp_path: Path) -
     assert (found.n_files, found.n_recordings, found.n_runs) == (101, 131, 12)
     shutil.copytree(folders / "backup", tmp_path / "data")
     workplace = start_on(tmp_path / "data")
-    with signed_in(workplace, build_frontend(tmp_path), UNDECIDED_STAY) as client:
+    with signed_in(workplace, build_frontend(tmp_path), NOTHING_ENDS) as client:
         assert len(client.get("/api/runs").json()) == 11
         assert client.get(f"/api/behaviours/{OWN}/ranking").json()["n_pairs"] == 119
     workplace.database.close()

@@ -122,6 +122,8 @@ def test_an_impossible_value_is_refused_with_its_range(path: str, value: object,
 def test_values_that_do_not_go_together_are_refused() -> None:
     with pytest.raises(Invalid, match="perfect_share and perturbed_share must not add up"):
         with_values(FAST, {"reward.perfect_share": 0.7})
+    with pytest.raises(Invalid, match="free_share and end_share must not add up"):
+        with_values(FAST, {"reward.end_share": 0.7})
     with pytest.raises(Invalid, match=r"n_minibatches must not be more than n_envs \* n_steps"):
         with_values(FAST, {"policy.n_envs": 1, "policy.n_steps": 4})
 

@@ -15,9 +15,9 @@ from tril.recipes import RewardRecipe
 
 Indices = npt.NDArray[np.int64]
 
-FragmentStarts = Literal["later", "same", "any"]
+FragmentStarts = Literal["later", "same", "any", "end"]
 """Where the fragments of a pair start: the better one no earlier than the worse one (T-REX,
-published code), both at the same step, or each anywhere."""
+published code), both at the same step, each anywhere, or so that both end with their games."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,8 @@ class Fragmenter:
     ) -> FragmentPairs:
         """Sample preference pair, length and starts, each uniformly among those allowed.
 
+        Fragments that end with their games are as short as allowed: what counts is how games end.
+
         Args:
             pairs: Preference pairs of trajectory indices.
             ends: Where each trajectory's observations end: their number, at least 1, if they begin
@@ -97,6 +99,10 @@ class Fragmenter:
         shorter = np.minimum(end[better], end[worse]) - first
         shortest = np.minimum(self.min_length, shorter)
         longest = np.maximum(shortest, np.minimum(self.max_length, shorter))
+        if self.starts == "end":
+            return FragmentPairs(
+                better, worse, end[better] - shortest, end[worse] - shortest, shortest
+            )
         length = rng.integers(shortest, longest, endpoint=True)
         if self.starts == "any":
             better_start = rng.integers(first, end[better] - length, endpoint=True)

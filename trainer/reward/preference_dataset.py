@@ -175,7 +175,8 @@ class PreferenceDataset:
         own = 1.0 - perfect_share - perturbed_share
         pairs, starts = tuple(self.pairs), Fragmenter.of(recipe).starts
         groups = [
-            PreferenceGroup(pairs, own * (1.0 - recipe.free_share), starts),
+            PreferenceGroup(pairs, own * (1.0 - recipe.free_share - recipe.end_share), starts),
+            PreferenceGroup(pairs, own * recipe.end_share, "end"),
             PreferenceGroup(pairs, own * recipe.free_share, "any"),
             PreferenceGroup(tuple(perfect), perfect_share, "any"),
             PreferenceGroup(tuple(perturbed), perturbed_share, "same"),

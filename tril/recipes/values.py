@@ -61,6 +61,8 @@ class RewardRecipe:
             rise with time.
         free_share: Method "fast": share of the ranking's fragment pairs whose starts are drawn
             independently. Aligned pairs do not determine how R changes with time alone; these do.
+        end_share: Method "fast": share of the ranking's fragment pairs that end with their games.
+            A better game is seldom better from its beginning on, but always in the end.
         perfect_share: Method "fast": share of the fragment pairs in which a perfect demonstration
             is preferred to one below the first tier.
         perturbed_share: Method "fast": share of the fragment pairs in which a perfect
@@ -84,6 +86,7 @@ class RewardRecipe:
     observation_stride: Count = 2
     aligned: Flag = False
     free_share: Share = 0.0
+    end_share: Share = 0.0
     perfect_share: Share = 0.0
     perturbed_share: Share = 0.0
     perturbed_copies: Count = 8
@@ -97,6 +100,8 @@ class RewardRecipe:
     def _check_shares(self) -> RewardRecipe:
         if self.perfect_share + self.perturbed_share > 1.0:
             raise ValueError("perfect_share and perturbed_share must not add up to more than 1")
+        if self.free_share + self.end_share > 1.0:
+            raise ValueError("free_share and end_share must not add up to more than 1")
         return self
 
     @property

@@ -58,6 +58,19 @@ def test_without_perfect_games_the_ranking_is_all(perfect: PerfectDemonstrations
     assert paper.starts == "later"
 
 
+def test_a_share_of_the_rankings_pairs_compares_how_games_end(
+    perfect: PerfectDemonstrations,
+) -> None:
+    recipe = replace(RECIPE, free_share=0.25, end_share=0.5)
+    groups = make(TRAJECTORIES, TIERS, recipe, perfect).groups(np.random.default_rng(0))
+    own = 1.0 - recipe.perfect_share - recipe.perturbed_share
+    aligned, ends, free = groups[:3]
+    assert [group.starts for group in (aligned, ends, free)] == ["same", "end", "any"]
+    assert set(ends.pairs) == set(aligned.pairs)
+    assert ends.share == pytest.approx(0.5 * own)
+    assert aligned.share == pytest.approx(0.25 * own)
+
+
 def test_what_is_held_out_is_held_out_everywhere(perfect: PerfectDemonstrations) -> None:
     dataset = make(TRAJECTORIES, TIERS, RECIPE, perfect).without({1, 3})
     assert dataset.tiers == ((0,), (2,), (4,), (5,))
