@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from benchmarks.learning.varied_play import play_varied
+from tril.demonstrator.varied_play import play_varied
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import EvaluatedGame, play
