@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,9 +32,15 @@ class RewardNetwork(nn.Module):
     The thesis names no activation; leaky ReLU after every layer but the last and the division of
     inputs by 255 are T-REX's (Brown et al. 2019, published code). The division is applied to the
     first layer's weights, which gives the same sums and saves a pass over the inputs.
+
+    A pretrained network has one more layer below the output, which reads bits of the console's
+    memory off the screen; R is linear in their probabilities. See trainer.reward.pretraining.
+
+    Args:
+        n_memory_bits: Size of that layer; 0 leaves it out.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, n_memory_bits: int = 0) -> None:
         super().__init__()
         self.convolutions = nn.ModuleList(
             [
@@ -45,7 +51,8 @@ class RewardNetwork(nn.Module):
             ]
         )
         self.hidden = nn.Linear(784, 64)
-        self.output = nn.Linear(64, 1)
+        self.memory = nn.Linear(64, n_memory_bits) if n_memory_bits else None
+        self.output = nn.Linear(n_memory_bits or 64, 1)
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @property
@@ -73,17 +80,40 @@ class RewardNetwork(nn.Module):
 
     def after_second(self, second: Tensor) -> Tensor:
         """Return R, float32 (N,), from the second layer before its activation."""
+        return self.output(self.features(second)).squeeze(1)  # type: ignore[no-any-return]
+
+    def features(self, second: Tensor) -> Tensor:
+        """Return what R is linear in, from the second layer before its activation.
+
+        Returns:
+            float32 (N, 64); of a pretrained network (N, n_memory_bits), probabilities.
+        """
+        values = self.hidden_values(second)
+        return values if self.memory is None else self.memory(values).sigmoid()
+
+    def hidden_values(self, second: Tensor) -> Tensor:
+        """Return the hidden layer's values, float32 (N, 64), from the same."""
         values = F.leaky_relu(second)
         for layer in self.layers[2:]:
             values = F.leaky_relu(layer(values))
-        values = F.leaky_relu(self.hidden(values.flatten(1)))
-        return self.output(values).squeeze(1)  # type: ignore[no-any-return]
+        return F.leaky_relu(self.hidden(values.flatten(1)))
 
 
 def new_network(rng: np.random.Generator) -> RewardNetwork:
     """Return a network with PyTorch's default initialisation, drawn from ``rng``."""
     with torch_seeded(rng):
         return RewardNetwork()
+
+
+def network_of(weights: Mapping[str, Tensor]) -> RewardNetwork:
+    """Return a network with these weights, pretrained if they are.
+
+    Raises:
+        RuntimeError: They are not a reward network's.
+    """
+    network = RewardNetwork(len(weights.get("memory.bias", ())))
+    network.load_state_dict(weights)
+    return network
 
 
 @dataclass(frozen=True)
@@ -196,8 +226,7 @@ class RewardModel:
             weights = by_prefix(tensors, ".")
             members = []
             for number in range(len(header["offsets"])):
-                members.append(RewardNetwork())
-                members[-1].load_state_dict(weights[str(number)])
+                members.append(network_of(weights[str(number)]))
         except (SafetensorError, json.JSONDecodeError, KeyError, RuntimeError) as error:
             raise Invalid(f"{path.name} cannot be read as a reward model: {error}") from error
         return cls(

@@ -23,6 +23,7 @@ from trainer.progress import OffsetProgress, Progress
 from trainer.reward.fragment_logits import FragmentLogits, PrefixSumLogits, Seed
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from trainer.reward.preference_dataset import PreferenceDataset
+from trainer.reward.pretraining import pretrained_network
 from tril.errors import Invalid
 from tril.recording import LEVEL_STEPS
 
@@ -94,9 +95,12 @@ class RewardTrainer:
         recipe = dataset.recipe
         self._updates = updates
         self._checkpoint = checkpoint
-        self.network = new_network(np.random.default_rng([*seed, _WEIGHTS])).to(device)
+        make = pretrained_network if recipe.pretrained else new_network
+        self.network = make(np.random.default_rng([*seed, _WEIGHTS])).to(device)
         self._optimizer = torch.optim.Adam(
-            self.network.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay
+            [one for one in self.network.parameters() if one.requires_grad],
+            lr=recipe.learning_rate,
+            weight_decay=recipe.weight_decay,
         )
         self._logits: FragmentLogits | PrefixSumLogits
         if recipe.method == "paper":

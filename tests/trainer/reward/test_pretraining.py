@@ -1,0 +1,101 @@
+"""Reading memory off the screen, and rewards that are linear in what was read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from torch.nn import functional as F
+
+from tests.trainer.samples import TIERS, planted_trajectories
+from trainer.nn.checkpoints import load_tensors
+from trainer.progress import NullProgress
+from trainer.reward.model import RewardModel
+from trainer.reward.preference_dataset import PreferenceDataset
+from trainer.reward.pretraining import (
+    RARE,
+    WEIGHTS,
+    Screens,
+    play_games,
+    pretrain,
+    pretrained_network,
+)
+from trainer.reward.reward_trainer import train_reward_model
+from tril.game.console import Console
+from tril.game.episode import Episode
+from tril.game.observation import AgentView
+from tril.game.starts import Start
+from tril.recipes import RewardRecipe
+
+FIRST_ALIENS = 18 * 8
+"""Bit of the bottom row's leftmost alien and the seven before it, see space_invaders."""
+
+
+@pytest.fixture(scope="module")
+def screens() -> Screens:
+    return play_games(3, seed=5, n_processes=1)
+
+
+def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
+    assert screens.observations.shape == (len(screens.bits), 4, 84, 84)
+    assert screens.bits.shape[1] == 1024
+    assert np.unique(screens.games).tolist() == [0, 1, 2]
+    again = play_games(3, seed=5, n_processes=1)
+    assert np.array_equal(again.bits, screens.bits)
+    assert np.array_equal(again.observations, screens.observations)
+    # Fewer aliens never become more.
+    n_aliens = screens.bits[:, FIRST_ALIENS : FIRST_ALIENS + 48].sum(1)
+    for game in range(3):
+        assert (np.diff(n_aliens[screens.games == game].astype(int)) <= 0).all()
+
+
+def test_bits_that_hardly_vary_or_change_often_are_left_out(screens: Screens) -> None:
+    chosen = screens.seldom_changing()
+    share = screens.bits[:, chosen].mean(0)
+    assert ((share > RARE) & (share < 1 - RARE)).all()
+    # Where the cannon is changes too often.
+    assert not set(range(28 * 8 + 4, 28 * 8 + 8)) & set(chosen.tolist())
+
+
+def test_pretraining_learns_what_is_on_the_screen(screens: Screens) -> None:
+    network, figures = pretrain(screens, seed=0)
+    assert figures["n_bits"] == len(screens.seldom_changing())
+    assert network.memory is not None
+    assert 0.5 < figures["accuracy"] <= 1.0
+
+
+def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
+    _, metadata = load_tensors(WEIGHTS)
+    assert "figures" in metadata
+    network = pretrained_network(np.random.default_rng(0))
+    console, view = Console(), AgentView()
+    episode = Episode(console, Start(4))
+    view.reset(console)
+    observation = np.empty((4, 84, 84), np.uint8)
+    view.observe(observation)
+    del episode
+    screen = torch.from_numpy(observation[None]).float()
+    with torch.no_grad():
+        second = network.layers[1](F.leaky_relu(network.first(screen)))
+        read = network.features(second)
+    assert read.shape == (1, network.output.in_features)
+    # At a start most bits that change seldom are known for sure.
+    assert ((read < 0.1) | (read > 0.9)).float().mean() > 0.9
+
+
+def test_only_the_output_is_learned_and_the_model_is_saved_whole(tmp_path: Path) -> None:
+    recipe = RewardRecipe(
+        method="fast", pretrained=True, updates=3, pairs_per_update=16, fragment_min_steps=4
+    )
+    dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, recipe)
+    model = train_reward_model(dataset, 7, NullProgress())
+    shipped = pretrained_network(np.random.default_rng(0)).state_dict()
+    (member,) = model.members
+    for name, weight in member.state_dict().items():
+        assert torch.equal(weight, shipped[name]) != name.startswith("output"), name
+    model.save(tmp_path / "model.safetensors")
+    loaded = RewardModel.load(tmp_path / "model.safetensors")
+    observations = dataset.trajectories[0].observations
+    assert np.array_equal(loaded.score(observations), model.score(observations))
