@@ -29,7 +29,6 @@ from typing import Any
 import numpy as np
 import torch
 
-from tril.demonstrator.varied_play import play_varied
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import EvaluatedGame, play
@@ -46,6 +45,7 @@ from tril.behaviours import BUILT_IN, Behaviour, Cell, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours
 from tril.demonstrator.random_play import play_randomly
+from tril.demonstrator.varied_play import play_varied
 from tril.game.console import Console
 from tril.game.episode import DEATHS
 from tril.game.openings import Opening, draw_opening, evaluation_opening

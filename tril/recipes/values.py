@@ -74,6 +74,8 @@ class RewardRecipe:
         fold_updates: Gradient updates of each fold's network.
         fold_stride: ``observation_stride`` of the folds' networks; 0 means the same.
         weight_decay: L2 penalty.
+        pretrained: Whether the layers below the output are those that ship with Tril, see
+            trainer.reward.pretraining, and only the output is learned.
     """
 
     method: Literal["paper", "fast"] = "paper"
@@ -95,6 +97,7 @@ class RewardRecipe:
     fold_updates: Count = 6_000
     fold_stride: CountOrNone = 0
     weight_decay: NotNegative = 0.0
+    pretrained: Flag = False
 
     @model_validator(mode="after")
     def _check_shares(self) -> RewardRecipe:

@@ -33,21 +33,24 @@ FIRST_ALIENS = 18 * 8
 """Bit of the bottom row's leftmost alien and the seven before it, see space_invaders."""
 
 
+N_GAMES = 5
+
+
 @pytest.fixture(scope="module")
 def screens() -> Screens:
-    return play_games(3, seed=5, n_processes=1)
+    return play_games(N_GAMES, seed=5, n_processes=1)
 
 
 def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
     assert screens.observations.shape == (len(screens.bits), 4, 84, 84)
     assert screens.bits.shape[1] == 1024
-    assert np.unique(screens.games).tolist() == [0, 1, 2]
-    again = play_games(3, seed=5, n_processes=1)
+    assert np.unique(screens.games).tolist() == list(range(N_GAMES))
+    again = play_games(N_GAMES, seed=5, n_processes=1)
     assert np.array_equal(again.bits, screens.bits)
     assert np.array_equal(again.observations, screens.observations)
     # Fewer aliens never become more.
     n_aliens = screens.bits[:, FIRST_ALIENS : FIRST_ALIENS + 48].sum(1)
-    for game in range(3):
+    for game in range(N_GAMES):
         assert (np.diff(n_aliens[screens.games == game].astype(int)) <= 0).all()
 
 
