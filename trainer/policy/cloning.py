@@ -12,7 +12,7 @@ from torch.nn import functional as F
 
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.screens import channels_last_screens, take_screens
-from trainer.policy.networks import ScreenPolicy, new_policy
+from trainer.policy.networks import ScreenPolicy, new_policy, pretrained_policy
 from trainer.progress import Progress
 from tril.errors import Invalid
 from tril.game.space_invaders import Action
@@ -95,7 +95,10 @@ def train_clone(
     learned, held_out = _split(trajectories, recipe.validation_share, rng)
     transitions = Transitions.of(learned).on(device)
     validation = Transitions.of(held_out).on(device) if held_out else None
-    policy = new_policy(recipe.network, recipe.learning_rate, rng, device)
+    if recipe.pretrained:
+        policy = pretrained_policy(recipe.learning_rate, device)
+    else:
+        policy = new_policy(recipe.network, recipe.learning_rate, rng, device)
     best: tuple[float, dict[str, Tensor], CloneResult] | None = None
     for epoch in range(1, recipe.epochs + 1):
         loss, accuracy = _train_epoch(policy, transitions, recipe, epoch, rng, progress)

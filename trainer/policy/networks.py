@@ -25,6 +25,7 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from trainer.nn.checkpoints import load_tensors
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision, layer_dtype
 from trainer.nn.screens import channels_last_screens
@@ -50,6 +51,9 @@ class NetworkSize:
     channels: tuple[int, int, int]
     features: int
 
+
+PRETRAINED = Path(__file__).with_name("pretrained.safetensors")
+"""The policy that ships with Tril."""
 
 SIZES = {"nature": NetworkSize((32, 64, 64), 512), "small": NetworkSize((16, 32, 32), 256)}
 
@@ -122,6 +126,14 @@ def new_policy(
     """Return a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
     with torch_seeded(rng):
         policy = _screen_policy(policy_arguments(network), learning_rate)
+    return channels_last(policy.to(device))
+
+
+def pretrained_policy(learning_rate: float, device: torch.device = CPU) -> ScreenPolicy:
+    """Return the policy of size "small" that ships with Tril, see trainer.policy.pretraining."""
+    policy = _screen_policy(policy_arguments("small"), learning_rate)
+    tensors, _ = load_tensors(PRETRAINED)
+    policy.load_state_dict({name: one.float() for name, one in tensors.items()})
     return channels_last(policy.to(device))
 
 

@@ -209,6 +209,8 @@ class CloningRecipe:
         batch_size: Observations per update.
         validation_share: Share of the demonstrations held out for early stopping; 0 turns it off.
         patience: Epochs without improvement on those after which learning stops.
+        pretrained: Whether it begins with the policy that ships with Tril, which has learned to
+            survive, see trainer.policy.pretraining.
     """
 
     network: Network = "nature"
@@ -217,6 +219,12 @@ class CloningRecipe:
     batch_size: Count = 64
     validation_share: Share = 0.17
     patience: Count = 8
+    pretrained: Flag = False
+
+    def __post_init__(self) -> None:
+        """Check that the policy that ships has this network's size."""
+        if self.pretrained and self.network != "small":
+            raise ValueError("a pretrained clone has the network 'small'")
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,12 @@ from torch.nn import functional as F
 
 from tests.trainer.samples import TIERS, planted_trajectories
 from trainer.nn.checkpoints import load_tensors
+from trainer.nn.memory_reading import RARE, Screens, play_games
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import (
-    RARE,
     WEIGHTS,
-    Screens,
-    play_games,
     pretrain,
     pretrained_network,
 )

@@ -1,0 +1,69 @@
+"""A policy that has learned to see and to survive, and clones that begin with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from tests.trainer.samples import planted_trajectories
+from trainer.nn.checkpoints import load_tensors
+from trainer.nn.memory_reading import play_games
+from trainer.policy.cloning import train_clone
+from trainer.policy.networks import PRETRAINED, new_policy, pretrained_policy
+from trainer.policy.pretraining import (
+    NoReward,
+    death_rate,
+    learn_to_see,
+    learn_to_survive,
+)
+from trainer.policy.reward_shaping import RewardShaping
+from trainer.progress import NullProgress
+from tril.errors import Invalid
+from tril.recipes import FAST, CloningRecipe, with_values
+
+
+def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
+    screens = play_games(4, seed=5, n_processes=1)
+    policy, figures = learn_to_see(screens, seed=0)
+    assert figures["n_bits"] == len(screens.varying())
+    assert figures["n_bits"] > len(screens.seldom_changing())
+    assert 0.5 < figures["accuracy"] <= 1.0
+    survivor = learn_to_survive(policy, 2_048, seed=0, folder=tmp_path)
+    before, after = policy.state_dict(), survivor.state_dict()
+    assert {name: one.shape for name, one in before.items()} == {
+        name: one.shape for name, one in after.items()
+    }
+    assert not torch.equal(before["action_net.weight"], after["action_net.weight"])
+
+
+def test_only_being_hit_counts() -> None:
+    model = NoReward.new()
+    observations = np.random.default_rng(0).integers(0, 256, (3, 4, 84, 84), np.uint8)
+    rewards = model.score(observations)
+    shaping = RewardShaping(model, "difference", death_penalty=1.0)
+    died = np.array([False, True, False])
+    assert shaping.shape(rewards, rewards, died).tolist() == [0.0, -1.0, 0.0]
+
+
+def test_the_policy_that_ships_survives() -> None:
+    _, metadata = load_tensors(PRETRAINED)
+    assert "figures" in metadata
+    untrained = new_policy("small", 0.0, np.random.default_rng(0))
+    assert death_rate(pretrained_policy(0.0)) < 0.5 < death_rate(untrained)
+
+
+def test_a_pretrained_clone_begins_with_it() -> None:
+    recipe = CloningRecipe(network="small", pretrained=True, epochs=1, learning_rate=1e-12)
+    clone, _ = train_clone(planted_trajectories(), recipe, 0, NullProgress())
+    shipped = pretrained_policy(0.0).state_dict()
+    for name, weight in clone.state_dict().items():
+        assert torch.allclose(weight, shipped[name], atol=1e-6), name
+
+
+def test_a_pretrained_clone_has_the_size_of_the_policy_that_ships() -> None:
+    with pytest.raises(Invalid, match="a pretrained clone has the network 'small'"):
+        with_values(FAST, {"cloning.pretrained": True, "cloning.network": "nature"})
+    assert with_values(FAST, {"cloning.pretrained": "true"}).cloning.pretrained

@@ -1,0 +1,172 @@
+"""Pretraining: a policy that has learned to see and to survive, and no behaviour.
+
+A clone of a dozen games begins with random weights, hits hardly anything from starts that the games
+do not show, and dies; PPO then has to learn to see, to dodge and to aim at once. What all
+behaviours have in common is learned here once. First the layers below the heads learn to read the
+console's memory off screens of varied play, where the bombs and the cannon are among others. Then
+PPO learns to survive: all that it is paid for is not to be hit, and its episodes begin at starts,
+after openings and within varied games. No alien is worth anything.
+
+    python -m trainer.policy.pretraining
+
+makes the weights that ship with Tril anew; it takes half an hour on two cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import nn
+
+from trainer.nn.checkpoints import save_tensors
+from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_games
+from trainer.nn.precision import Precision
+from trainer.nn.seeding import torch_seeded
+from trainer.policy.evaluation import play
+from trainer.policy.imitation import ImitationTask
+from trainer.policy.imitator import train_imitator
+from trainer.policy.networks import (
+    PRETRAINED,
+    Policy,
+    ScreenPolicy,
+    load_network,
+    new_policy,
+    save_policy,
+)
+from trainer.progress import NullProgress
+from trainer.reward.model import RewardModel, new_network
+from tril.demonstrator.varied_play import play_varied
+from tril.game.console import Console
+from tril.game.episode import DEATHS
+from tril.game.openings import evaluation_opening
+from tril.game.starts import EVALUATION_START_COUNT
+from tril.recipes import FAST, with_values
+
+N_EPOCHS = 10
+"""Passes over the screens."""
+
+STEPS = 600_000
+"""Training steps of PPO."""
+
+N_STARTING_GAMES = 64
+"""Varied games that half of the episodes begin within."""
+
+RECIPE = with_values(
+    FAST,
+    {
+        "policy.kl_coef": 0.0,
+        "policy.critic_warm_up_steps": 0,
+        "policy.ent_coef": 0.01,
+        "policy.death_penalty": 1.0,
+        "policy.reward_scale": 1.0,
+        "policy.learning_rate": 5e-4,
+        "policy.best_share": 1.0,
+        "policy.demonstration_share": 0.5,
+        "policy.opening_share": 0.5,
+        "policy.sticky_action_probability": 0.25,
+    },
+)
+"""How PPO learns to survive."""
+
+
+@dataclass(frozen=True)
+class NoReward(RewardModel):
+    """A reward that is 0 everywhere, so that only being hit counts."""
+
+    @classmethod
+    def new(cls) -> NoReward:
+        """Return one."""
+        return cls((new_network(np.random.default_rng(0)),), one=1.0)
+
+    def score(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+        """Return zeros, float32 (N,)."""
+        return np.zeros(len(observations), np.float32)
+
+
+def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, float]]:
+    """Train the layers below the heads to predict the bits of the memory that vary.
+
+    Returns:
+        The policy, whose heads are random, and the figures of ``learn_to_read``.
+    """
+    rng = np.random.default_rng(seed)
+    policy = new_policy(FAST.policy.network, 0.0, rng)
+    which = screens.varying()
+    with torch_seeded(rng):
+        memory = nn.Linear(policy.features_extractor.features_dim, len(which))
+    weights = [*policy.features_extractor.parameters(), *memory.parameters()]
+    figures = learn_to_read(
+        lambda inputs: memory(policy.extract_features(inputs)),
+        weights,
+        screens,
+        which,
+        N_EPOCHS,
+        rng,
+    )
+    return policy, figures
+
+
+def learn_to_survive(policy: ScreenPolicy, steps: int, seed: int, folder: Path) -> ScreenPolicy:
+    """Return the policy after PPO has taught it to survive.
+
+    Args:
+        policy: The policy to begin with.
+        steps: Training steps.
+        seed: Seeds all random numbers.
+        folder: For checkpoints.
+    """
+    start, path = folder / "start.zip", folder / "survivor.zip"
+    save_policy(policy, start)
+    rng, console = np.random.default_rng([seed, 1]), Console()
+    games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
+    task = ImitationTask(
+        model=NoReward.new(),
+        recordings=games,
+        tiers=[list(range(len(games)))],
+        recipe=RECIPE,
+        steps=steps,
+        training_seed=seed,
+        start_policy=start,
+    )
+    precision = Precision.of("auto", torch.device("cpu"))
+    train_imitator(task, path, folder, NullProgress(), precision=precision)
+    return load_network(path)
+
+
+def death_rate(policy: ScreenPolicy) -> float:
+    """Return the share of sticky games after the evaluation starts' openings that are lost."""
+    openings = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
+    games = play(Policy(policy), openings, "sticky")
+    return float(np.mean([game.end in DEATHS for game in games]))
+
+
+def main() -> None:
+    """Make the weights anew."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--games", type=int, default=N_GAMES)
+    parser.add_argument("--steps", type=int, default=STEPS)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("-o", "--output", type=Path, default=PRETRAINED)
+    arguments = parser.parse_args()
+    screens = play_games(arguments.games, arguments.seed, arguments.processes)
+    policy, figures = learn_to_see(screens, arguments.seed)
+    del screens
+    with tempfile.TemporaryDirectory() as folder:
+        policy = learn_to_survive(policy, arguments.steps, arguments.seed, Path(folder))
+    figures |= {"n_steps": arguments.steps, "death_rate": death_rate(policy)}
+    halves = {name: one.half() for name, one in policy.state_dict().items()}
+    save_tensors(arguments.output, halves, {"figures": json.dumps(figures)})
+    sys.stdout.write(f"{json.dumps(figures)}\n")
+
+
+if __name__ == "__main__":
+    main()
