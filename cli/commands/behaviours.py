@@ -14,7 +14,7 @@ from rich.table import Table
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
 from tril.behaviours import Cell
-from tril.demonstrator import play_randomly
+from tril.demonstrator import play_varied
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
@@ -97,7 +97,7 @@ def borrow(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Add varied games to rank: up to half from other behaviours, the others random play."""
+    """Add varied games to rank: up to half from other behaviours, the others of varied play."""
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             row = find_behaviour(session, behaviour)
@@ -106,7 +106,7 @@ def borrow(
             workspace.database,
             row.id,
             count,
-            lambda seed: play_randomly(np.random.default_rng(seed), emulator),
+            lambda seed: play_varied(np.random.default_rng(seed), emulator),
             np.random.default_rng(),
         )
         with workspace.database.writing() as session:
@@ -123,7 +123,7 @@ def borrow(
     place = "ranked below the worst" if below_worst else "unranked"
     console.print(
         f"Varied games added to {row.slug}, {place}: {n_borrowed} borrowed,"
-        f" {len(added) - n_borrowed} of random play."
+        f" {len(added) - n_borrowed} of varied play."
     )
 
 

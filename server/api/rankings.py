@@ -109,13 +109,13 @@ def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list
 def add_varied_games(
     request: Request, behaviour_id: BehaviourId, wish: VariedGamesWish
 ) -> list[Recording]:
-    """Add games of other behaviours and random play, unranked, and return them."""
+    """Add games of other behaviours and of varied play, unranked, and return them."""
     services = services_of(request)
     ids = borrowed.add_varied_games(
         services.database,
         behaviour_id,
         wish.count,
-        lambda seed: services.replays.play_randomly(seed).result(),
+        lambda seed: services.replays.play_varied(seed).result(),
         np.random.default_rng(),
     )
     with services.database.reading() as session:

@@ -53,11 +53,11 @@ def test_varied_games_are_borrowed_and_ranked_below_the_worst(three: Path) -> No
     added = json.loads(_run("behaviours", "borrow", "column-2", "--count", "4", "--json"))
     assert (len(added["recordings"]), added["borrowed"]) == (4, 2)
     output = _run("behaviours", "borrow", "column-1", "--count", "2", "--below-worst")
-    assert "added to column-1, ranked below the worst: 1 borrowed, 1 of random play" in output
+    assert "added to column-1, ranked below the worst: 1 borrowed, 1 of varied play" in output
     listed = json.loads(_run("behaviours", "list", "--json"))
     ranked = {one["slug"]: (one["recordings"], one["ranked"]) for one in listed}
     assert (ranked["column-1"], ranked["column-2"]) == ((4, 5), (2, 0))
-    assert "random" in _run("recordings", "list", "-b", "column-1")
+    assert "varied" in _run("recordings", "list", "-b", "column-1")
 
 
 @pytest.mark.usefixtures("data_folder")

@@ -30,7 +30,7 @@ def misplaced(workplace: Workplace) -> int:
     played.sort(key=lambda one: len(one.replay.hits), reverse=True)
     with workplace.database.writing() as session:
         ids = [
-            recordings.add(session, 1, one.recording, one.replay, Source.RANDOM).id
+            recordings.add(session, 1, one.recording, one.replay, Source.VARIED).id
             for one in played
         ]
         best, *others = ids

@@ -32,11 +32,11 @@ COLOURS = {
     "clone": "#b65800",
     "person": "#007d5a",
     "demonstrator": "#a8457f",
-    "random": "#6b675f",
+    "varied": "#6b675f",
 }
 """One colour per thing, those of the pages (frontend/src/styles/tokens.css)."""
 
-MARKS = {"imitator": "o", "clone": "D", "person": "^", "demonstrator": "s", "random": "P"}
+MARKS = {"imitator": "o", "clone": "D", "person": "^", "demonstrator": "s", "varied": "P"}
 """One shape per thing, those of the pages (frontend/src/components/ThingMark.tsx)."""
 
 _BAND = "#f2f0ea"

@@ -12,7 +12,7 @@ from typing import Literal
 
 from tril.ranking import kendall_tau
 
-PlayerKind = Literal["person", "demonstrator", "random", "imitator", "clone"]
+PlayerKind = Literal["person", "demonstrator", "varied", "imitator", "clone"]
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The scripted player that makes example demonstrations, and random play; always labelled so."""
+"""The scripted player that makes example demonstrations, and varied play; always labelled so."""
 
 from tril.demonstrator.error_model import HUMAN, PERFECT, ErrorModel
 from tril.demonstrator.example import (
@@ -23,6 +23,7 @@ from tril.demonstrator.plans import (
     rule_violation,
 )
 from tril.demonstrator.random_play import play_randomly
+from tril.demonstrator.varied_play import play_varied
 
 __all__ = [
     "EXPERT_STYLE",
@@ -50,6 +51,7 @@ __all__ = [
     "match_plans",
     "plan_violation",
     "play_randomly",
+    "play_varied",
     "rank_example",
     "rule_violation",
 ]

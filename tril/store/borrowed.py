@@ -2,7 +2,7 @@
 
 A borrowed game is of another behaviour, or was played by a policy of any; it stays what it is, and
 the borrowing behaviour's ranking may hold it. Varied games are borrowed from other behaviours'
-libraries and random play: a ranking of games of one kind shows few ways of being bad, and a reward
+libraries and varied play: a ranking of games of one kind shows few ways of being bad, and a reward
 learned from it generalises badly.
 """
 
@@ -93,17 +93,17 @@ def add_varied_games(
     """Add varied games to those that a behaviour's ranking may hold, in one transaction.
 
     At most half of them are borrowed, evenly over behaviours, sources and lengths; the others are
-    random play, made now, and belong to the behaviour. No transaction is open while they are made.
+    varied play, made now, and belong to the behaviour. No transaction is open while they are made.
 
     Args:
         database: The database.
         behaviour_id: Whose ranking may hold them.
         count: How many.
-        play: Plays a game at random, from a seed.
+        play: Plays a game of varied play, from a seed.
         rng: Source of all random choices.
 
     Returns:
-        The borrowed recordings, then those of random play.
+        The borrowed recordings, then those of varied play.
 
     Raises:
         NotFound: No such behaviour.
@@ -119,7 +119,7 @@ def add_varied_games(
         # Some may have been deleted, or borrowed, meanwhile.
         borrow(session, behaviour_id, _borrowable(session, behaviour_id).keys() & chosen)
         made = [
-            recordings.add(session, behaviour_id, game.recording, game.replay, Source.RANDOM).id
+            recordings.add(session, behaviour_id, game.recording, game.replay, Source.VARIED).id
             for game in games
         ]
     return chosen + made

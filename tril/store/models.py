@@ -98,12 +98,15 @@ class Role(StrEnum):
 
 
 class Source(StrEnum):
-    """Who played a recording; RANDOM: nobody, its actions were drawn at random."""
+    """Who played a recording.
+
+    VARIED: a game made for a ranking that lacks variety, see tril.demonstrator.varied_play.
+    """
 
     PERSON = "person"
     SCRIPTED = "scripted"
     POLICY = "policy"
-    RANDOM = "random"
+    VARIED = "varied"
 
 
 class RecordingState(StrEnum):

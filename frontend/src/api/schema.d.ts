@@ -91,7 +91,7 @@ export interface paths {
         put?: never;
         /**
          * Add Varied Games
-         * @description Add games of other behaviours and random play, unranked, and return them.
+         * @description Add games of other behaviours and of varied play, unranked, and return them.
          */
         post: operations["add_varied_games"];
         delete?: never;
@@ -1288,7 +1288,7 @@ export interface components {
              * Player
              * @enum {string}
              */
-            player: "person" | "demonstrator" | "random" | "imitator" | "clone";
+            player: "person" | "demonstrator" | "varied" | "imitator" | "clone";
             /** Tau */
             tau: number | null;
         };
@@ -1921,10 +1921,12 @@ export interface components {
         RunStatus: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
         /**
          * Source
-         * @description Who played a recording; RANDOM: nobody, its actions were drawn at random.
+         * @description Who played a recording.
+         *
+         *     VARIED: a game made for a ranking that lacks variety, see tril.demonstrator.varied_play.
          * @enum {string}
          */
-        Source: "person" | "scripted" | "policy" | "random";
+        Source: "person" | "scripted" | "policy" | "varied";
         /**
          * Stage
          * @description A stage of a run, in the order in which a run goes through them.

@@ -1,6 +1,6 @@
 /** Who or what plays, each with a fixed colour and mark on every page. */
 
-export const THINGS = ["imitator", "clone", "person", "demonstrator", "random"] as const;
+export const THINGS = ["imitator", "clone", "person", "demonstrator", "varied"] as const;
 export type Thing = (typeof THINGS)[number];
 
 export const THING_NAMES: Readonly<Record<Thing, string>> = {
@@ -8,7 +8,7 @@ export const THING_NAMES: Readonly<Record<Thing, string>> = {
   clone: "Clone",
   person: "Person",
   demonstrator: "Demonstrator",
-  random: "Random play",
+  varied: "Varied play",
 };
 
 /** SVG paths of the marks, in a 10x10 box. */
@@ -17,7 +17,7 @@ export const THING_SHAPES: Readonly<Record<Thing, string>> = {
   clone: "M5 .4 9.6 5 5 9.6.4 5z",
   person: "M5 .8 9.4 9H.6z",
   demonstrator: "M1.4 1.4h7.2v7.2H1.4z",
-  random: "M3.5.8h3v2.7h2.7v3H6.5v2.7h-3V6.5H.8v-3h2.7z",
+  varied: "M3.5.8h3v2.7h2.7v3H6.5v2.7h-3V6.5H.8v-3h2.7z",
 };
 
 /** Returns the CSS variable of a thing's colour. */
@@ -25,13 +25,13 @@ export function thingColour(thing: Thing): string {
   return `var(--${thing})`;
 }
 
-type Source = "person" | "scripted" | "policy" | "random";
+type Source = "person" | "scripted" | "policy" | "varied";
 
 const PLAYED_BY: Readonly<Record<Source, Thing>> = {
   person: "person",
   scripted: "demonstrator",
   policy: "imitator",
-  random: "random",
+  varied: "varied",
 };
 
 /** Returns who played a recording, by its source; a policy is shown as the imitator. */

@@ -1,4 +1,4 @@
-"""Replays of whole recordings and games of random play, in a process beside the server.
+"""Replays of whole recordings and games of varied play, in a process beside the server.
 
 A replay in a thread would hold Python's lock again and again, which delays frames
 (docs/decisions/0011-replays-beside-the-server.md).

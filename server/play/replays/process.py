@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
-from server.play.replays.request import Answer, RandomPlayRequest, ReplayTask, Request
+from server.play.replays.request import Answer, ReplayTask, Request, VariedPlayRequest
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused, Verified
 
@@ -23,7 +23,7 @@ _UNAVAILABLE = "A recording could not be replayed; the server's log says why. Tr
 
 
 class ReplayProcess:
-    """Replays recordings and plays at random in a child process, in turn; thread-safe.
+    """Replays recordings and makes games of varied play in a child process, in turn; thread-safe.
 
     The process is started when it is first needed, and restarted when it has died.
     """
@@ -52,15 +52,15 @@ class ReplayProcess:
         """
         return self._thread.submit(self._execute, Request(task, recording, tuple(hits)))
 
-    def play_randomly(self, seed: int) -> Future[Verified]:
-        """Request a game of random play, which takes about 0.1 s.
+    def play_varied(self, seed: int) -> Future[Verified]:
+        """Request a game of varied play, which takes half a second to two seconds.
 
         Submit one at a time, so that the check of a game that ends waits for one at most.
 
         Args:
-            seed: Seed of its start and actions.
+            seed: Seed of all that is drawn for it.
         """
-        return self._thread.submit(self._play, RandomPlayRequest(seed))
+        return self._thread.submit(self._play, VariedPlayRequest(seed))
 
     def stop(self) -> None:
         """Stop the process after the requests that were submitted."""
@@ -72,12 +72,12 @@ class ReplayProcess:
         assert isinstance(content, bytes)
         return content
 
-    def _play(self, request: RandomPlayRequest) -> Verified:
+    def _play(self, request: VariedPlayRequest) -> Verified:
         content = self._content(request)
         assert isinstance(content, Verified)
         return content
 
-    def _content(self, request: Request | RandomPlayRequest) -> bytes | Verified:
+    def _content(self, request: Request | VariedPlayRequest) -> bytes | Verified:
         answer = self._ask(request)
         if answer.refusal is not None:
             raise RecordingRefused(answer.refusal)
@@ -86,7 +86,7 @@ class ReplayProcess:
             raise Unavailable(_UNAVAILABLE)
         return answer.content
 
-    def _ask(self, request: Request | RandomPlayRequest) -> Answer:
+    def _ask(self, request: Request | VariedPlayRequest) -> Answer:
         """Send a request; retries once with a new process if the present one has died."""
         for is_last in (False, True):
             try:

@@ -14,7 +14,7 @@ from server.play.replays.products import (
     memory_file,
     thumbnail_png,
 )
-from tril.demonstrator import play_randomly
+from tril.demonstrator.varied_play import play_varied
 from tril.game.console import Console
 from tril.recording import Recording, Verified, verify
 
@@ -45,11 +45,11 @@ class Request:
 
 
 @dataclass(frozen=True)
-class RandomPlayRequest:
-    """A request for a game of random play.
+class VariedPlayRequest:
+    """A request for a game of varied play.
 
     Attributes:
-        seed: Seed of its start and actions.
+        seed: Seed of all that is drawn for it.
     """
 
     seed: int
@@ -78,14 +78,14 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
 }
 
 
-def execute(request: Request | RandomPlayRequest, console: Console) -> bytes | Verified:
+def execute(request: Request | VariedPlayRequest, console: Console) -> bytes | Verified:
     """Replay a recording and return the product, nothing for a passed check; or play a game.
 
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
-    if isinstance(request, RandomPlayRequest):
-        return play_randomly(np.random.default_rng(request.seed), console)
+    if isinstance(request, VariedPlayRequest):
+        return play_varied(np.random.default_rng(request.seed), console)
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.hits, console)
         return b""

@@ -33,7 +33,7 @@ def test_varied_games_are_added_unranked_and_said_to_be_what_they_are(
     of_others, made = added[:2], added[2:]
     assert {one["id"] for one in of_others} < set(workplace.ranked)
     assert {(one["behaviour_name"], one["borrowed"]) for one in of_others} == {("Column 1", True)}
-    assert {(one["source"], one["behaviour_id"]) for one in made} == {("random", 2)}
+    assert {(one["source"], one["behaviour_id"]) for one in made} == {("varied", 2)}
     assert {(one["player"], one["borrowed"]) for one in made} == {(None, False)}
     assert {one["verification"] for one in added} == {"verified"}
     ranking = client.get(f"{COLUMN_2}/ranking").json()

@@ -17,7 +17,7 @@ from server.play.replays.products import frames_file, read_final_picture
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.analysis.linear_reward import final_picture
-from tril.demonstrator import play_randomly
+from tril.demonstrator import play_varied
 from tril.errors import Unavailable
 from tril.recording import Recording, RecordingRefused, trajectory
 from tril.store import recordings
@@ -81,11 +81,11 @@ def test_a_final_picture_shows_how_a_game_ends(
     assert np.array_equal(read_final_picture(made), shown)
 
 
-def test_a_game_is_played_at_random_from_its_seed(replays: ReplayProcess) -> None:
+def test_a_game_of_varied_play_is_made_from_its_seed(replays: ReplayProcess) -> None:
     first, again, other = (
-        replays.play_randomly(seed).result(PATIENCE_S) for seed in (7, 7, 2**63 - 1)
+        replays.play_varied(seed).result(PATIENCE_S) for seed in (7, 7, 2**63 - 1)
     )
-    assert first == again == play_randomly(np.random.default_rng(7))
+    assert first == again == play_varied(np.random.default_rng(7))
     assert other.recording != first.recording
 
 

@@ -91,7 +91,7 @@ def test_demonstrations_are_filled_and_unseen_games_are_hollow() -> None:
 def test_all_who_played_are_in_the_figure_in_their_colours() -> None:
     groups = [
         _judged("person", demonstrated=True),
-        _judged("random", demonstrated=True),
+        _judged("varied", demonstrated=True),
         _judged("imitator", demonstrated=False),
         _judged("clone", demonstrated=False),
     ]

@@ -171,12 +171,12 @@ def test_exported_recordings_keep_their_tiers_beside_borrowed_ones(origin: Workp
             column_2,
             recordings.as_recording(row),
             verify(recordings.as_recording(row)).replay,
-            Source.RANDOM,
+            Source.VARIED,
         ).id
         borrowed.borrow(session, column_2, [best, second])
         rankings.save(session, column_2, 0, [[best], [own], [second]])
         (line,) = export_recordings(session, column_2)
-    assert (line["tier"], line["source"]) == (2, "random")
+    assert (line["tier"], line["source"]) == (2, "varied")
 
 
 def test_the_undo_history_is_preserved(origin: Workplace, other: Workplace) -> None:

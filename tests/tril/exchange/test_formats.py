@@ -336,7 +336,7 @@ def test_unknown_members_are_left_out_with_a_notice(
         (
             "source",
             "robot",
-            "source: expected 'person', 'scripted', 'policy' or 'random', got 'robot'",
+            "source: expected 'person', 'scripted', 'policy' or 'varied', got 'robot'",
         ),
         ("ram_hashes", ["0" * 16], "Expected 7 RAM hashes"),
         ("ram_hashes", ["md5"], "ram_hashes.0"),

@@ -275,7 +275,7 @@ def test_half_of_the_varied_games_are_borrowed_while_there_are_enough(
     assert len(seeds) == 2 + COUNT - 2
     with workplace.database.reading() as session:
         library = recordings.listing(session, workplace.behaviour_id)
-    made = [row for row in library if row.source == Source.RANDOM]
+    made = [row for row in library if row.source == Source.VARIED]
     assert len(made) == len(seeds)
     assert {row.verification for row in made} == {Verification.VERIFIED}
     assert {row.player_id for row in made} == {None}

@@ -17,7 +17,7 @@ MAX_NOTES_LENGTH = 4000
 MAX_DEPTH = 16
 """Maximum nesting of conditions and parent."""
 
-Source = Literal["person", "scripted", "policy", "random"]
+Source = Literal["person", "scripted", "policy", "varied"]
 """Who played a recording; random: nobody, its actions were drawn at random."""
 
 CellArray = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]

@@ -17,7 +17,7 @@ PLAYERS: dict[str, PlayerKind] = {
     Source.PERSON: "person",
     Source.SCRIPTED: "demonstrator",
     Source.POLICY: "imitator",
-    Source.RANDOM: "random",
+    Source.VARIED: "varied",
 }
 """Who is said to have played the recordings of each source."""
 

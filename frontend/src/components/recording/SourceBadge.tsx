@@ -6,7 +6,7 @@ import { playedBy } from "@/lib/things";
 /** Who played a recording. */
 export function SourceBadge({ recording }: { recording: Recording }) {
   const { source, player } = recording;
-  const name = source === "random" ? "random play" : source;
+  const name = source === "varied" ? "varied play" : source;
   return (
     <Badge>
       <ThingMark thing={playedBy(source)}>

@@ -29,7 +29,7 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
     onError: (error) => toast(messageOf(error)),
   });
   const varied = unranked.filter(
-    (one) => (one.borrowed && one.run_id === null) || one.source === "random",
+    (one) => (one.borrowed && one.run_id === null) || one.source === "varied",
   );
   return (
     <div className={styles.varied}>
@@ -46,7 +46,7 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
             if (!add.isPending) add.mutate();
           }}
         >
-          {add.isPending ? "Adding…" : "Add varied games"}
+          {add.isPending ? "Playing games…" : "Add varied games"}
         </Button>
         {varied.length > 0 && (
           <Button kind="quiet" onClick={() => onSelect(varied.map(({ id }) => id))}>

@@ -39,8 +39,8 @@ function rankingServer(
   };
   const varied = [
     recording({ id: 11, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true }),
-    recording({ id: 12, source: "random", player: null }),
-    recording({ id: 13, source: "random", player: null }),
+    recording({ id: 12, source: "varied", player: null }),
+    recording({ id: 13, source: "varied", player: null }),
   ];
   const borrowed = () => all.filter((one) => one.borrowed);
   const asked = serve({
@@ -202,8 +202,8 @@ describe("varied games", () => {
     const borrowed = within(screen.getByRole("article", { name: "Recording 11" }));
     expect(borrowed.getByText("from Column 2")).toBeVisible();
     expect(borrowed.queryByRole("button", { name: /perfect/ })).toBeNull();
-    const random = within(screen.getByRole("article", { name: "Recording 12" }));
-    expect(random.getByText("random play")).toBeVisible();
+    const varied = within(screen.getByRole("article", { name: "Recording 12" }));
+    expect(varied.getByText("varied play")).toBeVisible();
     await press("Put below the worst");
     expect(board()).toEqual([["1"], ["2"], ["11", "12", "13"]]);
     expect(screen.getByText("Dropped 3 recordings: new tier, worst of all.")).toBeInTheDocument();

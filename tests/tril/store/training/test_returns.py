@@ -22,13 +22,13 @@ def test_borrowed_games_are_worth_what_they_are_to_the_run(workplace: Workplace)
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
         column_2 = behaviours.by_slug(session, "column-2").id
-        lent = recordings.add(session, column_2, game.recording, game.replay, Source.RANDOM)
+        lent = recordings.add(session, column_2, game.recording, game.replay, Source.VARIED)
         lent.hits = [[0, 0, 10], [1, 0, 20], [0, 1, 30]]
         borrowed.borrow(session, workplace.behaviour_id, [lent.id])
         run = runs.get(session, run_id)
         run.outcome = RunOutcome(check=_check({lent.id: 1.5}))
         (group,) = judged_games(session, run, [])
-    assert (group.player, group.demonstrated) == ("random", True)
+    assert (group.player, group.demonstrated) == ("varied", True)
     assert [(one.true_quantity, one.predicted_return) for one in group.games] == [(2 - 1, 1.5)]
 
 

@@ -19,7 +19,7 @@ export function rankingQuery(behaviourId: number) {
 
 const N_VARIED_GAMES = 24;
 
-/** Adds games of other behaviours and of random play, unranked; takes seconds. */
+/** Adds games of other behaviours and of varied play, unranked; takes seconds. */
 export function addVariedGames(behaviourId: number): Promise<Recording[]> {
   return unwrap(
     api.POST("/api/behaviours/{behaviour_id}/borrowed", {

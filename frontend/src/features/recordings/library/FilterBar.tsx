@@ -15,7 +15,7 @@ const SOURCE_NAMES = {
   person: "A person",
   scripted: "The scripted player",
   policy: "A policy",
-  random: "Random play",
+  varied: "Varied play",
 } as const;
 const VERIFIED_NAMES = { yes: "Verified", no: "Not verified" } as const;
 const ORDER_NAMES: Readonly<Record<Filter["order"], string>> = {

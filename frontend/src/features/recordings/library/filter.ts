@@ -2,7 +2,7 @@
 import type { Recording } from "@/api/types";
 
 export const SHOWN = ["all", "perfect", "ranked", "unranked", "deleted"] as const;
-export const SOURCES = ["person", "scripted", "policy", "random"] as const;
+export const SOURCES = ["person", "scripted", "policy", "varied"] as const;
 export const VERIFIED = ["yes", "no"] as const;
 export const ORDERS = ["newest", "oldest", "targets", "strays", "longest", "shots"] as const;
 
