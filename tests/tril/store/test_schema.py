@@ -8,15 +8,17 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import pytest
 from alembic import command
-from sqlalchemy import inspect, text
+from sqlalchemy import inspect, select, text
 
+from tril.demonstrator import play_varied
 from tril.errors import Unavailable
 from tril.recipes import FAST
-from tril.store import behaviours, players
+from tril.store import behaviours, players, recordings
 from tril.store.database import Database, create_database, use_wal
-from tril.store.models import Base
+from tril.store.models import Base, RecordingRow, Source
 from tril.store.schema import alembic_config, check_schema, upgrade
 from tril.store.training import runs
 
@@ -116,6 +118,25 @@ def test_a_downgrade_to_a_version_without_parents_keeps_the_runs(database: Datab
     check_schema(database)
     with database.reading() as session:
         assert [row.parent_run_id for row in runs.listing(session)] == [None, None]
+
+
+def test_an_upgrade_renames_random_play(database: Database) -> None:
+    upgrade(database)
+    game = play_varied(np.random.default_rng(0))
+    with database.writing() as session:
+        column_1 = behaviours.by_slug(session, "column-1").id
+        recordings.add(session, column_1, game.recording, game.replay, Source.VARIED)
+        recordings.add(session, column_1, game.recording, game.replay, Source.SCRIPTED)
+    with database.engine.execution_options(tril_writes=True).begin() as connection:
+        config = alembic_config()
+        config.attributes["connection"] = connection
+        command.downgrade(config, "0006")
+        sources = connection.execute(text("SELECT source FROM recordings ORDER BY id"))
+        assert [row.source for row in sources] == ["random", "scripted"]
+    upgrade(database)
+    with database.reading() as session:
+        rows = session.scalars(select(RecordingRow).order_by(RecordingRow.id))
+        assert [row.source for row in rows] == [Source.VARIED, Source.SCRIPTED]
 
 
 def test_a_database_that_can_not_be_opened_is_named_so(tmp_path: Path) -> None:
