@@ -4,8 +4,8 @@ A clone of a dozen games begins with random weights, hits hardly anything from s
 do not show, and dies; PPO then has to learn to see, to dodge and to aim at once. What all
 behaviours have in common is learned here once. First the layers below the heads learn to read the
 console's memory off screens of varied play, where the bombs and the cannon are among others. Then
-PPO learns to survive: all that it is paid for is not to be hit, and its episodes begin at starts,
-after openings and within varied games. No alien is worth anything.
+PPO learns to survive: all that it is paid for is not to be hit, and its episodes begin after openings
+and within varied games. No alien is worth anything.
 
     python -m trainer.policy.pretraining
 
@@ -70,7 +70,7 @@ RECIPE = with_values(
         "policy.learning_rate": 5e-4,
         "policy.best_share": 1.0,
         "policy.demonstration_share": 0.5,
-        "policy.opening_share": 0.5,
+        "policy.opening_share": 1.0,
         "policy.sticky_action_probability": 0.25,
     },
 )

@@ -221,10 +221,11 @@ class CloningRecipe:
     patience: Count = 8
     pretrained: Flag = False
 
-    def __post_init__(self) -> None:
-        """Check that the policy that ships has this network's size."""
+    @model_validator(mode="after")
+    def _check_size(self) -> CloningRecipe:
         if self.pretrained and self.network != "small":
             raise ValueError("a pretrained clone has the network 'small'")
+        return self
 
 
 @dataclass(frozen=True)

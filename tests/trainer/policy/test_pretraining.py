@@ -26,7 +26,7 @@ from tril.recipes import FAST, CloningRecipe, with_values
 
 
 def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
-    screens = play_games(4, seed=5, n_processes=1)
+    screens = play_games(5, seed=5, n_processes=1)
     policy, figures = learn_to_see(screens, seed=0)
     assert figures["n_bits"] == len(screens.varying())
     assert figures["n_bits"] > len(screens.seldom_changing())
