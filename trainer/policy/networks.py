@@ -25,7 +25,7 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.nn.checkpoints import load_tensors
+from trainer.nn.checkpoints import load_tensors, save_tensors
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision, layer_dtype
 from trainer.nn.screens import channels_last_screens
@@ -133,8 +133,19 @@ def pretrained_policy(learning_rate: float, device: torch.device = CPU) -> Scree
     """Return the policy of size "small" that ships with Tril, see trainer.policy.pretraining."""
     policy = _screen_policy(policy_arguments("small"), learning_rate)
     tensors, _ = load_tensors(PRETRAINED)
-    policy.load_state_dict({name: one.float() for name, one in tensors.items()})
+    policy.load_state_dict({n: tensors[_shared(n)].float() for n in policy.state_dict()})
     return channels_last(policy.to(device))
+
+
+def save_pretrained(policy: ScreenPolicy, path: Path, figures: str) -> None:
+    """Write a policy's weights in half precision, as ``pretrained_policy`` reads them."""
+    weights = {_shared(name): one.half() for name, one in policy.state_dict().items()}
+    save_tensors(path, weights, {"figures": figures})
+
+
+def _shared(name: str) -> str:
+    """Return the one name of a weight that actor and critic share under two more."""
+    return name.removeprefix("pi_").removeprefix("vf_")
 
 
 def _screen_policy(arguments: dict[str, Any], learning_rate: float = 0.0) -> ScreenPolicy:

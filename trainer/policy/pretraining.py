@@ -4,8 +4,8 @@ A clone of a dozen games begins with random weights, hits hardly anything from s
 do not show, and dies; PPO then has to learn to see, to dodge and to aim at once. What all
 behaviours have in common is learned here once. First the layers below the heads learn to read the
 console's memory off screens of varied play, where the bombs and the cannon are among others. Then
-PPO learns to survive: all that it is paid for is not to be hit, and its episodes begin after openings
-and within varied games. No alien is worth anything.
+PPO learns to survive: all that it is paid for is not to be hit, and its episodes begin after
+openings and within varied games. No alien is worth anything.
 
     python -m trainer.policy.pretraining
 
@@ -18,6 +18,7 @@ import argparse
 import json
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,7 +27,6 @@ import numpy.typing as npt
 import torch
 from torch import nn
 
-from trainer.nn.checkpoints import save_tensors
 from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_games
 from trainer.nn.precision import Precision
 from trainer.nn.seeding import torch_seeded
@@ -40,6 +40,7 @@ from trainer.policy.networks import (
     load_network,
     new_policy,
     save_policy,
+    save_pretrained,
 )
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, new_network
@@ -49,6 +50,7 @@ from tril.game.episode import DEATHS
 from tril.game.openings import evaluation_opening
 from tril.game.starts import EVALUATION_START_COUNT
 from tril.recipes import FAST, with_values
+from tril.recording import Recording
 
 N_EPOCHS = 10
 """Passes over the screens."""
@@ -114,19 +116,20 @@ def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, f
     return policy, figures
 
 
-def learn_to_survive(policy: ScreenPolicy, steps: int, seed: int, folder: Path) -> ScreenPolicy:
+def learn_to_survive(
+    policy: ScreenPolicy, games: Sequence[Recording], steps: int, seed: int, folder: Path
+) -> ScreenPolicy:
     """Return the policy after PPO has taught it to survive.
 
     Args:
         policy: The policy to begin with.
+        games: Half of the episodes begin within them.
         steps: Training steps.
         seed: Seeds all random numbers.
         folder: For checkpoints.
     """
     start, path = folder / "start.zip", folder / "survivor.zip"
     save_policy(policy, start)
-    rng, console = np.random.default_rng([seed, 1]), Console()
-    games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
     task = ImitationTask(
         model=NoReward.new(),
         recordings=games,
@@ -160,11 +163,12 @@ def main() -> None:
     screens = play_games(arguments.games, arguments.seed, arguments.processes)
     policy, figures = learn_to_see(screens, arguments.seed)
     del screens
+    rng, console = np.random.default_rng([arguments.seed, 1]), Console()
+    games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
     with tempfile.TemporaryDirectory() as folder:
-        policy = learn_to_survive(policy, arguments.steps, arguments.seed, Path(folder))
+        policy = learn_to_survive(policy, games, arguments.steps, arguments.seed, Path(folder))
     figures |= {"n_steps": arguments.steps, "death_rate": death_rate(policy)}
-    halves = {name: one.half() for name, one in policy.state_dict().items()}
-    save_tensors(arguments.output, halves, {"figures": json.dumps(figures)})
+    save_pretrained(policy, arguments.output, json.dumps(figures))
     sys.stdout.write(f"{json.dumps(figures)}\n")
 
 

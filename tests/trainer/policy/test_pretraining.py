@@ -21,6 +21,7 @@ from trainer.policy.pretraining import (
 )
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
+from tril.demonstrator import play_varied
 from tril.errors import Invalid
 from tril.recipes import FAST, CloningRecipe, with_values
 
@@ -31,7 +32,9 @@ def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
     assert figures["n_bits"] == len(screens.varying())
     assert figures["n_bits"] > len(screens.seldom_changing())
     assert 0.5 < figures["accuracy"] <= 1.0
-    survivor = learn_to_survive(policy, 2_048, seed=0, folder=tmp_path)
+    games = [play_varied(np.random.default_rng(0)).recording]
+    # Two rollouts: the learning rate is zero in the last one.
+    survivor = learn_to_survive(policy, games, 4_096, seed=0, folder=tmp_path)
     before, after = policy.state_dict(), survivor.state_dict()
     assert {name: one.shape for name, one in before.items()} == {
         name: one.shape for name, one in after.items()
