@@ -18,7 +18,15 @@ from tril.behaviours import BUILT_IN
 from tril.demonstrator import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.recipes import ABLATIONS, FAST, RECIPES, Recipe, judged_where_trained, recipe_from_dict
+from tril.recipes import (
+    ABLATIONS,
+    FAST,
+    FAST_0_2,
+    RECIPES,
+    Recipe,
+    judged_where_trained,
+    recipe_from_dict,
+)
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -59,7 +67,9 @@ def reproduce(
     ] = None,
     ablation: Annotated[
         bool,
-        typer.Option("--ablation", help="Also train the fast recipe without each of its factors."),
+        typer.Option(
+            "--ablation", help="Train fast as it was in 0.2, and without each of its parts."
+        ),
     ] = False,
     own_starts: Annotated[
         bool,
@@ -145,7 +155,7 @@ def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe
         return [chosen]
     if chosen != FAST:
         raise Invalid("--ablation applies to the built-in recipe fast alone, without --set.")
-    return [chosen, *(one.recipe for one in ABLATIONS)]
+    return [FAST_0_2, *(one.recipe for one in ABLATIONS)]
 
 
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:

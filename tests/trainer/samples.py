@@ -18,7 +18,7 @@ from trainer.progress import Progress, RunCancelled
 from trainer.reward.model import RewardModel, new_network
 from tril.behaviours import BUILT_IN
 from tril.game.starts import Start
-from tril.recipes import FAST, PAPER, Recipe
+from tril.recipes import FAST_0_2, PAPER, Recipe
 from tril.recording import Recording, Trajectory
 
 ELSEWHERE = torch.device("meta")
@@ -28,7 +28,7 @@ STEPS = 128
 """Of the imitators' trainings."""
 
 TINY = replace(
-    FAST.policy,
+    FAST_0_2.policy,
     n_envs=4,
     n_steps=8,
     n_minibatches=2,
@@ -41,7 +41,7 @@ TINY = replace(
 
 REWARD_RECIPES = {
     "fast": replace(
-        FAST.reward,
+        FAST_0_2.reward,
         updates=25,
         folds=3,
         fold_updates=25,
@@ -66,7 +66,7 @@ TIERS = [[0], [1], [2, 3], [4], [5]]
 
 def tiny_recipe(**changes: object) -> Recipe:
     """Return the fast recipe at the smallest size, with some of the policy's values changed."""
-    return replace(FAST, policy=replace(TINY, **changes))  # type: ignore[arg-type]
+    return replace(FAST_0_2, policy=replace(TINY, **changes))  # type: ignore[arg-type]
 
 
 def random_model(zero: float = 0.0, one: float = 1.0) -> RewardModel:

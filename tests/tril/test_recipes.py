@@ -14,6 +14,7 @@ from tril.game.episode import Ending
 from tril.recipes import (
     ABLATIONS,
     FAST,
+    FAST_0_2,
     FORMER_NAMES,
     PAPER,
     RECIPES,
@@ -121,7 +122,7 @@ def test_an_impossible_value_is_refused_with_its_range(path: str, value: object,
 
 def test_values_that_do_not_go_together_are_refused() -> None:
     with pytest.raises(Invalid, match="perfect_share and perturbed_share must not add up"):
-        with_values(FAST, {"reward.perfect_share": 0.7})
+        with_values(FAST_0_2, {"reward.perfect_share": 0.7})
     with pytest.raises(Invalid, match="free_share and end_share must not add up"):
         with_values(FAST, {"reward.end_share": 0.7})
     with pytest.raises(Invalid, match=r"n_minibatches must not be more than n_envs \* n_steps"):
@@ -164,7 +165,7 @@ def test_an_unknown_recipe_names_those_there_are() -> None:
 @pytest.mark.parametrize("one", ABLATIONS, ids=[one.name for one in ABLATIONS])
 def test_an_ablation_changes_what_it_says_and_nothing_else(one: Ablation) -> None:
     for path, value in one.values.items():
-        before, after = (attrgetter(path)(recipe) for recipe in (FAST, one.recipe))
+        before, after = (attrgetter(path)(recipe) for recipe in (FAST_0_2, one.recipe))
         assert before != after == value
-    restored = {path: attrgetter(path)(FAST) for path in one.values}
-    assert with_values(one.recipe, restored) == FAST
+    restored = {path: attrgetter(path)(FAST_0_2) for path in one.values}
+    assert with_values(one.recipe, restored) == FAST_0_2

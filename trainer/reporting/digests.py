@@ -9,7 +9,7 @@ from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
 from tril.errors import Invalid
-from tril.recipes import FOR_PEOPLE, RECIPES, Recipe, RewardRecipe, with_values
+from tril.recipes import FOR_PEOPLE, FORMER, RECIPES, Recipe, RewardRecipe, with_values
 
 
 def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
@@ -23,16 +23,22 @@ def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
     return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
 
 
-def changed_recipe(name: str, changes: Mapping[str, Any]) -> Recipe | None:
-    """Return the built-in recipe of a name with changes by dotted path, as JSON stores them.
+def base_recipes(name: str) -> dict[str, Recipe]:
+    """Return the recipes that were built in by a name, by version; today's, without one, first."""
+    today = {"": RECIPES[name]} if name in RECIPES else {}
+    return today | {version: one for version, one in FORMER.items() if one.name == name}
+
+
+def changed_recipe(base: Recipe, changes: Mapping[str, Any]) -> Recipe | None:
+    """Return a recipe with changes by dotted path, as JSON stores them.
 
     Returns:
-        None where this version has no such recipe or no such value.
+        None where this version has no such value.
     """
     values = {path: tuple(v) if isinstance(v, list) else v for path, v in changes.items()}
     try:
-        return with_values(RECIPES[name], values)
-    except (KeyError, Invalid):
+        return with_values(base, values)
+    except Invalid:
         return None
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import Any
 
-from trainer.reporting.digests import changed_recipe, recipe_digest
+from trainer.reporting.digests import base_recipes, changed_recipe, recipe_digest
 
 NAMES = {
     "reward.snippet_pairs": "reward.fragment_pairs",
@@ -107,7 +107,8 @@ def _digest(cell: dict[str, Any], changes: dict[str, Any]) -> str:
     before, after = BUILT_IN.get(name, ("", ""))
     if old == before:
         return after
-    base, changed = changed_recipe(name, {}), changed_recipe(name, changes)
-    if not changes or base is None or changed is None or recipe_digest(base) != after:
-        return str(old)
-    return recipe_digest(changed)
+    for base in base_recipes(name).values():
+        changed = changed_recipe(base, changes)
+        if changes and changed is not None and recipe_digest(base) == after:
+            return recipe_digest(changed)
+    return str(old)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from trainer.reporting.digests import changed_recipe, recipe_digest
+from trainer.reporting.digests import base_recipes, changed_recipe, recipe_digest
 from trainer.reporting.ledger import Entry, LedgerCell, LedgerGame
 from tril.analysis.summary import Interval, interval, winner
 from tril.behaviours import BUILT_IN, Behaviour, Cell
@@ -67,14 +67,20 @@ class ResultGroup:
     @property
     def name(self) -> str:
         """The behaviour's name, with the values of the recipe that are changed."""
-        if self.is_current:
-            return self.behaviour.name
+        remarks = self._remarks()
+        return f"{self.behaviour.name} ({', '.join(remarks)})" if remarks else self.behaviour.name
+
+    def _remarks(self) -> list[str]:
+        """Return how the recipe differs from today's built-in one; nothing if it does not."""
         changes = self.entries[0].changes
-        recipe = changed_recipe(self.cell.recipe, changes)
-        if recipe is None or recipe_digest(recipe) != self.cell.digest:
-            return f"{self.behaviour.name} (other values, {self.cell.digest})"
-        values = ", ".join(f"{path} {value}" for path, value in changes.items())
-        return f"{self.behaviour.name} ({values})"
+        for version, base in base_recipes(self.cell.recipe).items():
+            remarks = [f"as in {version}"] if version else []
+            if recipe_digest(base) == self.cell.digest:
+                return remarks
+            changed = changed_recipe(base, changes)
+            if changed is not None and recipe_digest(changed) == self.cell.digest:
+                return remarks + [f"{path} {value}" for path, value in changes.items()]
+        return ["other values", self.cell.digest]
 
     @property
     def minutes(self) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from tril.analysis.outcome import AttentionState
 from tril.behaviours import BUILT_IN, score
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
-from tril.recipes import ABLATIONS, FAST, RECIPES, Ablation, EvaluationRecipe
+from tril.recipes import ABLATIONS, FAST_0_2, RECIPES, Ablation, EvaluationRecipe
 from tril.store.training.evaluations import POLICIES
 
 STARTS = EvaluationRecipe().start_numbers
@@ -124,7 +124,7 @@ def page_text(folder: Path) -> str:
         [entry for entry in held_out if entry.cell.demonstrations == SCRIPTED.name],
         lambda cell: (PLACES[cell.behaviour], cell.steps),
         lambda cell: cell.digest,
-        [recipe_digest(FAST), *removed],
+        [recipe_digest(FAST_0_2), *removed],
     )
     compared = {group.cell.digest for group in ablations}
     return render(

@@ -1,7 +1,7 @@
 """The learning recipes, as data. A run stores the whole recipe that it was made with."""
 
 from tril.recipes.ablations import ABLATIONS, Ablation
-from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
+from tril.recipes.built_in import DAGGER, FAST, FAST_0_2, FORMER, GAIL, PAPER, RECIPES, recipe_named
 from tril.recipes.changes import (
     FOR_PEOPLE,
     FORMER_NAMES,
@@ -26,6 +26,8 @@ __all__ = [
     "ABLATIONS",
     "DAGGER",
     "FAST",
+    "FAST_0_2",
+    "FORMER",
     "FORMER_NAMES",
     "FOR_PEOPLE",
     "GAIL",

@@ -1,4 +1,4 @@
-"""Ablations of the fast recipe: what it adds to the published one, factor by factor."""
+"""Ablations of the fast recipe of 0.2: what it adds to the published one, factor by factor."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tril.recipes.built_in import FAST
+from tril.recipes.built_in import FAST_0_2
 from tril.recipes.changes import with_values
 from tril.recipes.values import Recipe
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """The fast recipe without one of its factors.
+    """The fast recipe of 0.2 without one of its factors.
 
     Attributes:
         name: The factor, in words that follow "without".
@@ -27,8 +27,8 @@ class Ablation:
 
     @property
     def recipe(self) -> Recipe:
-        """The fast recipe without the factor."""
-        return with_values(FAST, self.values)
+        """The recipe without the factor."""
+        return with_values(FAST_0_2, self.values)
 
 
 ABLATIONS: Sequence[Ablation] = (

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from tril.errors import Invalid
+from tril.recipes.changes import with_values
 from tril.recipes.values import CloningRecipe, PolicyRecipe, Recipe, RewardRecipe
 
 PAPER = Recipe(
@@ -11,7 +14,7 @@ PAPER = Recipe(
     default_steps=10_000_000,
 )
 
-FAST = Recipe(
+FAST_0_2 = Recipe(
     name="fast",
     summary="Minutes on a laptop: aligned fragments, reward for progress, a head start by cloning.",
     default_steps=1_000_000,
@@ -55,6 +58,23 @@ FAST = Recipe(
     cloning=CloningRecipe(network="small"),
 )
 
+FAST = replace(
+    with_values(
+        FAST_0_2,
+        {
+            "reward.pretrained": True,
+            "reward.learning_rate": 0.02,
+            "reward.end_share": 0.5,
+            "reward.perturbed_share": 0.2,
+            "policy.death_forfeit": 0.5,
+            "policy.opening_share": 1.0,
+            "policy.sticky_action_probability": 0.25,
+            "cloning.pretrained": True,
+        },
+    ),
+    summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
+)
+
 DAGGER = Recipe(
     name="dagger",
     summary=(
@@ -63,7 +83,7 @@ DAGGER = Recipe(
     ),
     default_steps=15_000,
     method="dagger",
-    reward=FAST.reward,
+    reward=FAST_0_2.reward,
     policy=PolicyRecipe(
         network="small",
         reward="level",
@@ -72,7 +92,7 @@ DAGGER = Recipe(
         learning_rate=5e-4,
         snapshot_episodes=24,
     ),
-    cloning=FAST.cloning,
+    cloning=FAST_0_2.cloning,
 )
 
 GAIL = Recipe(
@@ -83,7 +103,7 @@ GAIL = Recipe(
     ),
     default_steps=300_000,
     method="gail",
-    reward=FAST.reward,
+    reward=FAST_0_2.reward,
     policy=PolicyRecipe(
         network="small",
         reward="softplus",
@@ -96,8 +116,11 @@ GAIL = Recipe(
         snapshot_steps=(),
         snapshot_episodes=24,
     ),
-    cloning=FAST.cloning,
+    cloning=FAST_0_2.cloning,
 )
+
+FORMER: dict[str, Recipe] = {"0.2": FAST_0_2}
+"""Former recipes by the last version that had them; most published figures are of these."""
 
 RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DAGGER, GAIL)}
 

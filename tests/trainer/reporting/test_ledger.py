@@ -16,11 +16,11 @@ from trainer.reporting.ledger import Ledger, LedgerCell
 from trainer.reporting.run_entry import read_entry
 from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
 from tril.errors import Invalid
-from tril.recipes import FAST, PAPER, Recipe, judged_where_trained, with_values
+from tril.recipes import FAST_0_2, PAPER, Recipe, judged_where_trained, with_values
 from tril.store.models import RunStatus, now
 from tril.store.training import runs
 
-EXPERIMENT = Experiment.of("shots", FAST, 3)
+EXPERIMENT = Experiment.of("shots", FAST_0_2, 3)
 GAMES = (SkilledGame(0, 5, 0.5, True), SkilledGame(9, 10, 0.75, False))
 
 
@@ -53,10 +53,10 @@ def test_a_line_that_is_no_result_is_named(tmp_path: Path, line: str) -> None:
 
 
 def test_the_digest_changes_with_values_and_not_with_words() -> None:
-    assert recipe_digest(FAST) != recipe_digest(PAPER)
-    assert recipe_digest(with_values(FAST, {"policy.n_epochs": 9})) != recipe_digest(FAST)
-    reworded = replace(FAST, summary="In other words.", default_steps=1)
-    assert recipe_digest(reworded) == recipe_digest(FAST)
+    assert recipe_digest(FAST_0_2) != recipe_digest(PAPER)
+    assert recipe_digest(with_values(FAST_0_2, {"policy.n_epochs": 9})) != recipe_digest(FAST_0_2)
+    reworded = replace(FAST_0_2, summary="In other words.", default_steps=1)
+    assert recipe_digest(reworded) == recipe_digest(FAST_0_2)
 
 
 def test_minutes_leave_out_scripted_demonstrations() -> None:
@@ -83,10 +83,10 @@ OWN_START = {
 @pytest.mark.parametrize(
     ("recipe", "changes", "found"),
     [
-        (with_values(FAST, {"policy.n_epochs": 9}), {"policy.epochs": 9}, True),
-        (judged_where_trained(FAST, 2), OWN_START, True),
-        (FAST, {"policy.forgotten": 9}, False),
-        (FAST, None, False),
+        (with_values(FAST_0_2, {"policy.n_epochs": 9}), {"policy.epochs": 9}, True),
+        (judged_where_trained(FAST_0_2, 2), OWN_START, True),
+        (FAST_0_2, {"policy.forgotten": 9}, False),
+        (FAST_0_2, None, False),
     ],
 )
 def test_results_of_version_0_1_are_found_if_their_recipe_can_be_rebuilt(

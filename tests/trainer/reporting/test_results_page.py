@@ -11,7 +11,7 @@ from tests.trainer.reporting.entries import entry, game
 from trainer.reporting.ledger import DEVICE, PRECISION, Entry, Ledger
 from trainer.reporting.results_page import cell_folder, page_text, write_page
 from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
-from tril.recipes import ABLATIONS, FAST, judged_where_trained, with_values
+from tril.recipes import ABLATIONS, FAST, FAST_0_2, Recipe, judged_where_trained, with_values
 
 PUBLISHED = Path(__file__).parents[3] / "docs" / "results"
 ROW = "| 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 | tie / imitator / clone | float32 |"
@@ -98,26 +98,27 @@ def test_other_demonstrations_stand_beside_the_ordinary_ones(tmp_path: Path) -> 
 def test_ablations_stand_beside_the_whole_recipe(tmp_path: Path) -> None:
     games = {"imitator greedy": (game("column-2", 1, 1, 0),)}
     ablations = [entry(recipe=one.recipe, games=games) for one in ABLATIONS]
-    page = page_of(tmp_path, *ablations, entry(), entry("column-5"))
+    page = page_of(tmp_path, *ablations, entry(recipe=FAST_0_2), entry("column-5"))
     head, without = page.split("## Ablations")
-    assert head.count("| Column 2 | 1,000 | 0 | imitator | 3.50 [") == 1
+    assert head.count("| Column 2 (as in 0.2) | 1,000 | 0 | imitator | 3.50 [") == 1
     names = [row[2] for row in rows(without, "Column ")]
     assert names == ["(the whole recipe)", *(one.name for one in ABLATIONS)]
 
 
 @pytest.mark.parametrize(
-    ("changes", "name"),
+    ("base", "changes", "name"),
     [
-        ({"policy.n_epochs": 9}, "policy.n_epochs 9"),
-        ({}, "other values, {}"),
-        ({"policy.n_epochs": 8}, "other values, {}"),
-        ({"policy.forgotten": 9}, "other values, {}"),
+        (FAST, {"policy.n_epochs": 9}, "policy.n_epochs 9"),
+        (FAST_0_2, {"policy.n_epochs": 9}, "as in 0.2, policy.n_epochs 9"),
+        (FAST, {}, "other values, {}"),
+        (FAST, {"policy.n_epochs": 8}, "other values, {}"),
+        (FAST, {"policy.forgotten": 9}, "other values, {}"),
     ],
 )
 def test_results_with_other_values_name_them(
-    tmp_path: Path, changes: dict[str, int], name: str
+    tmp_path: Path, base: Recipe, changes: dict[str, int], name: str
 ) -> None:
-    other = entry(recipe=with_values(FAST, {"policy.n_epochs": 9}), changes=changes)
+    other = entry(recipe=with_values(base, {"policy.n_epochs": 9}), changes=changes)
     page = page_of(tmp_path, entry(), other)
     first, second = rows(page, "Column 2")[:2]
     assert (first[0], second[0]) == ("Column 2", f"Column 2 ({name.format(other.cell.digest)})")

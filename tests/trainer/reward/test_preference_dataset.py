@@ -9,12 +9,12 @@ from trainer.progress import NullProgress
 from trainer.reward.perturbation import PerturbedDemonstration
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import RewardTrainer, train_reward_model
-from tril.recipes import FAST, PAPER
+from tril.recipes import FAST_0_2, PAPER
 from tril.recording import Trajectory
 
 TRAJECTORIES = planted_trajectories()
 RECIPE = replace(
-    FAST.reward, updates=25, observation_stride=5, fragment_min_steps=5, pairs_per_update=64
+    FAST_0_2.reward, updates=25, observation_stride=5, fragment_min_steps=5, pairs_per_update=64
 )
 
 
