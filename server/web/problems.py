@@ -92,7 +92,9 @@ def status_of(error: TrilError) -> int:
 
 async def _on_tril_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, TrilError)
-    return problem(status_of(error), str(error))
+    about = error.field
+    found = None if about is None else [{"where": ["body", about], "what": str(error)}]
+    return problem(status_of(error), str(error), found)
 
 
 async def _on_http_exception(_request: Request, error: Exception) -> Response:

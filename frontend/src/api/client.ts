@@ -105,6 +105,19 @@ export function messageOf(error: unknown): string {
   return error instanceof Error ? error.message : "Something went wrong. Reload the page.";
 }
 
+/** Returns what an exception says of one field of a form; null if it is not about that field. */
+export function fieldMessageOf(error: unknown, field: string): string | null {
+  if (!(error instanceof ProblemError)) return null;
+  const { errors } = (error.body ?? {}) as { errors?: readonly FieldProblem[] | null };
+  const found = errors?.find(({ where }) => where.at(-1) === field);
+  return found?.what ?? null;
+}
+
+interface FieldProblem {
+  readonly where: readonly string[];
+  readonly what: string;
+}
+
 /** Whether an exception is a 404. */
 export function isNotFound(error: unknown): boolean {
   return error instanceof ProblemError && error.status === 404;

@@ -44,8 +44,6 @@ def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> No
         "stay-on-the-left",
         None,
     )
-    again = client.post("/api/behaviours", json=new).json()
-    assert again["slug"] == "stay-on-the-left-2"
     path = f"/api/behaviours/{made['id']}"
     changed = client.patch(path, json={"target": [[0, 1], [2, 3]], "ordered": True}).json()
     assert (changed["target"], changed["ordered"]) == ([[0, 1], [2, 3]], True)
@@ -56,6 +54,58 @@ def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> No
     assert client.delete(path).status_code == 204
     assert client.get(path).status_code == 404
     assert client.get(f"{path}/recordings").status_code == 404
+
+
+def test_two_behaviours_can_not_have_one_name(client: TestClient) -> None:
+    made = client.post("/api/behaviours", json={"name": "Left"}).json()
+    twice = client.post("/api/behaviours", json={"name": " left "})
+    renamed = client.patch(f"/api/behaviours/{made['id']}", json={"name": "Column 1"})
+    for answer, name in ((twice, "Left"), (renamed, "Column 1")):
+        said = f"There is a behaviour named {name} already. Choose another name."
+        assert answer.status_code == 409
+        assert answer.json() == {
+            "detail": said,
+            "errors": [{"where": ["body", "name"], "what": said}],
+        }
+    own = client.patch(f"/api/behaviours/{made['id']}", json={"name": "LEFT"})
+    assert own.json()["name"] == "LEFT"
+
+
+def test_a_deleted_behaviour_comes_back_with_everything_it_had(
+    client: TestClient, workplace: Workplace
+) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine"}).json()
+    path = f"/api/behaviours/{made['id']}"
+    one = workplace.ranked[0]
+    assert client.post(f"{path}/borrowed/games", json={"recording_ids": [one]}).status_code == 201
+    game = client.post("/api/games", json={"behaviour_id": made["id"]})
+    assert game.status_code == 201
+    before = client.get(path).json()
+    assert client.delete(path).status_code == 204
+    assert client.post(f"{path}/restore").json() == before
+    assert [row["id"] for row in client.get(f"{path}/ranking").json()["unranked"]] == [one]
+    assert client.post("/api/behaviours/999/restore").status_code == 404
+
+
+def test_a_behaviour_whose_name_was_taken_meanwhile_stays_deleted(client: TestClient) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine"}).json()
+    path = f"/api/behaviours/{made['id']}"
+    client.delete(path)
+    client.post("/api/behaviours", json={"name": "Mine"})
+    assert client.post(f"{path}/restore").status_code == 409
+    assert client.get(path).status_code == 404
+
+
+def test_a_target_can_not_change_once_something_was_played(client: TestClient) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine", "target": [[0, 0]]}).json()
+    assert client.post("/api/games", json={"behaviour_id": made["id"]}).status_code == 201
+    path = f"/api/behaviours/{made['id']}"
+    answer = client.patch(path, json={"target": [[1, 1]]})
+    assert answer.status_code == 409
+    assert "Make a copy with another target" in answer.json()["detail"]
+    # What is sent unchanged is no change.
+    same = {"name": "Yours", "target": [[0, 0]], "ordered": False}
+    assert client.patch(path, json=same).json()["name"] == "Yours"
 
 
 def test_what_comes_ready_can_not_be_deleted_nor_retargeted(client: TestClient) -> None:
@@ -72,7 +122,7 @@ def test_a_target_can_not_change_once_something_was_trained(
     assert run.status_code == 201
     answer = client.patch(f"/api/behaviours/{made['id']}", json={"target": [[1, 1]]})
     assert answer.status_code == 409
-    assert "judged by it" in answer.json()["detail"]
+    assert "runs judged by it" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize(

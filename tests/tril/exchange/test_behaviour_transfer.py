@@ -12,6 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from testsupport.workplace import Workplace, make_workplace
+from tril.errors import NameTaken
 from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
 from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_schema
 from tril.exchange.recording_transfer import export_recordings
@@ -200,8 +201,12 @@ def test_an_empty_built_in_behaviour_is_filled(origin: Workplace, other: Workpla
     assert (first.slug, first.was_there) == ("column-2", True)
     second = import_behaviour(other.database, content)
     assert (second.slug, second.was_there) == ("column-2-2", False)
+    with other.database.reading() as session:
+        assert behaviours.by_slug(session, "column-2-2").name == "Column 2 (2)"
     third = import_behaviour(other.database, content, name="Of a colleague")
     assert (third.slug, third.was_there) == ("of-a-colleague", False)
+    with pytest.raises(NameTaken):
+        import_behaviour(other.database, content, name="Of a colleague")
 
 
 def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> None:

@@ -13,6 +13,7 @@ import { AlienGrid } from "@/components/game/AlienGrid";
 import { classes } from "@/lib/classes";
 
 import styles from "./BehaviourFrame.module.css";
+import { EditBehaviour } from "./EditBehaviour";
 import { type PathStep, pathOf, type StepId } from "./path";
 
 interface BehaviourFrameProps {
@@ -42,7 +43,10 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
       <div className={styles.head}>
         <AlienGrid target={behaviour.target} label="" />
         <div className={styles.words}>
-          <h1>{behaviour.name}</h1>
+          <div className={styles.title}>
+            <h1>{behaviour.name}</h1>
+            <EditBehaviour behaviour={behaviour} />
+          </div>
           <p>{behaviour.description}</p>
         </div>
       </div>
