@@ -48,7 +48,9 @@ export function BehaviourForm(props: BehaviourFormProps) {
     event.preventDefault();
     setLeft(true);
     if (problem !== null || noTarget) {
-      event.currentTarget.querySelector<HTMLElement>("[aria-invalid], [data-empty] button")?.focus();
+      event.currentTarget
+        .querySelector<HTMLElement>("[aria-invalid], [data-empty] button")
+        ?.focus();
       return;
     }
     setRefused(value.name);
