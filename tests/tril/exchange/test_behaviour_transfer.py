@@ -83,7 +83,10 @@ def test_an_imported_behaviour_exports_to_the_same_file(
     assert (outcome.slug, outcome.was_there) == ("column-1-2", False)
     assert (outcome.n_recordings, outcome.n_revisions, outcome.notices) == (4, 4, [])
     again = exported(other, "column-1-2")
-    assert renumbered(again) == renumbered(file) | {"slug": "column-1-2"}
+    assert renumbered(again) == renumbered(file) | {
+        "slug": "column-1-2",
+        "name": "Column 1 (2)",
+    }
     assert sum(one["deleted"] for one in again["recordings"]) == 1
     with other.database.reading() as session:
         assert {"Player", "Ada", "Grace"} <= set(players.names(session).values())
@@ -159,7 +162,10 @@ def test_a_policys_ranked_game_travels_as_the_behaviours_own(
         assert borrowed.listing(session, behaviour.id) == []
         exported_tiers = [line.get("tier") for line in export_recordings(session, behaviour.id)]
     assert exported_tiers[0] == 1
-    assert renumbered(exported(other, slug)) == renumbered(file) | {"slug": slug}
+    assert renumbered(exported(other, slug)) == renumbered(file) | {
+        "slug": slug,
+        "name": "Column 1 (2)",
+    }
 
 
 def test_exported_recordings_keep_their_tiers_beside_borrowed_ones(origin: Workplace) -> None:
