@@ -11,10 +11,11 @@ import { Icon } from "@/components/controls/Icon";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { classes } from "@/lib/classes";
+import { isActive } from "@/lib/runs";
 
 import styles from "./BehaviourFrame.module.css";
 import { EditBehaviour } from "./EditBehaviour";
-import { type PathStep, pathOf, type StepId } from "./path";
+import { type PathStep, pathOf, type StepId, trainingStatus } from "./path";
 
 interface BehaviourFrameProps {
   behaviourId: number;
@@ -46,6 +47,7 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
           <div className={styles.title}>
             <h1>{behaviour.name}</h1>
             <EditBehaviour behaviour={behaviour} />
+            <Training behaviourId={behaviour.id} />
           </div>
           <p>{behaviour.description}</p>
         </div>
@@ -53,6 +55,18 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
       <Path behaviour={behaviour} looking={looking} />
       <div className={styles.body}>{children(behaviour)}</div>
     </>
+  );
+}
+
+/** A link to the run that is under way, where the path has no room to name it. */
+function Training({ behaviourId }: { behaviourId: number }) {
+  const { data: runs = [] } = useQuery(runsQuery(behaviourId));
+  const active = runs.find(isActive);
+  if (!active) return null;
+  return (
+    <Link className={styles.training} to={`/runs/${active.id}`}>
+      {trainingStatus(active)}
+    </Link>
   );
 }
 
