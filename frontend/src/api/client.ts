@@ -118,7 +118,12 @@ interface FieldProblem {
   readonly what: string;
 }
 
-/** Whether an exception is a 404. */
+/** Whether an exception may pass by itself: no connection, or a server that is busy or restarts. */
+export function isPassing(error: unknown): boolean {
+  return error instanceof ProblemError ? error.status >= 500 : error instanceof UnreachableError;
+}
+
+/** Whether what was read does not exist, or can't: 422 says that its id is none. */
 export function isNotFound(error: unknown): boolean {
-  return error instanceof ProblemError && error.status === 404;
+  return error instanceof ProblemError && (error.status === 404 || error.status === 422);
 }
