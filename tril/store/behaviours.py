@@ -21,6 +21,7 @@ from tril.store.models import (
     RecordingState,
     RunRow,
     Source,
+    Verification,
     now,
 )
 
@@ -35,7 +36,7 @@ class Counts:
     """How much of a behaviour is stored.
 
     Attributes:
-        n_recordings: Recordings in the library.
+        n_recordings: Recordings in the library that can be ranked.
         n_ranked: Recordings in the ranking, borrowed ones included.
         n_perfect: Recordings in the library that are marked as perfect.
         n_runs: Trainings.
@@ -96,7 +97,8 @@ def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Count
         func.count().filter(RecordingRow.source == Source.SCRIPTED),
     ).where(
         RecordingRow.deleted_at.is_(None),
-        RecordingRow.state.in_((RecordingState.KEPT, RecordingState.UNFINISHED)),
+        RecordingRow.state == RecordingState.KEPT,
+        RecordingRow.verification == Verification.VERIFIED,
         RecordingRow.run_id.is_(None),
     )
     trained = select(RunRow.behaviour_id, func.count()).where(RunRow.deleted_at.is_(None))

@@ -77,13 +77,14 @@ def test_a_deleted_behaviour_comes_back_with_everything_it_had(
     made = client.post("/api/behaviours", json={"name": "Mine"}).json()
     path = f"/api/behaviours/{made['id']}"
     one = workplace.ranked[0]
-    assert client.post(f"{path}/borrowed/games", json={"recording_ids": [one]}).status_code == 201
+    borrowed = client.post(f"{path}/ranking/games", json={"recording_ids": [one]})
+    assert borrowed.status_code == 201
     game = client.post("/api/games", json={"behaviour_id": made["id"]})
     assert game.status_code == 201
     before = client.get(path).json()
     assert client.delete(path).status_code == 204
     assert client.post(f"{path}/restore").json() == before
-    assert [row["id"] for row in client.get(f"{path}/ranking").json()["unranked"]] == [one]
+    assert client.get(f"{path}/ranking").json()["unranked"] == [one]
     assert client.post("/api/behaviours/999/restore").status_code == 404
 
 
@@ -332,6 +333,52 @@ def test_a_game_that_is_played_can_not_be_kept_or_deleted(
         session.get_one(RecordingRow, game["recording_id"]).state = RecordingState.FINISHED
     assert client.post(f"{path}/discard").json()["deleted"]
     assert client.post(f"{path}/restore").json()["state"] == "kept"
+
+
+def test_a_policys_game_can_not_be_marked_as_perfect(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run = client.post("/api/runs", json={"behaviour_id": 1, "go_on_anyway": True}).json()
+    with workplace.database.writing() as session:
+        session.get_one(RecordingRow, workplace.ranked[3]).run_id = run["id"]
+    answer = client.patch(f"/api/recordings/{workplace.ranked[3]}", json={"perfect": True})
+    assert answer.status_code == 409
+    assert "only the behaviour's own games" in answer.json()["detail"]
+
+
+def test_a_game_that_nobody_decided_about_is_listed_but_not_counted(
+    client: TestClient, workplace: Workplace
+) -> None:
+    game = client.post("/api/games", json={"behaviour_id": 1}).json()["recording_id"]
+
+    def listed() -> dict[int, str]:
+        found = client.get("/api/behaviours/1/recordings").json()
+        return {one["id"]: one["state"] for one in found}
+
+    def counted() -> int:
+        return int(client.get("/api/behaviours/1").json()["n_recordings"])
+
+    def set_state(state: RecordingState) -> None:
+        with workplace.database.writing() as session:
+            row = session.get_one(RecordingRow, game)
+            row.state, row.verification = state, Verification.VERIFIED
+
+    assert game not in listed()
+    for state in (RecordingState.FINISHED, RecordingState.UNFINISHED):
+        set_state(state)
+        assert listed()[game] == state
+        assert counted() == 4
+    client.post(f"/api/recordings/{game}/keep")
+    assert counted() == 5
+
+
+def test_a_recording_that_does_not_replay_is_not_counted(
+    client: TestClient, workplace: Workplace
+) -> None:
+    with workplace.database.writing() as session:
+        session.get_one(RecordingRow, workplace.ranked[3]).verification = Verification.FAILED
+    assert client.get("/api/behaviours/1").json()["n_recordings"] == 3
+    assert len(client.get("/api/behaviours/1/recordings").json()) == 4
 
 
 def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) -> None:

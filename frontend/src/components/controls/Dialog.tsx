@@ -12,11 +12,11 @@ interface DialogProps {
   children: ReactNode;
 }
 
-const FIELDS = "input:not([type=file], [type=range]), textarea, select";
+const FIELDS = "[data-first], input:not([type=file], [type=range]), textarea, select";
 
 /**
  * A modal dialog, open while it is rendered. Escape, the close button and a click on the backdrop
- * call `onClose`. The focus begins at the first field, if there is one, stays in the dialog and goes
+ * call `onClose`. The focus begins at the first field or at what has `data-first`, stays in the dialog and goes
  * back to where it was.
  */
 export function Dialog({ title, onClose, width, children }: DialogProps) {

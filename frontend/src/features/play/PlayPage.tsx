@@ -10,6 +10,7 @@ import { PaceControls } from "@/features/play/hud/PaceControls";
 import { Score } from "@/features/play/hud/Score";
 import { Tip } from "@/features/play/hud/Tip";
 import { Toggles } from "@/features/play/hud/Toggles";
+import { Undecided } from "@/features/play/hud/Undecided";
 import { speedBeside, steers, type Intent } from "@/features/play/input/intents";
 import { KeyHelp } from "@/features/play/input/KeyHelp";
 import { HeldKeys } from "@/features/play/input/keys";
@@ -155,6 +156,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             }}
           />
         )}
+        <Undecided behaviour={behaviour} besides={state?.ended?.recording_id} />
         <Checklist behaviour={behaviour} />
         <KeyHelp />
         <Toggles

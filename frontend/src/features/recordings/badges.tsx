@@ -1,13 +1,21 @@
 import type { Recording } from "@/api/types";
 import { Badge } from "@/components/feedback/Badge";
 import { count, fixed, percent } from "@/lib/format";
+import { isUndecided } from "@/lib/recordings";
 
 /** Whether a replay reproduced the recording. */
 export function VerifiedBadge({ recording }: { recording: Recording }) {
   if (recording.state === "unfinished") {
     return (
       <Badge tone="warn" icon="clock">
-        not played to its end
+        unfinished
+      </Badge>
+    );
+  }
+  if (isUndecided(recording)) {
+    return (
+      <Badge tone="warn" icon="clock">
+        undecided
       </Badge>
     );
   }
