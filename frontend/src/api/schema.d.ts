@@ -299,7 +299,7 @@ export interface paths {
         };
         /**
          * List Recordings
-         * @description Return a behaviour's recordings, newest first.
+         * @description Return a behaviour's recordings, newest first, those to keep or discard included.
          */
         get: operations["list_recordings"];
         put?: never;
@@ -1256,9 +1256,13 @@ export interface components {
         };
         /**
          * ImportResult
-         * @description The outcome of an upload; ``imported`` are the new recordings.
+         * @description The outcome of an upload.
+         *
+         *     ``imported`` are the new recordings, ``already_there`` those that the library had before.
          */
         ImportResult: {
+            /** Already There */
+            already_there: number[];
             /** Imported */
             imported: number[];
             /** Notices */
@@ -4959,6 +4963,15 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -56,6 +56,25 @@ def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> No
     assert client.get(f"{path}/recordings").status_code == 404
 
 
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ({}, "Name is missing."),
+        ({"name": ""}, "Name is too short."),
+        ({"name": "a" * 121}, "Name can have at most 120 characters."),
+        ({"name": "a", "ordered": "perhaps"}, "Ordered has to be true or false."),
+        ({"name": "a", "target": [[0, 9]]}, "Target has to be at most 5."),
+        ({"name": "a", "colour": "red"}, "Colour is not known here."),
+    ],
+)
+def test_a_refusal_says_in_plain_words_what_is_wrong(
+    client: TestClient, body: dict[str, object], said: str
+) -> None:
+    answer = client.post("/api/behaviours", json=body)
+    assert answer.status_code == 422
+    assert answer.json()["detail"] == said
+
+
 def test_two_behaviours_can_not_have_one_name(client: TestClient) -> None:
     made = client.post("/api/behaviours", json={"name": "Left"}).json()
     twice = client.post("/api/behaviours", json={"name": " left "})
@@ -225,6 +244,20 @@ def test_an_import_says_which_lines_it_refused_and_why(client: TestClient) -> No
     assert set(refused) == {2, 3, 4}
     assert "[5, 5]" in refused[2]
     assert "another ROM" in refused[4]
+
+
+def test_a_file_that_is_imported_twice_adds_nothing_the_second_time(
+    client: TestClient, workplace: Workplace
+) -> None:
+    body = client.get("/api/behaviours/1/recordings/export").text
+    first = client.post("/api/behaviours/3/recordings/import", content=body).json()
+    assert (len(first["imported"]), first["already_there"]) == (4, [])
+    again = client.post("/api/behaviours/3/recordings/import?rank=true", content=body).json()
+    assert (again["imported"], again["already_there"]) == ([], first["imported"])
+    assert client.get("/api/behaviours/3/ranking").json()["tiers"] == []
+    client.delete(f"/api/recordings/{first['imported'][0]}")
+    third = client.post("/api/behaviours/3/recordings/import", content=body).json()
+    assert (len(third["imported"]), len(third["already_there"])) == (1, 3)
 
 
 def test_an_upload_is_bounded_in_number(client: TestClient) -> None:
