@@ -200,6 +200,21 @@ describe("playing", () => {
     expect(inputs()).toEqual([1, 0]);
   });
 
+  it("shows the pad, the time and the score where the picture fills the screen", async () => {
+    await start();
+    tell({ type: "hit", row: 0, column: 0, frame: 6, on_target: true });
+    frame(60);
+    const filling = screen.getByRole("application").parentElement;
+    if (!filling) throw new Error("Expected the stage to have a parent.");
+    const request = vi.fn(() => Promise.resolve());
+    filling.requestFullscreen = request;
+    await userEvent.keyboard("f");
+    expect(request).toHaveBeenCalledOnce();
+    expect(within(filling).getByRole("group", { name: "Touch controls" })).toBeInTheDocument();
+    expect(within(filling).getByText("19.0")).toBeInTheDocument();
+    expect(within(filling).getByText("1 of 2 targets, 0 strays")).toBeInTheDocument();
+  });
+
   it("begins the first game by the space bar", async () => {
     const asked = open();
     await userEvent.keyboard(" ");
@@ -240,8 +255,8 @@ describe("playing", () => {
   it("goes slower by key and button, and says so to the server", async () => {
     await start();
     await userEvent.keyboard("[Minus]");
-    expect(screen.getByRole("button", { name: "75 %" })).toHaveAttribute("aria-pressed", "true");
-    await userEvent.click(screen.getByRole("button", { name: "25 %" }));
+    expect(screen.getByRole("button", { name: "75%" })).toHaveAttribute("aria-pressed", "true");
+    await userEvent.click(screen.getByRole("button", { name: "25%" }));
     expect(screen.getByRole("application")).toHaveFocus();
     expect(FakeSocket.last?.sent.slice(1)).toEqual([
       '{"type":"speed","percent":75}',
