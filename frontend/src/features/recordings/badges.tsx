@@ -57,7 +57,7 @@ export function LatencyBadge({ recording }: { recording: Recording }) {
 export function PaceBadge({ recording }: { recording: Recording }) {
   const { slowest_percent: slowest, single_steps: steps } = recording;
   const parts = [];
-  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest} %`);
+  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest}%`);
   if (steps) parts.push(`${count(steps, "frame")} one by one`);
   return parts.length === 0 ? null : <Badge>{parts.join("; ")}</Badge>;
 }

@@ -83,14 +83,14 @@ describe("the library", () => {
     const first = within(await screen.findByRole("article", { name: "Recording 5" }));
     expect(first.getByText(notice)).toHaveAttribute(
       "title",
-      "Played with delay: from key to screen 80 ms, 95% within 180 ms; 10 % of the frames not drawn.",
+      "Played with delay: from key to screen 80 ms, 95% within 180 ms; 10% of the frames not drawn.",
     );
     const second = within(screen.getByRole("article", { name: "Recording 4" }));
     expect(second.queryByText(notice)).toBeNull();
     const third = within(screen.getByRole("article", { name: "Recording 3" }));
     expect(third.getByText(notice)).toHaveAttribute(
       "title",
-      "Played with delay: 10 % of the frames not drawn.",
+      "Played with delay: 10% of the frames not drawn.",
     );
   });
 
@@ -313,6 +313,7 @@ describe("importing", () => {
   it("lists each refusal with its line and reason", async () => {
     const { dialog, asked } = await send(() => ({
       imported: [7],
+      already_there: [9],
       notices: [{ line: 1, reason: "Cut after the hit." }],
       refusals: [{ line: 3, reason: "Another ROM." }],
     }));
@@ -324,6 +325,7 @@ describe("importing", () => {
       "3Refused: Another ROM.",
     ]);
     const query = asked.find(({ method }) => method === "POST")?.query;
+    expect(dialog.getByRole("status")).toHaveTextContent("1 already there and not imported again");
     expect(query?.get("rank")).toBe("true");
     expect(query?.get("perfect")).toBe("false");
   });
