@@ -68,7 +68,7 @@ class Compression:
             if start is not None:
                 body = message.get("body", b"")
                 if not message.get("more_body", False) and len(body) >= MIN_BYTES:
-                    message = message | {"body": await compressed(body)}
+                    message = {**message, "body": await compressed(body)}
                     _announce(start, len(message["body"]))
                 started, start = start, None
                 await send(started)
