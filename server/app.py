@@ -29,6 +29,7 @@ from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.services import running_services
 from server.web import problems
+from server.web.compression import Compression
 from server.web.middleware import Authentication, BodyLimit, SameOrigin, SecurityHeaders
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
 from tril import __version__
@@ -65,6 +66,7 @@ def create_app(
         generate_unique_id_function=_operation_id,
         middleware=[
             Middleware(SecurityHeaders),
+            Middleware(Compression),
             Middleware(SameOrigin, host_names=settings.host_names),
             Middleware(Authentication),
             Middleware(BodyLimit),

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 
 class TrilError(Exception):
-    """An error that the user can act on; the message says how."""
+    """An error that the user can act on; the message says how.
+
+    Attributes:
+        field: The field of the form that has to be changed; None if it is not about one.
+    """
+
+    field: str | None = None
 
 
 class NotFound(TrilError):
@@ -13,6 +19,12 @@ class NotFound(TrilError):
 
 class Conflict(TrilError):
     """The request conflicts with the current state; reload and try again."""
+
+
+class NameTaken(Conflict):
+    """Another object has the name."""
+
+    field = "name"
 
 
 class Invalid(TrilError):

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
 from pydantic import Field, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
+
+PREFIX = "TRIL_"
+_INTERNAL = frozenset({"TRIL_PARENT_PID"})
+"""Set by Tril itself."""
 
 
 class Settings(BaseSettings):
@@ -27,13 +33,14 @@ class Settings(BaseSettings):
         max_games: Maximum number of open games; 0 means 32 per server process.
         max_games_per_player: Maximum number of open games per player. All browsers with the same
             key are one player.
+        max_queued_runs: Maximum number of runs that wait in the queue; further ones are refused.
         learning_threads: Threads for training; 0 means all cores.
         learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
             bfloat16 where the device supports its multiplication.
         learning_device: Device for training: "cpu", "cuda", or "auto" for a GPU if there is one.
     """
 
-    model_config = SettingsConfigDict(env_prefix="TRIL_", env_file=".env", extra="ignore")
+    model_config = SettingsConfigDict(env_prefix=PREFIX, env_file=".env", extra="ignore")
 
     data: Path = Path("data")
     host: str = "127.0.0.1"
@@ -46,6 +53,7 @@ class Settings(BaseSettings):
     server_processes: int = Field(default=1, ge=1, le=64)
     max_games: int = Field(default=0, ge=0)
     max_games_per_player: int = Field(default=32, ge=1)
+    max_queued_runs: int = Field(default=50, ge=1)
     learning_threads: int = Field(default=0, ge=0)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
     learning_device: Literal["auto", "cpu", "cuda"] = "auto"
@@ -90,3 +98,16 @@ class Settings(BaseSettings):
         """Lower-case host names accepted in a request's Host and Origin headers."""
         extra = {name.strip().lower() for name in self.allowed_hosts.split(",") if name.strip()}
         return frozenset({"127.0.0.1", "localhost", "[::1]", "::1"} | extra)
+
+
+def unknown_settings(names: Iterable[str]) -> dict[str, str | None]:
+    """Return the variables that look like settings and are none, each with the nearest setting.
+
+    Args:
+        names: Names of environment variables, in upper case.
+    """
+    known = [f"{PREFIX}{name}".upper() for name in Settings.model_fields]
+    wrong = sorted(
+        name for name in names if name.startswith(PREFIX) and name not in {*known, *_INTERNAL}
+    )
+    return {name: next(iter(get_close_matches(name, known, 1)), None) for name in wrong}

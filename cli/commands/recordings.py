@@ -144,12 +144,14 @@ def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_js
             {
                 "file": str(path),
                 "imported": outcome.recording_ids,
+                "already_there": outcome.already_there,
                 "notices": [asdict(message) for message in outcome.notices],
                 "refusals": [asdict(message) for message in outcome.refusals],
             }
         )
         return
-    console.print(f"{path}: {len(outcome.recording_ids)} imported")
+    there = f", {len(outcome.already_there)} already there" if outcome.already_there else ""
+    console.print(f"{path}: {len(outcome.recording_ids)} imported{there}")
     for message in outcome.notices:
         console.print(f"  line {message.line}: {message.reason}")
     for message in outcome.refusals:

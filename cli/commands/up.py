@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import threading
 import time
@@ -18,13 +19,13 @@ from cli.commands.services import (
     ask_worker,
     server_url,
 )
-from cli.output import console, print_process_line, read_settings, readable_errors
+from cli.output import console, errors, print_process_line, read_settings, readable_errors
 from cli.supervision.lock import lock_data_folder
 from cli.supervision.servers import reserved_port, server_children, server_environment
 from cli.supervision.supervisor import Child, Supervisor, numbered, running, tril_command
 from cli.workspace import create_data_folder, migrate_databases
 from tril.errors import TrilError, Unavailable
-from tril.settings import Settings
+from tril.settings import Settings, unknown_settings
 
 READY_TIMEOUT_S = 60.0
 
@@ -51,6 +52,7 @@ def up(
         )
         if settings.port == 0:
             settings = settings.model_copy(update={"port": _free_port(settings.host)})
+        _warn_of_unknown_settings()
         create_data_folder(settings)
         with lock_data_folder(settings.data, server_url(settings)):
             _check_port(settings)
@@ -114,6 +116,12 @@ def _has_browser() -> bool:
     return not isinstance(controller, webbrowser.GenericBrowser) or controller.name not in {
         "www-browser", "links", "elinks", "lynx", "w3m",
     }  # fmt: skip
+
+
+def _warn_of_unknown_settings() -> None:
+    for name, nearest in unknown_settings(map(str.upper, os.environ)).items():
+        meant = "" if nearest is None else f" Did you mean {nearest}?"
+        errors.print(f"[yellow]Warning:[/] {escape(name)} is no setting of Tril.{meant}")
 
 
 def _check_port(settings: Settings) -> None:

@@ -92,8 +92,14 @@ def update_behaviour(
 
 @router.delete("/{behaviour_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
 def delete_behaviour(session: WriteSession, behaviour_id: BehaviourId) -> None:
-    """Delete a behaviour; its trainings remain."""
+    """Delete a behaviour; it can be restored."""
     behaviours.delete(session, behaviours.get(session, behaviour_id))
+
+
+@router.post("/{behaviour_id}/restore", responses=NOT_FOUND | CONFLICT)
+def restore_behaviour(session: WriteSession, behaviour_id: BehaviourId) -> Behaviour:
+    """Restore a deleted behaviour, with everything it had."""
+    return _one(session, behaviours.restore(session, behaviour_id))
 
 
 def _played(row: RecordingRow) -> GameOutcome:

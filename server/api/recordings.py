@@ -39,7 +39,7 @@ def list_recordings(
     behaviour_id: BehaviourId,
     include: Annotated[list[Literal["deleted", "policy"]] | None, Query(max_length=2)] = None,
 ) -> list[Recording]:
-    """Return a behaviour's recordings, newest first."""
+    """Return a behaviour's recordings, newest first, those to keep or discard included."""
     behaviours.get(session, behaviour_id)
     included = include or []
     rows = recordings.listing(
@@ -47,6 +47,7 @@ def list_recordings(
         behaviour_id,
         with_deleted="deleted" in included,
         with_policies="policy" in included,
+        with_undecided=True,
     )
     return RecordingViews(session).all(rows)
 
@@ -97,7 +98,7 @@ def get_recording(session: ReadSession, recording_id: RecordingId) -> Recording:
     return RecordingViews(session).one(recordings.get(session, recording_id))
 
 
-@router.patch("/recordings/{recording_id}", responses=NOT_FOUND)
+@router.patch("/recordings/{recording_id}", responses=NOT_FOUND | CONFLICT)
 def update_recording(
     session: WriteSession, recording_id: RecordingId, update: RecordingUpdate
 ) -> Recording:

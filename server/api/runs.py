@@ -68,6 +68,7 @@ def create_run(request: Request, new: RunNew) -> Run:
             new.go_on_anyway,
             new.example,
             players.owner(session).id,
+            max_queued=services.settings.max_queued_runs,
             parent_run_id=None if new.parent_run_id is None else str(new.parent_run_id),
         )
         shown = run_view(session, row)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import mimetypes
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
+from server.web.compression import accepts_gzip, compressed, is_compressible
 from server.web.middleware import is_signed_in
 from server.web.problems import problem
 from server.web.security import COOKIE_LIFETIME_S
@@ -28,8 +30,16 @@ _PAGE = """<!doctype html>
 <title>{title} · Tril</title>
 <body style="font: 1.1rem/1.5 system-ui; max-width: 36rem; margin: 15vh auto; padding: 0 1rem;
   color-scheme: light dark">
+<main>
 <h1>{title}</h1>
 <p>{text}</p>
+<form action="/" style="display: grid; gap: .5rem">
+<label for="key">Key, or the whole address</label>
+<input id="key" name="token" type="password" autocomplete="off" required autofocus
+  style="font: inherit; padding: .5rem">
+<button style="font: inherit; padding: .5rem 1rem; justify-self: start">Sign in</button>
+</form>
+</main>
 """
 
 
@@ -44,6 +54,7 @@ class Frontend:
         self._folder = folder
         self._built_at: int | None = None
         self._files: dict[str, Path] = {}
+        self._compressed: dict[Path, bytes] = {}
 
     @property
     def index(self) -> Path:
@@ -68,8 +79,15 @@ class Frontend:
                 for file in self._folder.rglob("*")
                 if file.is_file() and not file.is_symlink()
             }
+            self._compressed = {}
             self._built_at = built_at
         return self._files.get(path)
+
+    async def compressed(self, file: Path) -> bytes:
+        """Return a file's content with gzip, compressed once per build."""
+        if file not in self._compressed:
+            self._compressed[file] = await compressed(await asyncio.to_thread(file.read_bytes))
+        return self._compressed[file]
 
 
 def check_frontend(folder: Path = FRONTEND) -> None:
@@ -100,34 +118,45 @@ class Pages:
             answer = problem(405, "Pages can only be read.")
             answer.headers["Allow"] = "GET, HEAD"
         else:
-            answer = self._page(request, path)
+            answer = await self._page(request, path)
         await answer(scope, receive, send)
 
-    def _page(self, request: Request, path: str) -> Response:
+    async def _page(self, request: Request, path: str) -> Response:
         if path == "/" and "token" in request.query_params:
             return _sign_in(request)
         file = self._frontend.find(path)
         if file is not None and file != self._frontend.index:
             media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
             cached = _IMMUTABLE if path.startswith(_HASHED) else "no-cache"
-            return FileResponse(file, media_type=media_type, headers={"Cache-Control": cached})
+            return await self._file(request, file, media_type, cached)
         if "." in path.rpartition("/")[2]:
             return PlainTextResponse("There is no such file.", 404)
         if not is_signed_in(request):
             return _not_signed_in(request)
-        return FileResponse(
-            self._frontend.index, media_type="text/html", headers={"Cache-Control": "no-store"}
-        )
+        return await self._file(request, self._frontend.index, "text/html", "no-store")
+
+    async def _file(
+        self, request: Request, file: Path, media_type: str, cache_control: str
+    ) -> Response:
+        headers = {"Cache-Control": cache_control}
+        if not is_compressible(media_type):
+            return FileResponse(file, media_type=media_type, headers=headers)
+        headers["Vary"] = "Accept-Encoding"
+        if not accepts_gzip(request.headers):
+            return FileResponse(file, media_type=media_type, headers=headers)
+        headers["Content-Encoding"] = "gzip"
+        content = await self._frontend.compressed(file)
+        return Response(content, media_type=media_type, headers=headers)
 
 
 def _sign_in(request: Request) -> Response:
     access = services_of(request).access
-    if not access.is_token(request.query_params["token"]):
+    if not access.is_token(_token_in(request.query_params["token"])):
         return _small_page(
             401,
-            "This address does not fit",
-            "Its token is not the one of this server. Open the address that Tril printed when it "
-            "started.",
+            "This key does not fit",
+            "It is not the one of this server. <code>tril address</code> in a terminal prints the "
+            "address that contains it.",
         )
     answer = Response(status_code=303, headers={"Location": "/", "Cache-Control": "no-store"})
     answer.set_cookie(
@@ -142,6 +171,11 @@ def _sign_in(request: Request) -> Response:
     return answer
 
 
+def _token_in(given: str) -> str:
+    """Return the token of what was typed, which may be the whole address."""
+    return unquote(given.strip().rpartition("token=")[2])
+
+
 def _not_signed_in(request: Request) -> Response:
     # Browsers withhold a SameSite=Strict cookie when a link on another site leads here. A reload
     # starts from this page and sends the cookie.
@@ -152,8 +186,8 @@ def _not_signed_in(request: Request) -> Response:
     return _small_page(
         401,
         "You are not signed in",
-        "Open the address that Tril printed when it started; it contains the key. If it is gone "
-        "from the terminal, stop Tril and start it again.",
+        "Open the address that Tril printed when it started; it contains the key. "
+        "<code>tril address</code> in a terminal prints it again.",
         head,
     )
 

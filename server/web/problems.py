@@ -92,7 +92,9 @@ def status_of(error: TrilError) -> int:
 
 async def _on_tril_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, TrilError)
-    return problem(status_of(error), str(error))
+    about = error.field
+    found = None if about is None else [{"where": ["body", about], "what": str(error)}]
+    return problem(status_of(error), str(error), found)
 
 
 async def _on_http_exception(_request: Request, error: Exception) -> Response:
@@ -105,12 +107,53 @@ async def _on_http_exception(_request: Request, error: Exception) -> Response:
 async def _on_validation_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     found = [
-        {"where": [str(part) for part in item["loc"]], "what": str(item["msg"])}
+        {"where": [str(part) for part in item["loc"]], "what": in_plain_words(item)}
         for item in error.errors()
     ]
-    first = found[0] if found else {"where": [], "what": "unknown"}
-    where = " ".join(part for part in first["where"][1:] if part) or "the request"
-    return problem(422, f"This can't be accepted: {where}: {first['what']}.", found)
+    first = found[0]["what"] if found else "The request can't be read."
+    return problem(422, first, found)
+
+
+_WRONG: Mapping[str, str] = {
+    "missing": "is missing",
+    "extra_forbidden": "is not known here",
+    "string_too_short": "is too short",
+    "string_too_long": "can have at most {max_length} characters",
+    "too_short": "has too few entries",
+    "too_long": "can have at most {max_length} entries",
+    "greater_than": "has to be more than {gt}",
+    "greater_than_equal": "has to be at least {ge}",
+    "less_than": "has to be less than {lt}",
+    "less_than_equal": "has to be at most {le}",
+    "int_type": "has to be a whole number",
+    "int_parsing": "has to be a whole number",
+    "int_from_float": "has to be a whole number",
+    "float_type": "has to be a number",
+    "float_parsing": "has to be a number",
+    "finite_number": "has to be a number",
+    "bool_type": "has to be true or false",
+    "bool_parsing": "has to be true or false",
+    "string_type": "has to be text",
+    "list_type": "has to be a list",
+    "tuple_type": "has to be a list",
+    "literal_error": "has to be one of {expected}",
+    "enum": "has to be one of {expected}",
+    "uuid_parsing": "is not an id",
+    "uuid_type": "is not an id",
+}
+"""What is wrong, by Pydantic's kind of error."""
+
+
+def in_plain_words(error: Mapping[str, Any]) -> str:
+    """Say what is wrong with a value that Pydantic refuses: "Name is missing."."""
+    if error["type"] == "json_invalid":
+        return "The request is not valid JSON."
+    names = [part for part in error["loc"][1:] if isinstance(part, str)]
+    field = names[-1].replace("_", " ").capitalize() if names else "The request"
+    wrong = _WRONG.get(error["type"])
+    if wrong is None:
+        return f"{field} can't be accepted: {error['msg']}."
+    return f"{field} {wrong.format_map(error.get('ctx', {}))}."
 
 
 async def _on_database_error(request: Request, error: Exception) -> Response:

@@ -32,6 +32,19 @@ def test_a_data_folder_is_used_by_one_supervisor_at_a_time(tmp_path: Path) -> No
         pass
 
 
+def test_a_misspelt_setting_is_named_with_the_one_that_was_meant(
+    data_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data_folder.mkdir(exist_ok=True)
+    monkeypatch.setenv("TRIL_LEARNING_THREAD", "2")
+    monkeypatch.setenv("TRIL_XYZZY", "2")
+    with lock_data_folder(data_folder, "http://127.0.0.1:8000"):
+        said = _refusal("up", "--port", "0", "--no-browser")
+    assert "TRIL_LEARNING_THREAD is no setting of Tril. Did you mean TRIL_LEARNING_THREADS?" in said
+    assert "TRIL_XYZZY is no setting of Tril." in said
+    assert said.count("Did you mean") == 1
+
+
 def test_a_second_start_on_the_same_folder_is_refused(data_folder: Path) -> None:
     data_folder.mkdir(exist_ok=True)
     with lock_data_folder(data_folder, "http://127.0.0.1:8000"):

@@ -29,7 +29,7 @@ def expect_running(page: Page) -> None:
 def end_and_keep(page: Page) -> int:
     """End the game and keep it; returns its recording."""
     page.get_by_role("button", name="End the game here").click()
-    page.get_by_role("button", name="Keep").click()
+    page.get_by_role("button", name="Keep K").click()
     return kept_as(page)
 
 

@@ -39,7 +39,7 @@ def _play_for_twenty_seconds(page: Page) -> None:
     )
     frames = _count_changes(page, canvas)
     assert frames > 20, f"the screen changed {frames} times in two seconds"
-    ended = page.get_by_role("button", name="Keep")
+    ended = page.get_by_role("button", name="Keep K")
     page.keyboard.down("Space")
     for key in ("ArrowRight", "ArrowLeft") * 20:
         if ended.is_visible():
@@ -50,6 +50,7 @@ def _play_for_twenty_seconds(page: Page) -> None:
     expect(page.get_by_text(re.compile(r"Hit by a bomb|Survived all 300 steps"))).to_be_visible()
     _press_until_hidden(page, "k", ended)
     page.keyboard.press("p")
+    page.get_by_role("button", name="Mark all the same").click()
     expect(page.get_by_role("button", name=re.compile("Perfect"))).to_have_attribute(
         "aria-pressed", "true"
     )

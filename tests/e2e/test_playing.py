@@ -60,7 +60,7 @@ def test_a_game_is_run_back_by_key_and_both_ways_are_offered_as_a_pair(page: Pag
     expect(page.get_by_text("Rewinding.")).to_be_hidden()
     assert seconds_left(page) > before
     page.keyboard.press("-")
-    expect(page.get_by_role("button", name="75 %")).to_have_attribute("aria-pressed", "true")
+    expect(page.get_by_role("button", name="75%")).to_have_attribute("aria-pressed", "true")
     page.wait_for_timeout(500)
     page.keyboard.press(".")
     expect(page.get_by_text("Paused", exact=True)).to_be_visible()

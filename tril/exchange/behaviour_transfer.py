@@ -105,16 +105,17 @@ def import_behaviour(
     """Add a behaviour from a file in one transaction, after replaying every recording.
 
     A matching built-in behaviour that is still empty is filled; otherwise a new behaviour with a
-    free slug is created.
+    free slug is created, and with a number after its name if there is one of that name.
 
     Args:
         database: The database of the library.
         content: The file.
-        name: Name of the new behaviour; None takes the file's.
+        name: Name of the new behaviour; None takes the file's, with a number if it is taken.
 
     Raises:
         BehaviourRefused: The file is invalid or a recording in it does not replay.
         Invalid: The target is invalid.
+        NameTaken: There is a behaviour of the name that was asked for.
         Conflict: There are too many behaviours.
     """
     given = parse_behaviour(content)
@@ -122,7 +123,11 @@ def import_behaviour(
     with database.writing() as session:
         found = None if name is not None else _empty_built_in(session, given)
         row = found or behaviours.create(
-            session, name or given.name, given.description, _target(given), given.ordered
+            session,
+            name or behaviours.free_name(session, given.name),
+            given.description,
+            _target(given),
+            given.ordered,
         )
         ids = _add_recordings(session, row.id, given, replayed)
         revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]

@@ -17,7 +17,8 @@ from tril.exchange.formats.recording_file import (
     ranking_of,
 )
 from tril.game.console import Console
-from tril.game.episode import EndReason
+from tril.game.episode import EndReason, Start
+from tril.recording import Recording
 from tril.store import rankings, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, Source
@@ -37,11 +38,13 @@ class RecordingImportResult:
 
     Attributes:
         recording_ids: The recordings added, in the file's order.
+        already_there: Recordings of the library that the file contains; they are not added again.
         notices: What was changed or ignored.
         refusals: Lines that were refused, with the reason.
     """
 
     recording_ids: list[int] = field(default_factory=list)
+    already_there: list[int] = field(default_factory=list)
     notices: list[LineMessage] = field(default_factory=list)
     refusals: list[LineMessage] = field(default_factory=list)
 
@@ -57,6 +60,8 @@ def import_recordings(
     max_recordings: int = MAX_OBJECTS,
 ) -> RecordingImportResult:
     """Add the recordings of a file, each verified by a replay, in one transaction.
+
+    Those that the library has already are not added again, nor ranked.
 
     Args:
         database: The database of the library.
@@ -78,6 +83,13 @@ def import_recordings(
     if not accepted:
         return outcome
     with database.writing() as session:
+        library = {
+            _identity(recordings.as_recording(row)): row.id
+            for row in recordings.listing(session, behaviour_id)
+        }
+        known = [library.get(_identity(given.recording)) for _, given in accepted]
+        outcome.already_there += [key for key in known if key is not None]
+        accepted = [one for one, key in zip(accepted, known, strict=True) if key is None]
         for _, given in accepted:
             row = recordings.add(
                 session,
@@ -91,9 +103,14 @@ def import_recordings(
                 conditions=_conditions(given),
             )
             outcome.recording_ids.append(row.id)
-        if rank:
+        if rank and accepted:
             _rank(session, behaviour_id, [given for _, given in accepted], outcome, player_id)
     return outcome
+
+
+def _identity(recording: Recording) -> tuple[Start, bytes, str]:
+    """Return what determines a game: the emulator plays it the same way again."""
+    return recording.start, recording.actions, recording.rom_md5
 
 
 def export_recording(session: Session, row: RecordingRow) -> dict[str, Any]:

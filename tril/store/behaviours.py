@@ -7,27 +7,28 @@ import unicodedata
 from collections import defaultdict
 from dataclasses import dataclass, replace
 
-from sqlalchemy import delete as sql_delete
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from tril.behaviours import BUILT_IN, Behaviour, Cell
-from tril.errors import Conflict, Invalid, NotFound
+from tril.errors import Conflict, Invalid, NameTaken, NotFound
 from tril.store.changes import note_change
 from tril.store.models import (
     NOT_OVER,
     BehaviourRow,
-    BorrowedGameRow,
     RankingRow,
     RecordingRow,
     RecordingState,
     RunRow,
     Source,
+    Verification,
     now,
 )
 
 MAX_BEHAVIOURS = 500
 """Most behaviours that can exist at the same time."""
+
+MAX_NAME_LENGTH = 120
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Counts:
     """How much of a behaviour is stored.
 
     Attributes:
-        n_recordings: Recordings in the library.
+        n_recordings: Recordings in the library that can be ranked.
         n_ranked: Recordings in the ranking, borrowed ones included.
         n_perfect: Recordings in the library that are marked as perfect.
         n_runs: Trainings.
@@ -96,7 +97,8 @@ def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Count
         func.count().filter(RecordingRow.source == Source.SCRIPTED),
     ).where(
         RecordingRow.deleted_at.is_(None),
-        RecordingRow.state.in_((RecordingState.KEPT, RecordingState.UNFINISHED)),
+        RecordingRow.state == RecordingState.KEPT,
+        RecordingRow.verification == Verification.VERIFIED,
         RecordingRow.run_id.is_(None),
     )
     trained = select(RunRow.behaviour_id, func.count()).where(RunRow.deleted_at.is_(None))
@@ -135,6 +137,7 @@ def create(
 
     Raises:
         Invalid: The name is empty or the target is not valid.
+        NameTaken: There is one of this name.
         Conflict: There are MAX_BEHAVIOURS already.
     """
     n = session.scalar(
@@ -143,6 +146,7 @@ def create(
     if (n or 0) >= MAX_BEHAVIOURS:
         raise Conflict(f"There are {n} behaviours already; delete some first.")
     behaviour = Behaviour(_free_slug(session, name), name.strip(), description, target, ordered)
+    _refuse_taken_name(session, behaviour.name)
     return _add(session, behaviour, built_in=False)
 
 
@@ -158,22 +162,23 @@ def update(
 
     Raises:
         Invalid: The name is empty or the target is not valid.
-        Conflict: The target would change although the behaviour is built-in or trainings were
-            judged by it.
+        NameTaken: Another behaviour has this name.
+        Conflict: The target would change although the behaviour is built-in or has recordings or
+            runs, which were ranked and judged by it.
     """
     changed = Behaviour(row.slug, name.strip(), description, target, ordered)
+    _refuse_taken_name(session, changed.name, besides=row.id)
     before = as_behaviour(row)
     if (changed.target, changed.ordered) != (before.target, before.ordered):
         if row.built_in:
             raise Conflict(
-                "The target of a built-in behaviour can't be changed; add a behaviour of your own "
-                "instead."
+                "The target of a built-in behaviour can't be changed. Make a copy with another "
+                "target instead."
             )
-        has_runs = select(RunRow.id).where(RunRow.behaviour_id == row.id).limit(1)
-        if session.scalar(has_runs) is not None:
+        if _in_use(session, row.id):
             raise Conflict(
-                "The target can't be changed any more: trainings were judged by it. Add another "
-                "behaviour instead."
+                "The target can't be changed any more: games were ranked and runs judged by it. "
+                "Make a copy with another target instead."
             )
     row.name, row.description = changed.name, changed.description
     row.target, row.ordered = _target_json(changed), changed.ordered
@@ -181,9 +186,10 @@ def update(
 
 
 def delete(session: Session, row: BehaviourRow) -> None:
-    """Take a behaviour out of the lists; its recordings and trainings stay stored.
+    """Take a behaviour out of the lists; ``restore`` brings it back.
 
-    It gives back what it has borrowed; what others have borrowed of it, they keep.
+    Its recordings, its ranking and its runs stay stored, and so does what it has borrowed and what
+    others have borrowed of it.
 
     Raises:
         Conflict: It is built-in, or a training of it is under way.
@@ -194,8 +200,34 @@ def delete(session: Session, row: BehaviourRow) -> None:
     if session.scalar(under_way.limit(1)) is not None:
         raise Conflict(f"A training of {row.name} is under way; cancel it first.")
     row.deleted_at = now()
-    session.execute(sql_delete(BorrowedGameRow).where(BorrowedGameRow.behaviour_id == row.id))
     note_change(session, "behaviour", row.id)
+
+
+def restore(session: Session, behaviour_id: int) -> BehaviourRow:
+    """Bring a deleted behaviour back, with everything it had.
+
+    Raises:
+        NotFound: There has never been such a behaviour.
+        NameTaken: Another behaviour has its name by now.
+    """
+    row = session.get(BehaviourRow, behaviour_id)
+    if row is None:
+        raise NotFound(f"There is no behaviour {behaviour_id}.")
+    if row.deleted_at is not None:
+        _refuse_taken_name(session, row.name, besides=row.id)
+        row.deleted_at = None
+        note_change(session, "behaviour", row.id)
+    return row
+
+
+def free_name(session: Session, name: str) -> str:
+    """Return a name, followed by a number if behaviours have it already: "Column 1 (2)"."""
+    taken = {_compared(other.name) for other in listing(session)}
+    free, number = name.strip(), 1
+    while _compared(free) in taken:
+        number += 1
+        free = f"{name.strip()[: MAX_NAME_LENGTH - 6]} ({number})"
+    return free
 
 
 def seed_built_in(session: Session) -> None:
@@ -223,6 +255,25 @@ def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow
 
 def _target_json(behaviour: Behaviour) -> list[list[int]] | None:
     return None if behaviour.target is None else [list(cell) for cell in behaviour.target]
+
+
+def _in_use(session: Session, behaviour_id: int) -> bool:
+    """Whether a behaviour has recordings or runs, deleted ones included: they can be restored."""
+    played = select(RecordingRow.id).where(RecordingRow.behaviour_id == behaviour_id).limit(1)
+    trained = select(RunRow.id).where(RunRow.behaviour_id == behaviour_id).limit(1)
+    return session.scalar(played) is not None or session.scalar(trained) is not None
+
+
+def _refuse_taken_name(session: Session, name: str, besides: int | None = None) -> None:
+    for other in listing(session):
+        if other.id != besides and _compared(other.name) == _compared(name):
+            raise NameTaken(
+                f"There is a behaviour named {other.name} already. Choose another name."
+            )
+
+
+def _compared(name: str) -> str:
+    return unicodedata.normalize("NFKC", name).strip().casefold()
 
 
 def _free_slug(session: Session, name: str) -> str:

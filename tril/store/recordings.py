@@ -123,6 +123,7 @@ def listing(
     *,
     with_deleted: bool = False,
     with_policies: bool = False,
+    with_undecided: bool = False,
 ) -> list[RecordingRow]:
     """Return a behaviour's library, newest first.
 
@@ -131,8 +132,9 @@ def listing(
         behaviour_id: The behaviour.
         with_deleted: Whether to list deleted recordings, too.
         with_policies: Whether to list the recordings of runs, too.
+        with_undecided: Whether to list games, too, that ended but were neither kept nor discarded.
     """
-    query = _library(behaviour_id)
+    query = _library(behaviour_id, with_undecided)
     if not with_deleted:
         query = query.where(RecordingRow.deleted_at.is_(None))
     if not with_policies:
@@ -222,7 +224,13 @@ def update(
 
     Raises:
         Invalid: It is to be perfect but is not verified, or the notes are too long.
+        Conflict: It is to be perfect but is a result of a training, which nothing learns from.
     """
+    if perfect and row.run_id is not None:
+        raise Conflict(
+            f"Recording {row.id} is a result of a training, so it can't be marked as perfect: the "
+            "clone copies only the behaviour's own games."
+        )
     if perfect and row.verification != Verification.VERIFIED:
         raise Invalid(
             "Only a verified recording can be marked as perfect, because learning replays it: "
@@ -235,8 +243,10 @@ def update(
     note_change(session, "recording", row.id)
 
 
-def _library(behaviour_id: int) -> Select[RecordingRow]:
-    states = (RecordingState.KEPT, RecordingState.UNFINISHED)
+def _library(behaviour_id: int, with_undecided: bool = False) -> Select[RecordingRow]:
+    states = [RecordingState.KEPT, RecordingState.UNFINISHED]
+    if with_undecided:
+        states.append(RecordingState.FINISHED)
     return select(RecordingRow).where(
         RecordingRow.behaviour_id == behaviour_id, RecordingRow.state.in_(states)
     )

@@ -1,7 +1,7 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, unwrap } from "./client";
-import type { Behaviour, BehaviourNew } from "./types";
+import type { Behaviour, BehaviourNew, BehaviourUpdate } from "./types";
 
 export const behavioursQuery = queryOptions({
   queryKey: ["behaviours"],
@@ -54,4 +54,20 @@ export function ghostQuery(behaviourId: number) {
 
 export function createBehaviour(body: BehaviourNew): Promise<Behaviour> {
   return unwrap(api.POST("/api/behaviours", { body }));
+}
+
+export function updateBehaviour(behaviourId: number, body: BehaviourUpdate): Promise<Behaviour> {
+  return unwrap(api.PATCH("/api/behaviours/{behaviour_id}", { ...at(behaviourId), body }));
+}
+
+export function deleteBehaviour(behaviourId: number): Promise<unknown> {
+  return unwrap(api.DELETE("/api/behaviours/{behaviour_id}", at(behaviourId)));
+}
+
+export function restoreBehaviour(behaviourId: number): Promise<Behaviour> {
+  return unwrap(api.POST("/api/behaviours/{behaviour_id}/restore", at(behaviourId)));
+}
+
+function at(behaviourId: number) {
+  return { params: { path: { behaviour_id: behaviourId } } };
 }

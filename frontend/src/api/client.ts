@@ -105,7 +105,25 @@ export function messageOf(error: unknown): string {
   return error instanceof Error ? error.message : "Something went wrong. Reload the page.";
 }
 
-/** Whether an exception is a 404. */
+/** Returns what an exception says of one field of a form; null if it is not about that field. */
+export function fieldMessageOf(error: unknown, field: string): string | null {
+  if (!(error instanceof ProblemError)) return null;
+  const { errors } = (error.body ?? {}) as { errors?: readonly FieldProblem[] | null };
+  const found = errors?.find(({ where }) => where.at(-1) === field);
+  return found?.what ?? null;
+}
+
+interface FieldProblem {
+  readonly where: readonly string[];
+  readonly what: string;
+}
+
+/** Whether an exception may pass by itself: no connection, or a server that is busy or restarts. */
+export function isPassing(error: unknown): boolean {
+  return error instanceof ProblemError ? error.status >= 500 : error instanceof UnreachableError;
+}
+
+/** Whether what was read does not exist, or can't: 422 says that its id is none. */
 export function isNotFound(error: unknown): boolean {
-  return error instanceof ProblemError && error.status === 404;
+  return error instanceof ProblemError && (error.status === 404 || error.status === 422);
 }

@@ -64,7 +64,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Behaviour
-         * @description Delete a behaviour; its trainings remain.
+         * @description Delete a behaviour; it can be restored.
          */
         delete: operations["delete_behaviour"];
         options?: never;
@@ -299,7 +299,7 @@ export interface paths {
         };
         /**
          * List Recordings
-         * @description Return a behaviour's recordings, newest first.
+         * @description Return a behaviour's recordings, newest first, those to keep or discard included.
          */
         get: operations["list_recordings"];
         put?: never;
@@ -364,6 +364,26 @@ export interface paths {
          * @description Verify uploaded recordings and add those that replay; say why others are refused.
          */
         post: operations["import_recordings_file"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/restore": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Restore Behaviour
+         * @description Restore a deleted behaviour, with everything it had.
+         */
+        post: operations["restore_behaviour"];
         delete?: never;
         options?: never;
         head?: never;
@@ -999,7 +1019,7 @@ export interface components {
         };
         /**
          * BehaviourUpdate
-         * @description Omitted fields stay. A target can't change once runs exist (409).
+         * @description Omitted fields stay. A target can't change once recordings or runs exist (409).
          */
         BehaviourUpdate: {
             /** Description */
@@ -1236,9 +1256,13 @@ export interface components {
         };
         /**
          * ImportResult
-         * @description The outcome of an upload; ``imported`` are the new recordings.
+         * @description The outcome of an upload.
+         *
+         *     ``imported`` are the new recordings, ``already_there`` those that the library had before.
          */
         ImportResult: {
+            /** Already There */
+            already_there: number[];
             /** Imported */
             imported: number[];
             /** Notices */
@@ -3973,6 +3997,100 @@ export interface operations {
             };
         };
     };
+    restore_behaviour: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Behaviour"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     stream_events: {
         parameters: {
             query?: never;
@@ -4847,6 +4965,15 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

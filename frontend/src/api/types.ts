@@ -7,6 +7,7 @@ export type Artifact = Schemas["Artifact"];
 export type AttentionMap = Schemas["AttentionMap"];
 export type Behaviour = Schemas["Behaviour"];
 export type BehaviourNew = Schemas["BehaviourNew"];
+export type BehaviourUpdate = Schemas["BehaviourUpdate"];
 export type ComparisonRow = Schemas["ComparisonRow"];
 export type ConfusedTiers = Schemas["ConfusedTiers"];
 export type EvaluationGame = Schemas["EvaluationGame"];

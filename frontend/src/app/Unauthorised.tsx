@@ -1,3 +1,5 @@
+import { Button } from "@/components/controls/Button";
+import { Field } from "@/components/controls/Field";
 import { Alien } from "@/components/game/AlienGrid";
 
 import styles from "./pages.module.css";
@@ -9,13 +11,20 @@ export function Unauthorised() {
       <Alien row={2} scale={5} />
       <h1>This browser isn&rsquo;t signed in yet</h1>
       <p>
-        Tril prints an address with a token when it starts, on the last line in the terminal. Open
-        that address once in this browser; after that, this page works without it.
+        Tril prints an address with a key when it starts, on the last line in the terminal. Open
+        that address once in this browser, or enter its key here. Has the line scrolled away?{" "}
+        <code>tril address</code> in another terminal prints it again.
       </p>
-      <p className={styles.url}>{location.origin}/?token=…</p>
-      <p>
-        Has the line scrolled away? <code>tril address</code> in another terminal prints it again.
-      </p>
+      <form action="/" className={styles.form}>
+        <Field label="Key, or the whole address">
+          {(control) => (
+            <input {...control} name="token" type="password" autoComplete="off" required />
+          )}
+        </Field>
+        <Button kind="primary" type="submit">
+          Sign in
+        </Button>
+      </form>
     </main>
   );
 }

@@ -80,9 +80,9 @@ export function measured(n: number): string {
   return n.toExponential(1).replaceAll("-", "−");
 }
 
-/** Formats a share, 0 to 1, as a percentage: "98.4 %". */
+/** Formats a share, 0 to 1, as a percentage: "98.4%". */
 export function percent(share: number, digits = 1): string {
-  return `${fixed(share * 100, digits)} %`;
+  return `${fixed(share * 100, digits)}%`;
 }
 
 export interface Interval {

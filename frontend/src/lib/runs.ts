@@ -62,10 +62,10 @@ interface RunProgress {
   readonly remaining_s: number | null;
 }
 
-/** Summarizes the progress of a run: "Imitator, 42 %, about 9 min left". */
+/** Summarizes the progress of a run: "Imitator, 42%, about 9 min left". */
 export function statusLine(run: RunProgress): string {
   if (run.status !== "running") return STATUS_NAMES[run.status];
-  const parts = [currentStage(run)?.label, `${Math.floor(run.progress * 100)} %`];
+  const parts = [currentStage(run)?.label, `${Math.floor(run.progress * 100)}%`];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));
   return parts.filter(Boolean).join(", ");
 }

@@ -49,7 +49,7 @@ describe("numbers", () => {
   });
 
   it("carries units and intervals", () => {
-    expect(percent(0.984)).toBe("98.4 %");
+    expect(percent(0.984)).toBe("98.4%");
     expect(bounds({ mean: 4.7, low: 3.9, high: 5.42, n: 23 })).toBe("3.9 to 5.4");
   });
 

@@ -14,8 +14,8 @@ describe("a run's standing", () => {
   } as const;
 
   it("names stage, share and time", () => {
-    expect(statusLine(going)).toBe("Imitator, 42 %, about 9 min left");
-    expect(statusLine({ ...going, remaining_s: null })).toBe("Imitator, 42 %");
+    expect(statusLine(going)).toBe("Imitator, 42%, about 9 min left");
+    expect(statusLine({ ...going, remaining_s: null })).toBe("Imitator, 42%");
     expect(statusLine({ ...going, status: "stopped" })).toBe("Stopped by the check");
   });
 });

@@ -35,7 +35,7 @@ class BehaviourNew(Schema):
 
 
 class BehaviourUpdate(Schema):
-    """Omitted fields stay. A target can't change once runs exist (409)."""
+    """Omitted fields stay. A target can't change once recordings or runs exist (409)."""
 
     name: str | None = Field(default=None, min_length=1, max_length=120)
     description: str | None = Field(default=None, max_length=2000)

@@ -135,8 +135,12 @@ class Refusal(Schema):
 
 
 class ImportResult(Schema):
-    """The outcome of an upload; ``imported`` are the new recordings."""
+    """The outcome of an upload.
+
+    ``imported`` are the new recordings, ``already_there`` those that the library had before.
+    """
 
     imported: list[int]
+    already_there: list[int]
     notices: list[Refusal]
     refusals: list[Refusal]

@@ -44,8 +44,6 @@ def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> No
         "stay-on-the-left",
         None,
     )
-    again = client.post("/api/behaviours", json=new).json()
-    assert again["slug"] == "stay-on-the-left-2"
     path = f"/api/behaviours/{made['id']}"
     changed = client.patch(path, json={"target": [[0, 1], [2, 3]], "ordered": True}).json()
     assert (changed["target"], changed["ordered"]) == ([[0, 1], [2, 3]], True)
@@ -56,6 +54,78 @@ def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> No
     assert client.delete(path).status_code == 204
     assert client.get(path).status_code == 404
     assert client.get(f"{path}/recordings").status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ({}, "Name is missing."),
+        ({"name": ""}, "Name is too short."),
+        ({"name": "a" * 121}, "Name can have at most 120 characters."),
+        ({"name": "a", "ordered": "perhaps"}, "Ordered has to be true or false."),
+        ({"name": "a", "target": [[0, 9]]}, "Target has to be at most 5."),
+        ({"name": "a", "colour": "red"}, "Colour is not known here."),
+    ],
+)
+def test_a_refusal_says_in_plain_words_what_is_wrong(
+    client: TestClient, body: dict[str, object], said: str
+) -> None:
+    answer = client.post("/api/behaviours", json=body)
+    assert answer.status_code == 422
+    assert answer.json()["detail"] == said
+
+
+def test_two_behaviours_can_not_have_one_name(client: TestClient) -> None:
+    made = client.post("/api/behaviours", json={"name": "Left"}).json()
+    twice = client.post("/api/behaviours", json={"name": " left "})
+    renamed = client.patch(f"/api/behaviours/{made['id']}", json={"name": "Column 1"})
+    for answer, name in ((twice, "Left"), (renamed, "Column 1")):
+        said = f"There is a behaviour named {name} already. Choose another name."
+        assert answer.status_code == 409
+        assert answer.json() == {
+            "detail": said,
+            "errors": [{"where": ["body", "name"], "what": said}],
+        }
+    own = client.patch(f"/api/behaviours/{made['id']}", json={"name": "LEFT"})
+    assert own.json()["name"] == "LEFT"
+
+
+def test_a_deleted_behaviour_comes_back_with_everything_it_had(
+    client: TestClient, workplace: Workplace
+) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine"}).json()
+    path = f"/api/behaviours/{made['id']}"
+    one = workplace.ranked[0]
+    borrowed = client.post(f"{path}/ranking/games", json={"recording_ids": [one]})
+    assert borrowed.status_code == 201
+    game = client.post("/api/games", json={"behaviour_id": made["id"]})
+    assert game.status_code == 201
+    before = client.get(path).json()
+    assert client.delete(path).status_code == 204
+    assert client.post(f"{path}/restore").json() == before
+    assert client.get(f"{path}/ranking").json()["unranked"] == [one]
+    assert client.post("/api/behaviours/999/restore").status_code == 404
+
+
+def test_a_behaviour_whose_name_was_taken_meanwhile_stays_deleted(client: TestClient) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine"}).json()
+    path = f"/api/behaviours/{made['id']}"
+    client.delete(path)
+    client.post("/api/behaviours", json={"name": "Mine"})
+    assert client.post(f"{path}/restore").status_code == 409
+    assert client.get(path).status_code == 404
+
+
+def test_a_target_can_not_change_once_something_was_played(client: TestClient) -> None:
+    made = client.post("/api/behaviours", json={"name": "Mine", "target": [[0, 0]]}).json()
+    assert client.post("/api/games", json={"behaviour_id": made["id"]}).status_code == 201
+    path = f"/api/behaviours/{made['id']}"
+    answer = client.patch(path, json={"target": [[1, 1]]})
+    assert answer.status_code == 409
+    assert "Make a copy with another target" in answer.json()["detail"]
+    # What is sent unchanged is no change.
+    same = {"name": "Yours", "target": [[0, 0]], "ordered": False}
+    assert client.patch(path, json=same).json()["name"] == "Yours"
 
 
 def test_what_comes_ready_can_not_be_deleted_nor_retargeted(client: TestClient) -> None:
@@ -72,7 +142,7 @@ def test_a_target_can_not_change_once_something_was_trained(
     assert run.status_code == 201
     answer = client.patch(f"/api/behaviours/{made['id']}", json={"target": [[1, 1]]})
     assert answer.status_code == 409
-    assert "judged by it" in answer.json()["detail"]
+    assert "runs judged by it" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize(
@@ -174,6 +244,20 @@ def test_an_import_says_which_lines_it_refused_and_why(client: TestClient) -> No
     assert set(refused) == {2, 3, 4}
     assert "[5, 5]" in refused[2]
     assert "another ROM" in refused[4]
+
+
+def test_a_file_that_is_imported_twice_adds_nothing_the_second_time(
+    client: TestClient, workplace: Workplace
+) -> None:
+    body = client.get("/api/behaviours/1/recordings/export").text
+    first = client.post("/api/behaviours/3/recordings/import", content=body).json()
+    assert (len(first["imported"]), first["already_there"]) == (4, [])
+    again = client.post("/api/behaviours/3/recordings/import?rank=true", content=body).json()
+    assert (again["imported"], again["already_there"]) == ([], first["imported"])
+    assert client.get("/api/behaviours/3/ranking").json()["tiers"] == []
+    client.delete(f"/api/recordings/{first['imported'][0]}")
+    third = client.post("/api/behaviours/3/recordings/import", content=body).json()
+    assert (len(third["imported"]), len(third["already_there"])) == (1, 3)
 
 
 def test_an_upload_is_bounded_in_number(client: TestClient) -> None:
@@ -282,6 +366,52 @@ def test_a_game_that_is_played_can_not_be_kept_or_deleted(
         session.get_one(RecordingRow, game["recording_id"]).state = RecordingState.FINISHED
     assert client.post(f"{path}/discard").json()["deleted"]
     assert client.post(f"{path}/restore").json()["state"] == "kept"
+
+
+def test_a_policys_game_can_not_be_marked_as_perfect(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run = client.post("/api/runs", json={"behaviour_id": 1, "go_on_anyway": True}).json()
+    with workplace.database.writing() as session:
+        session.get_one(RecordingRow, workplace.ranked[3]).run_id = run["id"]
+    answer = client.patch(f"/api/recordings/{workplace.ranked[3]}", json={"perfect": True})
+    assert answer.status_code == 409
+    assert "only the behaviour's own games" in answer.json()["detail"]
+
+
+def test_a_game_that_nobody_decided_about_is_listed_but_not_counted(
+    client: TestClient, workplace: Workplace
+) -> None:
+    game = client.post("/api/games", json={"behaviour_id": 1}).json()["recording_id"]
+
+    def listed() -> dict[int, str]:
+        found = client.get("/api/behaviours/1/recordings").json()
+        return {one["id"]: one["state"] for one in found}
+
+    def counted() -> int:
+        return int(client.get("/api/behaviours/1").json()["n_recordings"])
+
+    def set_state(state: RecordingState) -> None:
+        with workplace.database.writing() as session:
+            row = session.get_one(RecordingRow, game)
+            row.state, row.verification = state, Verification.VERIFIED
+
+    assert game not in listed()
+    for state in (RecordingState.FINISHED, RecordingState.UNFINISHED):
+        set_state(state)
+        assert listed()[game] == state
+        assert counted() == 4
+    client.post(f"/api/recordings/{game}/keep")
+    assert counted() == 5
+
+
+def test_a_recording_that_does_not_replay_is_not_counted(
+    client: TestClient, workplace: Workplace
+) -> None:
+    with workplace.database.writing() as session:
+        session.get_one(RecordingRow, workplace.ranked[3]).verification = Verification.FAILED
+    assert client.get("/api/behaviours/1").json()["n_recordings"] == 3
+    assert len(client.get("/api/behaviours/1/recordings").json()) == 4
 
 
 def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) -> None:

@@ -68,6 +68,21 @@ def test_the_token_is_exchanged_for_a_cookie_that_lets_in(
     assert "Tril" in stranger.get("/").text
 
 
+def test_the_key_may_be_typed_or_pasted_with_its_address(
+    stranger: TestClient, workplace: Workplace
+) -> None:
+    asked = stranger.get("/runs/1").text
+    assert '<input id="key" name="token"' in asked
+    assert "tril address" in asked
+    address = address_with_token(workplace.settings, str(stranger.base_url))
+    for typed in (address, f" {load_secrets(workplace.settings.token_file).token} "):
+        answer = stranger.get("/", params={"token": typed}, follow_redirects=False)
+        assert answer.status_code == 303
+    wrong = stranger.get("/", params={"token": "http://tril/?token=wrong"})
+    assert wrong.status_code == 401
+    assert "tril address" in wrong.text
+
+
 @pytest.mark.parametrize("token", ["", "wrong", "é", "a" * 5000])
 def test_a_wrong_token_gets_no_cookie(stranger: TestClient, token: str) -> None:
     answer = stranger.get("/", params={"token": token}, follow_redirects=False)

@@ -12,6 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from testsupport.workplace import Workplace, make_workplace
+from tril.errors import NameTaken
 from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
 from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_schema
 from tril.exchange.recording_transfer import export_recordings
@@ -82,7 +83,10 @@ def test_an_imported_behaviour_exports_to_the_same_file(
     assert (outcome.slug, outcome.was_there) == ("column-1-2", False)
     assert (outcome.n_recordings, outcome.n_revisions, outcome.notices) == (4, 4, [])
     again = exported(other, "column-1-2")
-    assert renumbered(again) == renumbered(file) | {"slug": "column-1-2"}
+    assert renumbered(again) == renumbered(file) | {
+        "slug": "column-1-2",
+        "name": "Column 1 (2)",
+    }
     assert sum(one["deleted"] for one in again["recordings"]) == 1
     with other.database.reading() as session:
         assert {"Player", "Ada", "Grace"} <= set(players.names(session).values())
@@ -158,7 +162,10 @@ def test_a_policys_ranked_game_travels_as_the_behaviours_own(
         assert borrowed.listing(session, behaviour.id) == []
         exported_tiers = [line.get("tier") for line in export_recordings(session, behaviour.id)]
     assert exported_tiers[0] == 1
-    assert renumbered(exported(other, slug)) == renumbered(file) | {"slug": slug}
+    assert renumbered(exported(other, slug)) == renumbered(file) | {
+        "slug": slug,
+        "name": "Column 1 (2)",
+    }
 
 
 def test_exported_recordings_keep_their_tiers_beside_borrowed_ones(origin: Workplace) -> None:
@@ -200,8 +207,12 @@ def test_an_empty_built_in_behaviour_is_filled(origin: Workplace, other: Workpla
     assert (first.slug, first.was_there) == ("column-2", True)
     second = import_behaviour(other.database, content)
     assert (second.slug, second.was_there) == ("column-2-2", False)
+    with other.database.reading() as session:
+        assert behaviours.by_slug(session, "column-2-2").name == "Column 2 (2)"
     third = import_behaviour(other.database, content, name="Of a colleague")
     assert (third.slug, third.was_there) == ("of-a-colleague", False)
+    with pytest.raises(NameTaken):
+        import_behaviour(other.database, content, name="Of a colleague")
 
 
 def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> None:

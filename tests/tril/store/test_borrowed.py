@@ -142,7 +142,7 @@ def test_games_of_a_deleted_behaviour_stay_with_their_borrowers_but_are_lent_no_
     rank(workplace, [[workplace.ranked[0]], [lent]])
     with workplace.database.writing() as session:
         behaviours.delete(session, behaviours.get(session, own))
-        assert session.get(BorrowedGameRow, (own, workplace.ranked[0])) is None
+        assert session.get(BorrowedGameRow, (own, workplace.ranked[0])) is not None
     with pytest.raises(Conflict, match=f"recording {kept} is of a deleted behaviour"):
         borrow(workplace, [kept])
     assert held(workplace) == [lent]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import uuid
 from collections.abc import Iterable
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from tril.analysis.outcome import RunSnapshot
@@ -31,6 +31,7 @@ def create(
     player_id: int | None = None,
     example_kind: str = SCRIPTED.name,
     parent_run_id: str | None = None,
+    max_queued: int | None = None,
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
 
@@ -48,6 +49,7 @@ def create(
         player_id: Who started it.
         example_kind: Which demonstrations an example has, see tril.demonstrator.KINDS.
         parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
+        max_queued: Most runs that may wait in the queue; None for any number.
 
     Raises:
         NotFound: No such behaviour or parent.
@@ -67,6 +69,11 @@ def create(
             )
     if parent_run_id is not None:
         _refuse_unfit_parent(session, behaviour_id, recipe, parent_run_id)
+    if max_queued is not None and _count_queued(session) >= max_queued:
+        raise Conflict(
+            f"{max_queued} runs are waiting already, and no more may. Wait until one has begun, or"
+            " cancel one."
+        )
     row = RunRow(
         id=str(uuid.uuid4()),
         behaviour_id=behaviour_id,
@@ -86,6 +93,11 @@ def create(
     session.flush()
     note_change(session, "run", row.id)
     return row
+
+
+def _count_queued(session: Session) -> int:
+    queued = (RunRow.status == RunStatus.QUEUED, RunRow.deleted_at.is_(None))
+    return session.scalar(select(func.count()).select_from(RunRow).where(*queued)) or 0
 
 
 def _refuse_unfit_parent(

@@ -5,6 +5,7 @@ import { messageOf } from "@/api/client";
 import { playerQuery, renamePlayer } from "@/api/system";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
+import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 
 import styles from "./PlayerMenu.module.css";
@@ -31,41 +32,53 @@ export function PlayerMenu() {
 
 function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) {
   const client = useQueryClient();
-  const [value, setValue] = useState(name);
+  const draft = useDraft("your name", name);
+  const { value } = draft;
+  const [refused, setRefused] = useState<string | null>(null);
   const rename = useMutation({
     mutationFn: renamePlayer,
     onSuccess: (player) => {
       client.setQueryData(playerQuery.queryKey, player);
+      draft.drop();
       onClose();
     },
   });
+  const answered = rename.error && refused === value ? messageOf(rename.error) : null;
+  const problem = value.trim() ? answered : "Give a name.";
   return (
     <Dialog title="Your name" onClose={onClose} width="24rem">
       <form
         className={styles.form}
         onSubmit={(event) => {
           event.preventDefault();
-          if (value.trim()) rename.mutate(value.trim());
+          if (!value.trim()) return;
+          setRefused(value);
+          rename.mutate(value.trim());
         }}
       >
-        <Field
-          label="Name"
-          hint="Shown beside the games you play."
-          error={rename.error ? messageOf(rename.error) : null}
-        >
+        <Field label="Name" hint="Shown beside the games you play." error={problem}>
           {(control) => (
             <input
               {...control}
               value={value}
               maxLength={80}
               autoComplete="nickname"
-              onChange={(event) => setValue(event.currentTarget.value)}
+              onChange={(event) => draft.set(event.currentTarget.value)}
             />
           )}
         </Field>
-        <div>
+        <div className={styles.actions}>
           <Button kind="primary" type="submit" disabled={!value.trim() || rename.isPending}>
             Save
+          </Button>
+          <Button
+            kind="quiet"
+            onClick={() => {
+              draft.drop();
+              onClose();
+            }}
+          >
+            Cancel
           </Button>
         </div>
       </form>

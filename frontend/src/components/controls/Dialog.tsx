@@ -1,4 +1,4 @@
-import { type CSSProperties, type ReactNode, useEffect, useId, useRef } from "react";
+import { type CSSProperties, type ReactNode, useId, useLayoutEffect, useRef } from "react";
 
 import { IconButton } from "./Button";
 import styles from "./Dialog.module.css";
@@ -12,19 +12,28 @@ interface DialogProps {
   children: ReactNode;
 }
 
+const FIELDS = "[data-first], input:not([type=file], [type=range]), textarea, select";
+
 /**
  * A modal dialog, open while it is rendered. Escape, the close button and a click on the backdrop
- * call `onClose`. The browser traps the focus and restores it.
+ * call `onClose`. The focus begins at the first field or at what has `data-first`, stays in the dialog and goes
+ * back to where it was.
  */
 export function Dialog({ title, onClose, width, children }: DialogProps) {
   const ref = useRef<HTMLDialogElement>(null);
   const titleId = useId();
 
-  useEffect(() => {
+  // Not after painting: then the dialog has left the document before it could restore the focus.
+  useLayoutEffect(() => {
     const dialog = ref.current;
     if (!dialog) return undefined;
+    const before = document.activeElement;
     if (!dialog.open) dialog.showModal();
-    return () => dialog.close();
+    dialog.querySelector<HTMLElement>(FIELDS)?.focus();
+    return () => {
+      dialog.close();
+      if (before instanceof HTMLElement) before.focus();
+    };
   }, []);
 
   return (

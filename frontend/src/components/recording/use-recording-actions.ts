@@ -4,6 +4,7 @@ import { messageOf } from "@/api/client";
 import {
   changeRecordings,
   deleteRecording,
+  keepRecording,
   recordingsQuery,
   restoreRecording,
   updateRecording,
@@ -11,11 +12,13 @@ import {
 import type { Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
 import { useToast } from "@/components/feedback/Toasts";
 import { count } from "@/lib/format";
-import { recordingName } from "@/lib/recordings";
+import { isUndecided, recordingName } from "@/lib/recordings";
 
 interface RecordingActions {
   setPerfect: (recording: Recording, perfect: boolean) => void;
   setNotes: (recording: Recording, notes: string) => void;
+  /** Puts an undecided or unfinished game into the library. */
+  keep: (recording: Recording) => void;
   remove: (recording: Recording) => void;
   restore: (recording: Recording) => void;
   /** Applies one change to several recordings, atomically; deletion can be undone. */
@@ -60,6 +63,12 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     onSettled: settle,
   });
 
+  const keep = useMutation({
+    mutationFn: (id: number) => keepRecording(id),
+    onError: (error) => toast(messageOf(error)),
+    onSettled: settle,
+  });
+
   const remove = useMutation({
     mutationFn: (recording: Recording) => deleteRecording(recording.id),
     onMutate: async (recording) => {
@@ -67,7 +76,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
       return show((list) => list.filter((one) => one.id !== recording.id));
     },
     onSuccess: (_nothing, recording) =>
-      toast(`${recordingName(recording)} deleted.`, {
+      toast(`${recordingName(recording)} ${isUndecided(recording) ? "discarded" : "deleted"}.`, {
         label: "Undo",
         run: () => restore.mutate(recording.id),
       }),
@@ -94,6 +103,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
   return {
     setPerfect: ({ id }, perfect) => update.mutate({ id, body: { perfect } }),
     setNotes: ({ id }, notes) => update.mutate({ id, body: { notes } }),
+    keep: ({ id }) => keep.mutate(id),
     remove: (recording) => remove.mutate(recording),
     restore: ({ id }) => restore.mutate(id),
     changeAll: (recordings, change) =>

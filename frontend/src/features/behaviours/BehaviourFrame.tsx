@@ -11,9 +11,11 @@ import { Icon } from "@/components/controls/Icon";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { classes } from "@/lib/classes";
+import { isActive } from "@/lib/runs";
 
 import styles from "./BehaviourFrame.module.css";
-import { type PathStep, pathOf, type StepId } from "./path";
+import { EditBehaviour } from "./EditBehaviour";
+import { type PathStep, pathOf, type StepId, trainingStatus } from "./path";
 
 interface BehaviourFrameProps {
   behaviourId: number;
@@ -42,13 +44,29 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
       <div className={styles.head}>
         <AlienGrid target={behaviour.target} label="" />
         <div className={styles.words}>
-          <h1>{behaviour.name}</h1>
+          <div className={styles.title}>
+            <h1>{behaviour.name}</h1>
+            <EditBehaviour behaviour={behaviour} />
+            <Training behaviourId={behaviour.id} />
+          </div>
           <p>{behaviour.description}</p>
         </div>
       </div>
       <Path behaviour={behaviour} looking={looking} />
       <div className={styles.body}>{children(behaviour)}</div>
     </>
+  );
+}
+
+/** A link to the run that is under way, where the path has no room to name it. */
+function Training({ behaviourId }: { behaviourId: number }) {
+  const { data: runs = [] } = useQuery(runsQuery(behaviourId));
+  const active = runs.find(isActive);
+  if (!active) return null;
+  return (
+    <Link className={styles.training} to={`/runs/${active.id}`}>
+      {trainingStatus(active)}
+    </Link>
   );
 }
 

@@ -17,6 +17,11 @@ export interface PathStep {
 type Counts = Pick<Behaviour, "n_recordings" | "n_ranked" | "n_perfect" | "target">;
 type RunFacts = Pick<Run, "status" | "progress" | "headline">;
 
+/** Says how far an active run is: "Training, 34%". */
+export function trainingStatus({ status, progress }: Pick<Run, "status" | "progress">): string {
+  return status === "queued" ? "Waiting to train" : `Training, ${Math.floor(progress * 100)}%`;
+}
+
 /** Returns the four steps; the first that is not done is next. */
 export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly PathStep[] {
   const active = runs.find(isActive);
@@ -40,8 +45,8 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
     {
       id: "train" as const,
       name: "Train",
-      done: runs.length > 0,
-      caption: active ? `${Math.floor(active.progress * 100)} % done` : "learn the reward",
+      done: finished !== undefined,
+      caption: active ? trainingStatus(active) : "learn the reward",
     },
     {
       id: "look" as const,
@@ -51,7 +56,11 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
     },
   ];
   const nextIndex = steps.findIndex((step) => !step.done);
-  return steps.map((step, index) => ({ ...step, next: index === nextIndex }));
+  return steps.map((step, index) => ({
+    ...step,
+    // What is under way needs nobody to begin it.
+    next: index === nextIndex && !(step.id === "train" && active),
+  }));
 }
 
 function lookCaption(

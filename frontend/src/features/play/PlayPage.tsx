@@ -8,8 +8,10 @@ import { Clock, type ClockHandle } from "@/features/play/hud/Clock";
 import { LatencyDisplay } from "@/features/play/hud/LatencyDisplay";
 import { PaceControls } from "@/features/play/hud/PaceControls";
 import { Score } from "@/features/play/hud/Score";
+import { StageHud } from "@/features/play/hud/StageHud";
 import { Tip } from "@/features/play/hud/Tip";
 import { Toggles } from "@/features/play/hud/Toggles";
+import { Undecided } from "@/features/play/hud/Undecided";
 import { speedBeside, steers, type Intent } from "@/features/play/input/intents";
 import { KeyHelp } from "@/features/play/input/KeyHelp";
 import { HeldKeys } from "@/features/play/input/keys";
@@ -34,8 +36,11 @@ import styles from "./PlayPage.module.css";
 /** Height of the header, the path and the margins. */
 const CHROME_PX = 250;
 const MIN_HEIGHT_PX = 210;
+/** As in PlayPage.module.css: the stage fills the window. */
+const LANDSCAPE_PHONE = "(pointer: coarse) and (orientation: landscape) and (max-height: 32rem)";
+
 function stageHeight(windowHeight: number): number {
-  if (document.fullscreenElement) return windowHeight;
+  if (document.fullscreenElement || matchMedia(LANDSCAPE_PHONE).matches) return windowHeight;
   return Math.max(windowHeight - CHROME_PX, MIN_HEIGHT_PX);
 }
 
@@ -43,7 +48,10 @@ function stageHeight(windowHeight: number): number {
 export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const clock = useRef<ClockHandle>(null);
   const endCard = useRef<EndCardHandle>(null);
+  /** What fullscreen shows: the stage, the touch pad over it, and the state of the game. */
+  const arena = useRef<HTMLDivElement>(null);
   const stage = useRef<HTMLDivElement>(null);
+  const hudTime = useRef<HTMLSpanElement>(null);
   const { screen, frames, setPainter } = useScreen(clock);
   const game = useGame(behaviour.id, screen);
   const size = useFittingScreenSize(stage, stageHeight);
@@ -57,7 +65,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const onIntent = useRef<(intent: Intent) => void>(() => undefined);
   useEffect(() => {
     onIntent.current = (intent) => {
-      if (intent === "fullscreen") toggleFullscreen(stage.current);
+      if (intent === "fullscreen") toggleFullscreen(arena.current);
       else if (intent === "start") start();
       else if (!stream || phase === "ended" || !execute(intent, stream))
         endCard.current?.execute(intent);
@@ -71,12 +79,15 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const focusStage = useCallback(() => stage.current?.focus({ preventScroll: true }), []);
   useEffect(() => {
     if (phase === "countdown") focusStage();
+    if (phase === "countdown" && matchMedia(LANDSCAPE_PHONE).matches) {
+      arena.current?.scrollIntoView();
+    }
     if (phase === "ended") held.releaseAll();
   }, [phase, held, focusStage]);
 
   return (
     <div className={styles.page}>
-      <div>
+      <div ref={arena} className={styles.arena}>
         <div
           ref={stage}
           className={styles.stage}
@@ -122,7 +133,9 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             />
           )}
         </div>
+        <StageHud time={hudTime} hits={state?.hits ?? []} behaviour={behaviour} />
         <TouchPad
+          idle={!phase || !steers(phase)}
           onHold={(name, bit, atMs) => {
             if (held.hold(name, bit)) stream?.hold(held.bits, atMs);
           }}
@@ -132,7 +145,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
         />
       </div>
       <aside className={styles.side} aria-label="Game status">
-        <Clock handle={clock} />
+        <Clock handle={clock} also={hudTime} />
         <Score hits={state?.hits ?? []} behaviour={behaviour} />
         {state && stream && (
           <PaceControls
@@ -155,6 +168,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             }}
           />
         )}
+        <Undecided behaviour={behaviour} besides={state?.ended?.recording_id} />
         <Checklist behaviour={behaviour} />
         <KeyHelp />
         <Toggles
@@ -165,7 +179,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
             stream?.command("pause");
             setKeysOpen(true);
           }}
-          onFullscreen={() => toggleFullscreen(stage.current)}
+          onFullscreen={() => toggleFullscreen(arena.current)}
         />
         <Tip behaviour={behaviour} />
       </aside>
@@ -209,10 +223,10 @@ function execute(intent: Intent, stream: GameStream): boolean {
   }
 }
 
-function toggleFullscreen(stage: HTMLElement | null): void {
+function toggleFullscreen(arena: HTMLElement | null): void {
   const changed = document.fullscreenElement
     ? document.exitFullscreen()
-    : stage?.requestFullscreen();
+    : arena?.requestFullscreen();
   // The browser may refuse; the game continues as it is.
   changed?.catch(() => undefined);
 }

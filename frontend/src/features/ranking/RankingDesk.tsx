@@ -2,6 +2,7 @@ import { useCallback, useMemo, useState } from "react";
 
 import type { Behaviour, Ranking, Recording } from "@/api/types";
 import { useBorrowing } from "@/components/recording/use-borrowing";
+import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
 import { DragBoard } from "@/features/ranking/board/DragBoard";
@@ -46,6 +47,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [kept, setKept] = useState<ReadonlySet<number>>(new Set());
   const opinions = useOpinions(behaviour.id, state, advised);
   const actions = useRecordingActions(behaviour.id);
+  const { mark, question } = usePerfectMark(behaviour);
   const { giveBack } = useBorrowing(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
   const narrow = useMedia("(max-width: 66rem)");
@@ -90,7 +92,10 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       setChosen(
         (before) => new Set(on ? [...before, id] : [...before].filter((one) => one !== id)),
       ),
-    onPerfect: (one: Recording) => actions.setPerfect(one, !one.perfect),
+    onPerfect: (one: Recording) => {
+      if (one.perfect) actions.setPerfect(one, false);
+      else mark([one], () => actions.setPerfect(one, true));
+    },
     onGiveBack: giveBack,
     renderOpinion: (id: number) => {
       const opinion = opinions.of.get(id);
@@ -175,6 +180,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       <p role="status" className="visually-hidden">
         {spoken}
       </p>
+      {question}
       {state.conflict && (
         <ConflictDialog
           theirs={state.conflict.tiers}

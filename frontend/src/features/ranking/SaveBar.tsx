@@ -1,4 +1,4 @@
-import { messageOf } from "@/api/client";
+import { isPassing, messageOf } from "@/api/client";
 import { Button, IconButton } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import type { RankingSaver, SaverState } from "@/features/ranking/order/saver";
@@ -30,7 +30,10 @@ export function SaveBar({ state, saver }: { state: SaverState; saver: RankingSav
       </div>
       {error !== null && (
         <Notice tone="bad" live>
-          <p>The order could not be saved: {messageOf(error)}</p>
+          <p>
+            The order could not be saved: {messageOf(error)}
+            {isPassing(error) && " Tril tries again by itself; your order stays on this page."}
+          </p>
           <Button onClick={() => saver.retry()}>Try again</Button>
         </Notice>
       )}

@@ -1,8 +1,7 @@
-import { useState } from "react";
-
 import type { Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
+import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { recordingName } from "@/lib/recordings";
 
@@ -20,14 +19,15 @@ export function NotesDialog({
   onSave: (notes: string) => void;
   onClose: () => void;
 }) {
-  const [notes, setNotes] = useState(recording.notes);
+  const notes = useDraft(`note ${recording.id}`, recording.notes);
   return (
     <Dialog title={`Note on ${recordingName(recording).toLowerCase()}`} onClose={onClose}>
       <form
         className={styles.form}
         onSubmit={(event) => {
           event.preventDefault();
-          onSave(notes.trim());
+          onSave(notes.value.trim());
+          notes.drop();
           onClose();
         }}
       >
@@ -36,15 +36,24 @@ export function NotesDialog({
             <textarea
               {...control}
               rows={5}
-              value={notes}
+              value={notes.value}
               maxLength={MOST_CHARACTERS}
-              onChange={(event) => setNotes(event.currentTarget.value)}
+              onChange={(event) => notes.set(event.currentTarget.value)}
             />
           )}
         </Field>
-        <div>
+        <div className={styles.actions}>
           <Button kind="primary" type="submit">
             Save note
+          </Button>
+          <Button
+            kind="quiet"
+            onClick={() => {
+              notes.drop();
+              onClose();
+            }}
+          >
+            Cancel
           </Button>
         </div>
       </form>

@@ -6,15 +6,19 @@ import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
 import { SourceBadge } from "@/components/recording/SourceBadge";
+import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
+import { ValueTable } from "@/components/ValueTable";
 import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
-import { FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
+import { count, FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
+import { valueRows } from "@/lib/recipe-values";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
 
 import { VerifiedBadge } from "./badges";
@@ -43,7 +47,7 @@ export function RecordingPage({
       <title>{`${name} · ${behaviour.name} · Tril`}</title>
       <div className={styles.head}>
         <h2>{name}</h2>
-        <Actions recording={recording} />
+        <Actions recording={recording} behaviour={behaviour} />
       </div>
       {recording.deleted && (
         <Notice tone="calm">
@@ -97,20 +101,27 @@ function frameOf(search: URLSearchParams): number {
   return Number.isInteger(frame) && frame > 0 ? frame : 0;
 }
 
-function Actions({ recording }: { recording: Recording }) {
+function Actions({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }) {
+  const { mark, question } = usePerfectMark(behaviour);
   const actions = useRecordingActions(recording.behaviour_id);
   const navigate = useNavigate();
   const [writing, setWriting] = useState(false);
   return (
     <div className={styles.buttons}>
-      <Button
-        icon="star"
-        aria-pressed={recording.perfect}
-        disabled={recording.deleted}
-        onClick={() => actions.setPerfect(recording, !recording.perfect)}
-      >
-        {recording.perfect ? "Perfect" : "Mark as perfect"}
-      </Button>
+      {recording.run_id === null && (
+        <Button
+          icon="star"
+          aria-pressed={recording.perfect}
+          disabled={recording.deleted}
+          onClick={() => {
+            if (recording.perfect) actions.setPerfect(recording, false);
+            else mark([recording], () => actions.setPerfect(recording, true));
+          }}
+        >
+          {recording.perfect ? "Perfect" : "Mark as perfect"}
+        </Button>
+      )}
+      {question}
       <Button icon="note" onClick={() => setWriting(true)}>
         {recording.notes ? "Change the note" : "Write a note"}
       </Button>
@@ -149,11 +160,12 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
         <VerifiedBadge recording={recording} />
       </p>
       <p className={styles.hint}>
-        {moment(recording.created_at)} · {recording.shots} shots · start after{" "}
-        {recording.idle_frames} idle frames
+        {moment(recording.created_at)} · {count(recording.shots, "shot")} · start after{" "}
+        {count(recording.idle_frames, "idle frame")}
         {recording.evaluation_start !== null &&
           `, which is evaluation start ${recording.evaluation_start}`}
       </p>
+      {recording.run_id === null && <KeepOrDiscard recording={recording} />}
       {recording.notes && <p className={styles.note}>{recording.notes}</p>}
       {recording.run_id !== null && (
         <p>
@@ -221,7 +233,9 @@ function Conditions({ course }: { course: RecordingCourse }) {
   return (
     <details>
       <summary>How it was played</summary>
-      <pre className={styles.conditions}>{JSON.stringify(course.conditions, null, 2)}</pre>
+      <div className={styles.conditions}>
+        <ValueTable rows={valueRows(course.conditions)} label="How it was played" />
+      </div>
     </details>
   );
 }

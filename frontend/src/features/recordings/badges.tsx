@@ -1,13 +1,21 @@
 import type { Recording } from "@/api/types";
 import { Badge } from "@/components/feedback/Badge";
 import { count, fixed, percent } from "@/lib/format";
+import { isUndecided } from "@/lib/recordings";
 
 /** Whether a replay reproduced the recording. */
 export function VerifiedBadge({ recording }: { recording: Recording }) {
   if (recording.state === "unfinished") {
     return (
       <Badge tone="warn" icon="clock">
-        not played to its end
+        unfinished
+      </Badge>
+    );
+  }
+  if (isUndecided(recording)) {
+    return (
+      <Badge tone="warn" icon="clock">
+        undecided
       </Badge>
     );
   }
@@ -49,7 +57,7 @@ export function LatencyBadge({ recording }: { recording: Recording }) {
 export function PaceBadge({ recording }: { recording: Recording }) {
   const { slowest_percent: slowest, single_steps: steps } = recording;
   const parts = [];
-  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest} %`);
+  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest}%`);
   if (steps) parts.push(`${count(steps, "frame")} one by one`);
   return parts.length === 0 ? null : <Badge>{parts.join("; ")}</Badge>;
 }

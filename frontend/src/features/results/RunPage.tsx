@@ -3,7 +3,7 @@ import { type ReactNode, useState } from "react";
 
 import { resultsQuery } from "@/api/runs";
 import type { Behaviour, Recording, Run, RunResults } from "@/api/types";
-import { Failed, Loading } from "@/components/feedback/States";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { Attention } from "@/features/results/attention/Attention";
 import { Curves } from "@/features/results/curves/Curves";
@@ -129,7 +129,19 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     results.check && {
       id: "check",
       title: "Reward and ranking",
-      body: <RewardCheck check={results.check} behaviour={behaviour} onWatch={onWatch} />,
+      body: (
+        <>
+          {run.recipe_values.method === "gail" && (
+            <Notice tone="calm">
+              <p>
+                The imitator of GAIL did not learn from this reward: its own discriminator compares
+                play with the perfect games. The reward and its check are shown to compare with.
+              </p>
+            </Notice>
+          )}
+          <RewardCheck check={results.check} behaviour={behaviour} onWatch={onWatch} />
+        </>
+      ),
     },
     results.judged.some((group) => !group.demonstrated) && {
       id: "extrapolation",

@@ -130,7 +130,7 @@ function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
         </>
       )}
       <td className={styles.right}>
-        {imitator ? `${fixed(imitator.death_rate.mean * 100, 0)} %` : NONE}
+        {imitator ? `${fixed(imitator.death_rate.mean * 100, 0)}%` : NONE}
       </td>
       <td className={styles.right}>{tau === null ? NONE : fixed(tau, 2)}</td>
       <td>{run.recipe}</td>

@@ -34,12 +34,11 @@ export function TrainForm(props: TrainFormProps) {
   const [chosen, setChosen] = useState(first.name);
   /** What the user has edited; kept when the recipe changes. */
   const [edits, setEdits] = useState<Partial<FormValues>>({});
-  const [tried, setTried] = useState(false);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
   const values = { ...defaultsOf(recipe), ...edits };
   const missing = missingFor(behaviour);
   const example = missing !== null && behaviour.built_in && behaviour.n_recordings === 0;
-  const errors = tried ? errorsIn(values) : {};
+  const errors = errorsIn(values);
 
   const start = useMutation({
     mutationFn: createRun,
@@ -55,9 +54,9 @@ export function TrainForm(props: TrainFormProps) {
 
   function submit(event: SubmitEvent) {
     event.preventDefault();
-    setTried(true);
     const run = runOf(values, behaviour.id, example, parentId);
     if (run) start.mutate(run);
+    else showInvalid(event.currentTarget);
   }
 
   const steps = readWhole(values.steps);
@@ -116,6 +115,14 @@ export function TrainForm(props: TrainFormProps) {
       </div>
     </form>
   );
+}
+
+/** Focuses the first invalid field, also if it is folded away. */
+function showInvalid(form: Element): void {
+  const field = form.querySelector<HTMLElement>("[aria-invalid]");
+  const folded = field?.closest("details");
+  if (folded) folded.open = true;
+  field?.focus();
 }
 
 /** The run that this one continues. */

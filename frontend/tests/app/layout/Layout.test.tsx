@@ -108,6 +108,7 @@ describe("every page", () => {
       await screen.findByRole("heading", { name: "This browser isn’t signed in yet" }),
     ).toBeVisible();
     expect(screen.getByText(/Open that address once in this browser/)).toBeVisible();
+    expect(screen.getByLabelText("Key, or the whole address")).toHaveAttribute("name", "token");
   });
 
   it("reports an unreachable server and recovers when it is back", async () => {
@@ -121,11 +122,16 @@ describe("every page", () => {
     await waitFor(() => expect(screen.queryByText("Tril’s server doesn’t answer.")).toBeNull());
   });
 
-  it("reports an unknown address", async () => {
-    serve(CALM);
-    open("/nowhere");
-    expect(await screen.findByRole("heading", { name: "Page not found" })).toBeVisible();
-  });
+  it.each(["/nowhere", "/runs/none", "/recordings/99", "/recordings/x", "/behaviours/x"])(
+    "says that there is nothing at %s",
+    async (path) => {
+      const none = new Refusal(422, { detail: "Input should be a valid UUID." });
+      serve({ ...CALM, "GET /api/runs/none": () => none });
+      open(path);
+      expect(await screen.findByRole("heading", { name: "Page not found" })).toBeVisible();
+      expect(screen.getByRole("link", { name: "All behaviours" })).toBeVisible();
+    },
+  );
 });
 
 describe("a behaviour's pages", () => {

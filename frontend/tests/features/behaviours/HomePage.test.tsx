@@ -168,10 +168,10 @@ describe("a new behaviour", () => {
   });
 
   it("says why the server refuses it", async () => {
-    const refusal = new Refusal(409, { detail: "There is a behaviour of this name already." });
+    const refusal = new Refusal(409, { detail: "There are 500 behaviours already." });
     const { dialog } = await open(() => refusal);
-    await userEvent.type(dialog.getByLabelText("Name"), "Column 1");
+    await userEvent.type(dialog.getByLabelText("Name"), "One more");
     await userEvent.click(dialog.getByRole("button", { name: "Create behaviour" }));
-    expect(await dialog.findByRole("alert")).toHaveTextContent("of this name already");
+    expect(await dialog.findByRole("alert")).toHaveTextContent("500 behaviours already");
   });
 });

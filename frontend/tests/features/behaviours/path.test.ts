@@ -17,8 +17,18 @@ describe("the path", () => {
     expect(nextOf(played, [])).toEqual(["rank"]);
     expect(nextOf({ ...played, n_ranked: 3 }, [])).toEqual(["rank"]);
     expect(nextOf(ranked, [])).toEqual(["train"]);
-    expect(nextOf(ranked, [running])).toEqual(["look"]);
+    expect(nextOf(ranked, [running])).toEqual([]);
     expect(nextOf(ranked, [{ ...running, status: "done" }])).toEqual([]);
-    expect(pathOf(ranked, [running])[2]?.caption).toBe("42 % done");
+  });
+
+  it("calls training done once a run has finished, and says how far one is", () => {
+    const ranked = { ...none, n_recordings: 3, n_ranked: 3, n_perfect: 1 };
+    const train = (...runs: Parameters<typeof pathOf>[1]) => pathOf(ranked, runs)[2];
+    const running = { status: "running" as const, progress: 0.346, headline: null };
+    expect(train(running)).toMatchObject({ done: false, caption: "Training, 34%" });
+    expect(train({ ...running, status: "queued" })?.caption).toBe("Waiting to train");
+    expect(train({ ...running, status: "failed" })).toMatchObject({ done: false, next: true });
+    const again = train(running, { ...running, status: "done" });
+    expect(again).toMatchObject({ done: true, caption: "Training, 34%" });
   });
 });

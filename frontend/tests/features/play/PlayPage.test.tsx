@@ -82,11 +82,14 @@ const GHOST = {
 };
 
 let ghost: typeof GHOST | null = GHOST;
+let undecided: readonly number[] = [];
 let pads: readonly (Pad | null)[] = [];
 
 function open(one = behaviour()) {
   const asked = serve({
     "GET /api/behaviours/1/ghost": () => ghost,
+    "GET /api/behaviours/1/recordings": () =>
+      undecided.map((id) => recording({ id, state: "finished" })),
     "POST /api/games": () => ({
       id: "g1",
       recording_id: 7,
@@ -157,6 +160,7 @@ beforeEach(() => {
   vi.stubGlobal("WebSocket", FakeSocket);
   pads = [];
   ghost = GHOST;
+  undecided = [];
   // jsdom has none of it.
   Object.defineProperty(navigator, "getGamepads", { configurable: true, value: () => pads });
 });
@@ -196,6 +200,41 @@ describe("playing", () => {
     expect(inputs()).toEqual([1, 0]);
   });
 
+  it("shows the pad, the time and the score where the picture fills the screen", async () => {
+    await start();
+    tell({ type: "hit", row: 0, column: 0, frame: 6, on_target: true });
+    frame(60);
+    const filling = screen.getByRole("application").parentElement;
+    if (!filling) throw new Error("Expected the stage to have a parent.");
+    const request = vi.fn(() => Promise.resolve());
+    filling.requestFullscreen = request;
+    await userEvent.keyboard("f");
+    expect(request).toHaveBeenCalledOnce();
+    expect(within(filling).getByRole("group", { name: "Touch controls" })).toBeInTheDocument();
+    expect(within(filling).getByText("19.0")).toBeInTheDocument();
+    expect(within(filling).getByText("1 of 2 targets, 0 strays")).toBeInTheDocument();
+  });
+
+  it("begins the first game by the space bar", async () => {
+    const asked = open();
+    await userEvent.keyboard(" ");
+    await waitFor(() => expect(FakeSocket.opened).toBe(1));
+    expect(asked.filter(({ method }) => method === "POST")).toHaveLength(1);
+  });
+
+  it("takes hits back while it rewinds", async () => {
+    await start();
+    tell({ type: "hit", row: 0, column: 0, frame: 50, on_target: true });
+    frame(60);
+    expect(screen.getByText("Targets hit").nextSibling).toHaveTextContent("1 of 2");
+    await userEvent.keyboard("{Backspace>}");
+    frame(52);
+    expect(screen.getByText("Targets hit").nextSibling).toHaveTextContent("1 of 2");
+    frame(49);
+    expect(screen.getByText("Targets hit").nextSibling).toHaveTextContent("0 of 2");
+    await userEvent.keyboard("{/Backspace}");
+  });
+
   it("counts targets and strays as they are hit", async () => {
     await start();
     tell({ type: "hit", row: 0, column: 0, frame: 99, on_target: true, targets: 1, strays: 0 });
@@ -216,8 +255,8 @@ describe("playing", () => {
   it("goes slower by key and button, and says so to the server", async () => {
     await start();
     await userEvent.keyboard("[Minus]");
-    expect(screen.getByRole("button", { name: "75 %" })).toHaveAttribute("aria-pressed", "true");
-    await userEvent.click(screen.getByRole("button", { name: "25 %" }));
+    expect(screen.getByRole("button", { name: "75%" })).toHaveAttribute("aria-pressed", "true");
+    await userEvent.click(screen.getByRole("button", { name: "25%" }));
     expect(screen.getByRole("application")).toHaveFocus();
     expect(FakeSocket.last?.sent.slice(1)).toEqual([
       '{"type":"speed","percent":75}',
@@ -411,6 +450,17 @@ describe("playing", () => {
   });
 });
 
+describe("games that nobody decided about", () => {
+  it("are asked about, the one on the screen apart", async () => {
+    undecided = [6, 7];
+    const { did } = await end();
+    expect(await screen.findByText("1 game waits for your decision")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Keep Recording 6" }));
+    expect(did()).toContain("/api/recordings/6/keep");
+    expect(screen.queryByRole("button", { name: "Keep Recording 7" })).toBeNull();
+  });
+});
+
 describe("after the end", () => {
   it("says how it ended and keeps the game by key", async () => {
     const { did } = await end();
@@ -424,7 +474,10 @@ describe("after the end", () => {
 
   it("discards by key, with a way back", async () => {
     const { did } = await end();
+    // It moves to the right, and may still be pressed.
     await userEvent.keyboard("d");
+    expect(did()).toEqual(["/api/games"]);
+    await userEvent.keyboard("x");
     expect(await screen.findByText("Discarded.")).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Undo" }));
     expect(await screen.findByText("Kept as recording 7.")).toBeVisible();
@@ -434,6 +487,11 @@ describe("after the end", () => {
   it("keeps what is marked as perfect", async () => {
     const { asked, did } = await end();
     await userEvent.keyboard("p");
+    expect(screen.getByRole("dialog", { name: "Mark as perfect?" })).toHaveTextContent(
+      "it missed 1 target, it ended with the cannon hit",
+    );
+    expect(did()).toEqual(["/api/games"]);
+    await userEvent.keyboard("{Enter}");
     expect(await screen.findByText("Kept as recording 7, marked as perfect.")).toBeVisible();
     expect(did()).toContain("/api/recordings/7/keep");
     expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ perfect: true });
@@ -457,7 +515,7 @@ describe("after the end", () => {
   it("hears no press in the first moment", async () => {
     const asked = await start();
     tell(ENDED);
-    await userEvent.keyboard("d ");
+    await userEvent.keyboard("x ");
     expect(asked.filter(({ method }) => method === "POST")).toHaveLength(1);
   });
 });

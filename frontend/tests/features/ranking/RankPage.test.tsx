@@ -1,6 +1,6 @@
 import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 
 import type { GameOpinion, Ranking, RankingOpinion, Recording } from "@/api/types";
 import { RankPage } from "@/features/ranking/RankPage";
@@ -134,6 +134,19 @@ describe("ranking by buttons", () => {
     expect(board()).toEqual([["1"], ["3"]]);
     await waitFor(() => expect(server.now().tiers).toEqual([[1], [3]]));
     expect(screen.getByText("Saved")).toBeVisible();
+  });
+
+  it("saves by itself once the network is back", async () => {
+    const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });
+    const online = globalThis.fetch;
+    vi.stubGlobal("fetch", () => Promise.reject(new TypeError("offline")));
+    await press("Rank as worst: Recording 4");
+    expect(await screen.findByText("Not saved")).toBeVisible();
+    expect(screen.getByRole("alert")).toHaveTextContent("tries again by itself");
+    vi.stubGlobal("fetch", online);
+    window.dispatchEvent(new Event("online"));
+    expect(await screen.findByText("Saved")).toBeVisible();
+    expect(server.now().tiers).toEqual([[1], [3], [2], [4]]);
   });
 
   it("says where a recording went", async () => {

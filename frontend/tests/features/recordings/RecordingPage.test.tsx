@@ -142,6 +142,7 @@ describe("the page of a recording", () => {
     await userEvent.type(screen.getByLabelText("Note"), "Home run");
     await userEvent.click(screen.getByRole("button", { name: "Save note" }));
     await userEvent.click(screen.getByRole("button", { name: "Mark as perfect" }));
+    await userEvent.click(screen.getByRole("button", { name: "Mark all the same" }));
     await waitFor(() =>
       expect(asked.filter(({ method }) => method === "PATCH").map(({ body }) => body)).toEqual([
         { notes: "Home run" },

@@ -37,6 +37,41 @@ describe("the library", () => {
     expect(third.getByText("not verified: Frame 60 differs.")).toBeVisible();
   });
 
+  it("asks about games that nobody decided about, and says what can't be ranked and why", async () => {
+    const { asked } = library(
+      [
+        recording({ id: 5, state: "finished", end: null, n_steps: 139 }),
+        recording({ id: 4, state: "unfinished", end: null, n_steps: 139 }),
+        recording({ id: 3, end: null, n_steps: 139 }),
+        recording({ id: 2, verification: "failed" }),
+      ],
+      {
+        "POST /api/recordings/5/keep": () => recording({ id: 5 }),
+        "DELETE /api/recordings/5": () => undefined,
+        "POST /api/recordings/4/keep": () => recording({ id: 4 }),
+      },
+    );
+    expect(
+      await screen.findByRole("heading", { name: /^1 recording.*and 3 that can’t be ranked yet$/ }),
+    ).toBeVisible();
+    const card = (id: number) => within(screen.getByRole("article", { name: `Recording ${id}` }));
+    expect(card(5).getByText("139 steps, 9.3 s, ended early")).toBeVisible();
+    expect(card(4).getByText("139 steps, 9.3 s, its page was left")).toBeVisible();
+    expect(card(4).getByText(/^Unfinished: .* Keep it to rank it all the same\.$/)).toBeVisible();
+    expect(card(2).getByText(/It can't be ranked: a replay doesn't reproduce it/)).toBeVisible();
+    expect(card(3).queryByRole("button", { name: /Keep/ })).toBeNull();
+    await userEvent.click(card(5).getByRole("button", { name: "Keep Recording 5" }));
+    await userEvent.click(card(4).getByRole("button", { name: "Keep Recording 4" }));
+    await userEvent.click(card(5).getByRole("button", { name: "Discard Recording 5" }));
+    expect(await screen.findByText("Recording 5 discarded.")).toBeVisible();
+    const did = asked.filter(({ method }) => method !== "GET");
+    expect(did.map(({ method, path }) => `${method} ${path}`)).toEqual([
+      "POST /api/recordings/5/keep",
+      "POST /api/recordings/4/keep",
+      "DELETE /api/recordings/5",
+    ]);
+  });
+
   it("says quietly which games were played with delay", async () => {
     const late = { presses: 40, p50_ms: 80, p95_ms: 180, frames_dropped: 120, is_bad: true };
     library([
@@ -48,14 +83,14 @@ describe("the library", () => {
     const first = within(await screen.findByRole("article", { name: "Recording 5" }));
     expect(first.getByText(notice)).toHaveAttribute(
       "title",
-      "Played with delay: from key to screen 80 ms, 95% within 180 ms; 10 % of the frames not drawn.",
+      "Played with delay: from key to screen 80 ms, 95% within 180 ms; 10% of the frames not drawn.",
     );
     const second = within(screen.getByRole("article", { name: "Recording 4" }));
     expect(second.queryByText(notice)).toBeNull();
     const third = within(screen.getByRole("article", { name: "Recording 3" }));
     expect(third.getByText(notice)).toHaveAttribute(
       "title",
-      "Played with delay: 10 % of the frames not drawn.",
+      "Played with delay: 10% of the frames not drawn.",
     );
   });
 
@@ -77,7 +112,7 @@ describe("the library", () => {
   });
 
   it("marks as perfect at once, and takes it back if that is refused", async () => {
-    library([recording()], {
+    library([recording({ targets: 2 })], {
       "PATCH /api/recordings/1": () => new Refusal(503, { detail: "The disk is full." }),
     });
     await userEvent.click(await screen.findByRole("button", { name: "Mark as perfect" }));
@@ -86,6 +121,23 @@ describe("the library", () => {
       "aria-pressed",
       "false",
     );
+  });
+
+  it("asks before a game that missed or died is marked as perfect", async () => {
+    const { asked } = library([recording({ strays: 2, end: "hit" })], {
+      "PATCH /api/recordings/1": () => recording({ perfect: true }),
+    });
+    const star = await screen.findByRole("button", { name: "Mark as perfect" });
+    const marked = () => asked.filter(({ method }) => method === "PATCH");
+    await userEvent.click(star);
+    expect(screen.getByRole("dialog")).toHaveTextContent(
+      "it missed 1 target, it hit 2 strays, it ended with the cannon hit.",
+    );
+    await userEvent.click(screen.getByRole("button", { name: "Don’t mark" }));
+    expect(marked()).toEqual([]);
+    await userEvent.click(star);
+    await userEvent.click(screen.getByRole("button", { name: "Mark all the same" }));
+    await waitFor(() => expect(marked().map(({ body }) => body)).toEqual([{ perfect: true }]));
   });
 
   it("deletes, with a way back", async () => {
@@ -195,6 +247,8 @@ describe("the library", () => {
     await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
     const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
     await userEvent.click(bar.getByRole("button", { name: "Mark as perfect" }));
+    expect(screen.getByRole("dialog")).toHaveTextContent("2 of 2 games aren't perfect");
+    await userEvent.click(screen.getByRole("button", { name: "Mark all the same" }));
     await userEvent.click(await bar.findByRole("button", { name: "Remove the perfect marks" }));
     await waitFor(() =>
       expect(
@@ -259,6 +313,7 @@ describe("importing", () => {
   it("lists each refusal with its line and reason", async () => {
     const { dialog, asked } = await send(() => ({
       imported: [7],
+      already_there: [9],
       notices: [{ line: 1, reason: "Cut after the hit." }],
       refusals: [{ line: 3, reason: "Another ROM." }],
     }));
@@ -270,6 +325,7 @@ describe("importing", () => {
       "3Refused: Another ROM.",
     ]);
     const query = asked.find(({ method }) => method === "POST")?.query;
+    expect(dialog.getByRole("status")).toHaveTextContent("1 already there and not imported again");
     expect(query?.get("rank")).toBe("true");
     expect(query?.get("perfect")).toBe("false");
   });

@@ -42,7 +42,7 @@ function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeo
 describe("a run that goes", () => {
   it("says how far it is, stage by stage", async () => {
     open(run());
-    expect(screen.getByText("60 %")).toBeVisible();
+    expect(screen.getByText("60%")).toBeVisible();
     expect(screen.getByText("about 2 min left")).toBeVisible();
     const stages = screen
       .getAllByRole("progressbar")
@@ -192,7 +192,7 @@ describe("the results", () => {
     const table = within(await screen.findByRole("table", { name: "Imitator and clone" }));
     const row = table.getByRole("row", { name: /Targets hit, of 2/ });
     expect(row).toHaveTextContent("4.73.9 to 5.4–");
-    expect(table.getByRole("row", { name: /Death rate/ })).toHaveTextContent("13 %0 % to 30 %");
+    expect(table.getByRole("row", { name: /Death rate/ })).toHaveTextContent("13%0% to 30%");
     expect(screen.getByText(/Means of 23 games/)).toBeVisible();
   });
 
@@ -238,7 +238,7 @@ describe("the results", () => {
       .map((row) => row.textContent);
     expect(rows).toEqual(["1Recording 12scripted5.00", "2Recording 11Ada7.00 (highest)"]);
     expect(screen.getByText("0.92")).toBeVisible();
-    expect(screen.getByText("98.4 %")).toBeVisible();
+    expect(screen.getByText("98.4%")).toBeVisible();
     expect(
       screen.getByText(/isn’t always ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
     ).toBeVisible();

@@ -102,8 +102,12 @@ describe("training", () => {
     const steps = await screen.findByLabelText("Steps");
     await userEvent.clear(steps);
     await userEvent.type(steps, "lots");
-    await userEvent.click(screen.getByRole("button", { name: "Train" }));
     expect(steps).toBeInvalid();
     expect(steps).toHaveAccessibleDescription(/whole number of steps/);
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    expect(steps).toHaveFocus();
+    await userEvent.clear(steps);
+    await userEvent.type(steps, "300");
+    expect(steps).toBeValid();
   });
 });

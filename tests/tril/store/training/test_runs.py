@@ -77,6 +77,23 @@ def test_dagger_is_refused_where_its_expert_knows_nothing(workplace: Workplace) 
         elsewhere.make_run(dagger)
 
 
+def test_no_more_runs_than_allowed_may_wait(workplace: Workplace) -> None:
+    def create() -> str:
+        with workplace.database.writing() as session:
+            row = runs.create(
+                session, workplace.behaviour_id, TINY, 10, 0, example=True, max_queued=2
+            )
+            return row.id
+
+    first = create()
+    create()
+    with pytest.raises(Conflict, match="2 runs are waiting already"):
+        create()
+    with workplace.database.writing() as session:
+        runs.get(session, first).status = RunStatus.RUNNING
+    create()
+
+
 def test_an_example_needs_no_ranking_yet(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         row = runs.create(session, workplace.behaviour_id, TINY, 10, 0, example=True)

@@ -10,14 +10,23 @@ export interface ClockHandle {
 }
 
 /** The time left of the game's 300 steps. */
-export function Clock({ handle }: { handle: RefObject<ClockHandle | null> }) {
+export function Clock({
+  handle,
+  also,
+}: {
+  handle: RefObject<ClockHandle | null>;
+  /** Another element that shows the seconds left. */
+  also: RefObject<HTMLElement | null>;
+}) {
   const left = useRef<HTMLSpanElement>(null);
   const step = useRef<HTMLSpanElement>(null);
   const bar = useRef<HTMLElement>(null);
   useImperativeHandle(handle, () => ({
     show: (frame, maxFrames) => {
       if (!left.current || !step.current || !bar.current) return;
-      left.current.textContent = ((maxFrames - frame) / FRAME_RATE_HZ).toFixed(1);
+      const seconds = ((maxFrames - frame) / FRAME_RATE_HZ).toFixed(1);
+      left.current.textContent = seconds;
+      if (also.current) also.current.textContent = seconds;
       step.current.textContent = stepWords(frame);
       bar.current.style.transform = `scaleX(${1 - frame / maxFrames})`;
     },

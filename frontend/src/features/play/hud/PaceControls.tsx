@@ -60,7 +60,7 @@ export function PaceControls(props: PaceControlsProps) {
             aria-pressed={percent === speed}
             onClick={() => props.onSpeed(percent)}
           >
-            {percent} %
+            {percent}%
           </Button>
         ))}
         <span className={styles.speedKeys}>

@@ -1,6 +1,7 @@
 import { Link } from "react-router";
 
 import type { Behaviour } from "@/api/types";
+import { count } from "@/lib/format";
 
 import styles from "./Tip.module.css";
 
@@ -17,8 +18,8 @@ export function Tip({ behaviour }: { behaviour: Behaviour }) {
   }
   return (
     <p className={styles.tip}>
-      {n} recordings so far. <Link to={`/behaviours/${id}/rank`}>Put them in order</Link> whenever
-      you like.
+      {count(n, "recording")} so far. <Link to={`/behaviours/${id}/rank`}>Put them in order</Link>{" "}
+      whenever you like.
     </p>
   );
 }

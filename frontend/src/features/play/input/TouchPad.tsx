@@ -11,14 +11,22 @@ const BUTTONS = [
 
 /** Touch buttons; several can be held at once. */
 export function TouchPad({
+  idle,
   onHold,
   onRelease,
 }: {
+  /** Whether nothing is played: where it lies over the picture, it makes room then. */
+  idle: boolean;
   onHold: (name: string, bit: number, atMs: number) => void;
   onRelease: (name: string) => void;
 }) {
   return (
-    <div className={styles.pad} role="group" aria-label="Touch controls">
+    <div
+      className={styles.pad}
+      role="group"
+      aria-label="Touch controls"
+      data-idle={idle || undefined}
+    >
       {BUTTONS.map(({ name, sign, bit }) => {
         const release = (event: PointerEvent) => onRelease(fingerName(event, name));
         return (

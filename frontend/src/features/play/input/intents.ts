@@ -30,7 +30,8 @@ const AFTER_END: Readonly<Record<string, Intent>> = {
   KeyK: "keep",
   Enter: "keep",
   NumpadEnter: "keep",
-  KeyD: "discard",
+  KeyX: "discard",
+  Delete: "discard",
   KeyP: "perfect",
   Space: "again",
   KeyR: "again",
@@ -79,11 +80,12 @@ interface Press {
 /**
  * Returns the intent of a key press in a phase; null for none.
  *
+ * @param phase Null before the first game.
  * @param sinceEndMs Milliseconds since the game ended.
  */
 export function intentOf(
   press: Press,
-  phase: Phase,
+  phase: Phase | null,
   sinceEndMs: number,
   keys: KeyMap = DEFAULT_KEYS,
 ): Intent | null {
@@ -92,9 +94,17 @@ export function intentOf(
   return press.repeat && intent !== "step" ? null : intent;
 }
 
-function intentIn(code: string, phase: Phase, sinceEndMs: number, keys: KeyMap): Intent | null {
+function intentIn(
+  code: string,
+  phase: Phase | null,
+  sinceEndMs: number,
+  keys: KeyMap,
+): Intent | null {
   const control = controlOf(keys, code);
   switch (phase) {
+    case null:
+    case "gone":
+      return code === "Space" ? "start" : null;
     case "playing":
     case "countdown":
       return control ? controlIntent(control, "pause") : (RUNNING[code] ?? ANYTIME[code] ?? null);
@@ -106,7 +116,8 @@ function intentIn(code: string, phase: Phase, sinceEndMs: number, keys: KeyMap):
       return control ? controlIntent(control, "go_on") : (PAUSED[code] ?? ANYTIME[code] ?? null);
     case "ended":
       if (sinceEndMs < GRACE_MS) return null;
-      return AFTER_END[code] ?? AFTER_END_BY_CONTROL[control ?? "left"] ?? null;
+      // A key that still steers out of habit does nothing else.
+      return control ? (AFTER_END_BY_CONTROL[control] ?? null) : (AFTER_END[code] ?? null);
     default:
       return null;
   }

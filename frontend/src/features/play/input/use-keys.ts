@@ -7,22 +7,29 @@ import { dialogIsOpen } from "./dialogs";
 import { steers, type Intent, intentOf } from "./intents";
 import { bitOf, controlOf, type HeldKeys, isGameKey, KEYS } from "./keys";
 
-/** Sends steering keys to the game and reports every other intent. */
+const NO_GAME = { phase: null, endedAt: 0 };
+
+/**
+ * Sends steering keys to the game and reports every other intent.
+ *
+ * @param stream Null before the first game.
+ */
 export function useKeys(
   stream: GameStream | null,
   held: HeldKeys,
   onIntent: RefObject<(intent: Intent) => void>,
 ): void {
   useEffect(() => {
-    if (!stream) return undefined;
     const down = (event: KeyboardEvent) => {
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
-      const { phase, endedAt } = stream.snapshot();
+      const { phase, endedAt } = stream?.snapshot() ?? NO_GAME;
       const keys = readSetting(KEYS);
       const intent = intentOf(event, phase, performance.now() - endedAt, keys);
       if (intent && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
         onIntent.current(intent);
+      } else if (!stream || phase === null) {
+        return;
       } else if (steers(phase) && isGameKey(keys, event.code)) {
         event.preventDefault();
         if (held.hold(event.code, bitOf(keys, event.code))) {
@@ -34,12 +41,12 @@ export function useKeys(
       }
     };
     const up = (event: KeyboardEvent) => {
-      if (controlOf(readSetting(KEYS), event.code) === "rewind") stream.release();
-      if (held.release(event.code)) stream.hold(held.bits);
+      if (controlOf(readSetting(KEYS), event.code) === "rewind") stream?.release();
+      if (held.release(event.code)) stream?.hold(held.bits);
     };
     const releaseAll = () => {
-      stream.release();
-      if (held.releaseAll()) stream.hold(0);
+      stream?.release();
+      if (held.releaseAll()) stream?.hold(0);
     };
     window.addEventListener("keydown", down);
     window.addEventListener("keyup", up);

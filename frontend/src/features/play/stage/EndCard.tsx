@@ -2,6 +2,7 @@ import { type RefObject, useImperativeHandle } from "react";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import type { Intent } from "@/features/play/input/intents";
 import type { Ended } from "@/features/play/stream/text-messages";
 import { count, FRAME_RATE_HZ, seconds } from "@/lib/format";
@@ -30,6 +31,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
   const result = useDecision(behaviour.id, ended.recording_id);
   const failed = ended.verification === "failed";
   const { decision, perfect, busy } = result;
+  const { mark, question } = usePerfectMark(behaviour);
 
   function again() {
     // Undecided games are kept: bad games are useful, too.
@@ -42,11 +44,16 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
     onRewind();
   }
 
+  function togglePerfect() {
+    if (perfect || decision === "discarded" || failed) result.togglePerfect();
+    else mark([{ ...ended, end: ended.reason }], result.togglePerfect);
+  }
+
   useImperativeHandle(handle, () => ({
     execute: (intent) => {
       if (intent === "keep") result.keep();
       else if (intent === "discard") result.discard();
-      else if (intent === "perfect") result.togglePerfect();
+      else if (intent === "perfect") togglePerfect();
       else if (intent === "again") again();
       else if (intent === "rewind" && !failed) rewind();
     },
@@ -78,13 +85,13 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             <Button
               icon="star"
               aria-pressed={perfect}
-              onClick={result.togglePerfect}
+              onClick={togglePerfect}
               disabled={busy || failed}
             >
               Perfect <kbd>P</kbd>
             </Button>
             <Button onClick={result.discard} disabled={busy}>
-              Discard <kbd>D</kbd>
+              Discard <kbd>X</kbd>
             </Button>
           </>
         )}
@@ -105,6 +112,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
           {starting ? "Starting…" : "Play again"} <kbd>Space</kbd>
         </Button>
       </div>
+      {question}
     </Overlay>
   );
 }

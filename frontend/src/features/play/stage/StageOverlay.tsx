@@ -35,7 +35,8 @@ export function StageOverlay(props: StageOverlayProps) {
               : "Everything you do is recorded. Play well, or badly on purpose: both are useful.")}
         </p>
         <Button kind="primary" large disabled={starting} onClick={onStart}>
-          {starting ? "Starting…" : error ? "Try again" : "Start game"}
+          {starting ? "Starting…" : error ? "Try again" : "Start game"}{" "}
+          {!starting && <kbd aria-hidden="true">Space</kbd>}
         </Button>
       </Overlay>
     );

@@ -154,11 +154,18 @@ export class GameStream {
     const message = readFrame(data);
     this.decoder.apply(message.payload, message.isKey);
     this.screen.show(this.decoder.pixels, message, this.maxFrames);
+    if (this.state.phase === "rewinding") this.takeBackHits(message.frame);
     const latency =
       this.state.phase === "rewinding"
         ? null
         : this.latency.show(message.frame, message.inputSequence, performance.now());
     socket.send(writeAck(message.sequence, latency));
+  }
+
+  /** Forgets the hits after a frame that is shown again; the server names the rest at the end. */
+  private takeBackHits(frame: number): void {
+    const hits = this.state.hits.filter((one) => one.frame <= frame);
+    if (hits.length < this.state.hits.length) this.update({ hits });
   }
 
   private onMessage(message: ServerMessage): void {

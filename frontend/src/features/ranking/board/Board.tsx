@@ -85,7 +85,7 @@ export function Board(props: BoardProps) {
           </li>
         ))}
       </ol>
-      <Gap before={tiers.length} />
+      <LastGap before={tiers.length} />
     </>
   );
 }
@@ -105,6 +105,16 @@ function EmptyBoard() {
 function Gap({ before }: { before: number }) {
   const { setPlace, isOver } = useDropPlace(gapPlace(before));
   return <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />;
+}
+
+/** Below the last tier there is room to drop. */
+function LastGap({ before }: { before: number }) {
+  const { setPlace, isOver } = useDropPlace(gapPlace(before));
+  return (
+    <div ref={setPlace} className={classes(styles.lastGap, isOver && styles.over)}>
+      Drop below the last tier to make a new one
+    </div>
+  );
 }
 
 function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {

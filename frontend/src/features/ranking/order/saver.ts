@@ -70,7 +70,9 @@ export class RankingSaver {
   /** Undoes or redoes the last change, after saving what is pending. */
   async step(step: "undo" | "redo"): Promise<void> {
     while (this.work) await this.work;
-    if (this.state.conflict || this.pending.length > 0) return;
+    const { conflict, saved } = this.state;
+    if (conflict || this.pending.length > 0) return;
+    if (!(step === "undo" ? saved.can_undo : saved.can_redo)) return;
     this.work = this.saveStep(step).finally(() => {
       this.work = null;
       if (this.pending.length > 0 && !this.state.conflict) this.run();

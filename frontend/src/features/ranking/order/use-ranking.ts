@@ -1,6 +1,7 @@
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState, useSyncExternalStore } from "react";
 
+import { isPassing } from "@/api/client";
 import type { Ranking } from "@/api/types";
 
 import { RankingConflictError, rankingQuery, saveRanking, stepRanking } from "./rankings";
@@ -27,5 +28,23 @@ export function useRankingSaver(ranking: Ranking): [SaverState, RankingSaver] {
     });
   });
   useEffect(() => saver.receive(ranking), [saver, ranking]);
-  return [useSyncExternalStore(saver.subscribe, saver.snapshot), saver];
+  const state = useSyncExternalStore(saver.subscribe, saver.snapshot);
+  useRetry(saver, state.error);
+  return [state, saver];
+}
+
+const RETRY_MS = 5000;
+
+/** Saves again after a failure that may pass: regularly, and once the network is back. */
+function useRetry(saver: RankingSaver, error: unknown): void {
+  useEffect(() => {
+    if (error === null || !isPassing(error)) return undefined;
+    const retry = () => saver.retry();
+    const timer = setTimeout(retry, RETRY_MS);
+    window.addEventListener("online", retry);
+    return () => {
+      clearTimeout(timer);
+      window.removeEventListener("online", retry);
+    };
+  }, [saver, error]);
 }

@@ -126,6 +126,9 @@ function Report({ result }: { result: ImportResult }) {
     <div className={styles.report} role="status">
       <p>
         <strong>{count(result.imported.length, "recording")} imported</strong>
+        {result.already_there.length > 0 && (
+          <>, {result.already_there.length} already there and not imported again</>
+        )}
         {result.refusals.length > 0 && <>, {result.refusals.length} refused</>}.
       </p>
       {lines.length > 0 && (

@@ -7,6 +7,7 @@ import type { Behaviour, Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
 import { count } from "@/lib/format";
+import { whyUnrankable } from "@/lib/recordings";
 
 import { filtered, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
 import { FilterBar } from "./FilterBar";
@@ -28,10 +29,19 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
   const [search, setSearch] = useSearchParams();
   const filter = useMemo(() => readFilter(search), [search]);
   const setFilter = (next: Filter) => setSearch(writeFilter(next), { replace: true });
+  const others = recordings.filter((one) => whyUnrankable(one) !== null);
   return (
     <>
       <div className={styles.bar}>
-        <h2>{count(recordings.length, "recording")}</h2>
+        <h2>
+          {count(recordings.length - others.length, "recording")}
+          {others.length > 0 && (
+            <>
+              {" "}
+              <small>and {others.length} that can&rsquo;t be ranked yet</small>
+            </>
+          )}
+        </h2>
         <Button icon="upload" onClick={onImport}>
           Import
         </Button>

@@ -3,8 +3,10 @@ import { Link } from "react-router";
 
 import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
+import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
+import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { LatencyBadge, PaceBadge, VerifiedBadge } from "@/features/recordings/badges";
 import { ColumnBars } from "@/features/recordings/ColumnBars";
@@ -66,7 +68,7 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
           <h3>
             <Link to={`/recordings/${recording.id}`}>{name}</Link>
           </h3>
-          <Actions recording={recording} name={name} />
+          <Actions recording={recording} behaviour={behaviour} name={name} />
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
@@ -81,6 +83,7 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
           <PaceBadge recording={recording} />
           <LatencyBadge recording={recording} />
         </div>
+        <KeepOrDiscard recording={recording} />
         {recording.notes && <p className={styles.note}>{recording.notes}</p>}
       </div>
     </article>
@@ -88,8 +91,17 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
 });
 
 /** The actions on a recording; a deleted one can only be restored. */
-function Actions({ recording, name }: { recording: Recording; name: string }) {
+function Actions({
+  recording,
+  behaviour,
+  name,
+}: {
+  recording: Recording;
+  behaviour: Behaviour;
+  name: string;
+}) {
   const [writing, setWriting] = useState(false);
+  const { mark, question } = usePerfectMark(behaviour);
   const actions = useRecordingActions(recording.behaviour_id);
   if (recording.deleted) {
     return (
@@ -108,7 +120,10 @@ function Actions({ recording, name }: { recording: Recording; name: string }) {
         aria-pressed={recording.perfect}
         filled={recording.perfect}
         className={recording.perfect ? styles.starOn : undefined}
-        onClick={() => actions.setPerfect(recording, !recording.perfect)}
+        onClick={() => {
+          if (recording.perfect) actions.setPerfect(recording, false);
+          else mark([recording], () => actions.setPerfect(recording, true));
+        }}
       />
       <IconButton
         icon="note"
@@ -116,6 +131,7 @@ function Actions({ recording, name }: { recording: Recording; name: string }) {
         onClick={() => setWriting(true)}
       />
       <IconButton icon="trash" label={`Delete ${name}`} onClick={() => actions.remove(recording)} />
+      {question}
       {writing && (
         <NotesDialog
           recording={recording}

@@ -1,6 +1,7 @@
 import { exportUrl } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
+import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { classes } from "@/lib/classes";
 import { count } from "@/lib/format";
@@ -26,6 +27,7 @@ export function SelectionBar({
   const any = selected.length > 0;
   const deleted = selected.some((one) => one.deleted);
   const allPerfect = any && selected.every((one) => one.perfect);
+  const { mark, question } = usePerfectMark(behaviour);
   function change(what: Parameters<typeof actions.changeAll>[1]) {
     actions.changeAll(selected, what);
     if (what === "delete" || what === "restore") onSelect([]);
@@ -59,7 +61,13 @@ export function SelectionBar({
             <>
               <Button
                 icon="star"
-                onClick={() => change(allPerfect ? "unmark_perfect" : "mark_perfect")}
+                onClick={() => {
+                  if (allPerfect) change("unmark_perfect");
+                  else {
+                    const unmarked = selected.filter((one) => !one.perfect);
+                    mark(unmarked, () => change("mark_perfect"));
+                  }
+                }}
               >
                 {allPerfect ? "Remove the perfect marks" : "Mark as perfect"}
               </Button>
@@ -71,6 +79,7 @@ export function SelectionBar({
               >
                 Export selected
               </DownloadLink>
+              {question}
               <Button icon="trash" onClick={() => change("delete")}>
                 Delete
               </Button>

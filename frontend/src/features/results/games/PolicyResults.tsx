@@ -19,7 +19,7 @@ const OTHER_SELECTIONS = [
     title: "With sticky actions",
     note:
       "Each policy takes its most probable action, but at every frame the last frame’s action is " +
-      "repeated with a probability of 25 %: a test of whether it recovers.",
+      "repeated with a probability of 25%: a test of whether it recovers.",
     label: "Imitator and clone, with sticky actions",
   },
 ] as const;

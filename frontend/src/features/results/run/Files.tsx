@@ -37,7 +37,10 @@ export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
                   {file.name}
                 </a>
               </td>
-              <td>{KINDS[file.kind] ?? file.kind.replaceAll("_", " ")}</td>
+              <td>
+                {KINDS[file.kind] ?? file.kind.replaceAll("_", " ")}
+                {file.kind.startsWith("attention") && `, ${formatOf(file.name)}`}
+              </td>
               <td className={tables.right}>{bytes(file.size_bytes)}</td>
             </tr>
           ))}
@@ -45,4 +48,9 @@ export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
       </table>
     </div>
   );
+}
+
+/** Names a file's format by its ending: "PNG". */
+function formatOf(name: string): string {
+  return name.slice(name.lastIndexOf(".") + 1).toUpperCase();
 }

@@ -15,7 +15,7 @@ export function Stages({ run }: { run: Run }) {
     <section aria-label="Progress">
       {isActive(run) && (
         <p className={styles.summary}>
-          <span className={styles.percent}>{Math.floor(run.progress * 100)} %</span>
+          <span className={styles.percent}>{Math.floor(run.progress * 100)}%</span>
           <span className={styles.left}>
             {running && run.remaining_s !== null ? remaining(run.remaining_s) : statusLine(run)}
           </span>
@@ -48,7 +48,7 @@ export function Stages({ run }: { run: Run }) {
               </span>
               <span className={styles.name}>
                 {stage.label}
-                {current && ` ${Math.floor(done * 100)} %`}
+                {current && ` ${Math.floor(done * 100)}%`}
               </span>
             </li>
           );

@@ -16,7 +16,9 @@ describe("keys after the end", () => {
   it.each([
     ["KeyK", "keep"],
     ["Enter", "keep"],
-    ["KeyD", "discard"],
+    ["KeyX", "discard"],
+    ["KeyD", null],
+    ["ArrowRight", null],
     ["KeyP", "perfect"],
     ["Space", "again"],
     ["KeyR", "again"],

@@ -198,6 +198,15 @@ describe("undo", () => {
     expect(saver.snapshot()).toMatchObject({ tiers: [[2], [1]], saved: { revision: 3 } });
   });
 
+  it("asks for nothing where there is nothing to undo or redo", async () => {
+    const server = new Server();
+    const standing = { ...server.standing, can_undo: false };
+    const saver = new RankingSaver(standing, server.backend);
+    await saver.step("undo");
+    await saver.step("redo");
+    expect(saver.snapshot()).toMatchObject({ saving: false, error: null, tiers: standing.tiers });
+  });
+
   it("of an outdated order shows the current one", async () => {
     const { server, saver } = begin();
     server.standing = revision(7, [[1, 2]]);

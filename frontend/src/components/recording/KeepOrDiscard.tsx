@@ -1,0 +1,38 @@
+import type { Recording } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { isUndecided, recordingName, whyUnrankable } from "@/lib/recordings";
+
+import styles from "./KeepOrDiscard.module.css";
+import { useRecordingActions } from "./use-recording-actions";
+
+/** Says why a recording can't be ranked, and asks whether to keep a game that isn't kept yet. */
+export function KeepOrDiscard({ recording }: { recording: Recording }) {
+  const { keep, remove } = useRecordingActions(recording.behaviour_id);
+  const why = whyUnrankable(recording);
+  if (why === null || recording.deleted) return null;
+  const name = recordingName(recording);
+  const replays = recording.verification !== "failed";
+  return (
+    <div className={styles.prompt}>
+      <p>{why}</p>
+      {recording.state !== "kept" && (
+        <div className={styles.buttons}>
+          {(replays || isUndecided(recording)) && (
+            <Button
+              kind={isUndecided(recording) ? "primary" : "secondary"}
+              aria-label={`Keep ${name}`}
+              onClick={() => keep(recording)}
+            >
+              Keep
+            </Button>
+          )}
+          {isUndecided(recording) && (
+            <Button aria-label={`Discard ${name}`} onClick={() => remove(recording)}>
+              Discard
+            </Button>
+          )}
+        </div>
+      )}
+    </div>
+  );
+}

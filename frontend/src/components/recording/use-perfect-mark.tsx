@@ -1,0 +1,60 @@
+import { type ReactNode, useState } from "react";
+
+import type { Behaviour } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { count } from "@/lib/format";
+import { imperfections } from "@/lib/recordings";
+
+import styles from "./KeepOrDiscard.module.css";
+
+type Game = Parameters<typeof imperfections>[0];
+
+interface PerfectMark {
+  /** Marks games as perfect; asks first if one of them is not. */
+  mark: (games: readonly Game[], confirmed: () => void) => void;
+  /** The question, while it is asked. */
+  question: ReactNode;
+}
+
+/** Asks before games are marked as perfect that missed targets, hit strays or ended by death. */
+export function usePerfectMark({ target }: Behaviour): PerfectMark {
+  const [asked, setAsked] = useState<{ sentence: string; confirmed: () => void } | null>(null);
+
+  function mark(games: readonly Game[], confirmed: () => void) {
+    const found = games
+      .map((one) => imperfections(one, target?.length ?? null))
+      .filter((one) => one.length > 0);
+    if (found.length === 0) confirmed();
+    else setAsked({ sentence: sentenceOf(found, games.length), confirmed });
+  }
+
+  const question = asked && (
+    <Dialog title="Mark as perfect?" width="26rem" onClose={() => setAsked(null)}>
+      <div className={styles.prompt}>
+        <p>{asked.sentence} The clone copies what is marked as perfect.</p>
+        <div className={styles.buttons}>
+          <Button
+            kind="primary"
+            data-first
+            onClick={() => {
+              setAsked(null);
+              asked.confirmed();
+            }}
+          >
+            Mark all the same
+          </Button>
+          <Button onClick={() => setAsked(null)}>Don&rsquo;t mark</Button>
+        </div>
+      </div>
+    </Dialog>
+  );
+  return { mark, question };
+}
+
+function sentenceOf(found: readonly (readonly string[])[], n: number): string {
+  const [first = []] = found;
+  if (n === 1) return `This game isn't perfect: ${first.join(", ")}.`;
+  const are = found.length === 1 ? "isn't" : "aren't";
+  return `${found.length} of ${count(n, "game")} ${are} perfect: they missed targets, hit strays or ended with the cannon hit.`;
+}

@@ -1,0 +1,140 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { useNavigate } from "react-router";
+
+import {
+  behavioursQuery,
+  deleteBehaviour,
+  restoreBehaviour,
+  updateBehaviour,
+} from "@/api/behaviours";
+import { messageOf } from "@/api/client";
+import type { Behaviour, BehaviourNew } from "@/api/types";
+import { Button, IconButton } from "@/components/controls/Button";
+import { Dialog } from "@/components/controls/Dialog";
+import { useDraft } from "@/components/controls/drafts";
+import { useToast } from "@/components/feedback/Toasts";
+import { AlienGrid } from "@/components/game/AlienGrid";
+
+import { BehaviourForm } from "./BehaviourForm";
+import styles from "./BehaviourForm.module.css";
+import { copyOf, draftOf } from "./draft";
+import { NewBehaviourDialog } from "./NewBehaviourDialog";
+
+/** The button that edits, copies or deletes a behaviour, with its dialogs. */
+export function EditBehaviour({ behaviour }: { behaviour: Behaviour }) {
+  const { data: all } = useQuery(behavioursQuery);
+  const [open, setOpen] = useState<"edit" | "copy" | null>(null);
+  const close = () => setOpen(null);
+  return (
+    <>
+      <IconButton icon="edit" label="Edit the behaviour" onClick={() => setOpen("edit")} />
+      {open === "edit" && (
+        <EditDialog behaviour={behaviour} onClose={close} onCopy={() => setOpen("copy")} />
+      )}
+      {open === "copy" && (
+        <NewBehaviourDialog
+          title="Copy with another target"
+          initial={copyOf(behaviour, all ?? [behaviour])}
+          onClose={close}
+        />
+      )}
+    </>
+  );
+}
+
+interface EditDialogProps {
+  behaviour: Behaviour;
+  onClose: () => void;
+  onCopy: () => void;
+}
+
+function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
+  const client = useQueryClient();
+  const draft = useDraft(`behaviour ${behaviour.id}`, draftOf(behaviour));
+  const fixed = whyFixed(behaviour);
+  const remove = useDeletion(behaviour);
+  const update = useMutation({
+    mutationFn: (change: BehaviourNew) =>
+      updateBehaviour(
+        behaviour.id,
+        fixed === null ? change : { name: change.name, description: change.description ?? "" },
+      ),
+    onSuccess: async () => {
+      draft.drop();
+      await client.invalidateQueries({ queryKey: behavioursQuery.queryKey });
+      onClose();
+    },
+  });
+  return (
+    <Dialog title="Edit the behaviour" onClose={onClose}>
+      <BehaviourForm
+        value={draft.value}
+        onChange={draft.set}
+        onSubmit={(change) => update.mutate(change)}
+        onCancel={() => {
+          draft.drop();
+          onClose();
+        }}
+        edited={behaviour}
+        fixedTarget={
+          fixed === null ? undefined : (
+            <div className={styles.fixed}>
+              <AlienGrid target={behaviour.target} label="" />
+              <div>
+                <p>{fixed}</p>
+                <Button onClick={onCopy}>Make a copy with another target</Button>
+              </div>
+            </div>
+          )
+        }
+        submit={update.isPending ? "Saving…" : "Save"}
+        pending={update.isPending}
+        error={update.error ?? remove.error}
+      >
+        {!behaviour.built_in && (
+          <Button
+            kind="danger"
+            icon="trash"
+            className={styles.last}
+            disabled={remove.isPending}
+            onClick={() => remove.mutate()}
+          >
+            Delete
+          </Button>
+        )}
+      </BehaviourForm>
+    </Dialog>
+  );
+}
+
+/** Deletes a behaviour; its toast restores it. */
+function useDeletion(behaviour: Behaviour) {
+  const client = useQueryClient();
+  const navigate = useNavigate();
+  const toast = useToast();
+  const settle = () => {
+    void client.invalidateQueries({ queryKey: behavioursQuery.queryKey });
+    void client.invalidateQueries({ queryKey: ["runs"] });
+  };
+  const restore = useMutation({
+    mutationFn: () => restoreBehaviour(behaviour.id),
+    onError: (error) => toast(messageOf(error)),
+    onSettled: settle,
+  });
+  return useMutation({
+    mutationFn: () => deleteBehaviour(behaviour.id),
+    onSuccess: async () => {
+      await navigate("/");
+      settle();
+      toast(`${behaviour.name} deleted.`, { label: "Undo", run: () => restore.mutate() });
+    },
+  });
+}
+
+/** Why the target can't be changed; null if it can. */
+function whyFixed({ built_in, n_recordings, n_runs }: Behaviour): string | null {
+  if (built_in) return "The target of a built-in behaviour stays as it is.";
+  if (n_recordings === 0 && n_runs === 0) return null;
+  return "The target stays as it is, since games were ranked and runs judged by it.";
+}
