@@ -26,7 +26,8 @@ def sample_actions(
     """
     cumulative = probabilities.astype(np.float64).cumsum(1)
     sampled = (cumulative < quantiles[:, None] * cumulative[:, -1:]).sum(1)
-    return np.minimum(sampled, probabilities.shape[1] - 1).astype(np.int64)
+    actions: npt.NDArray[np.int64] = np.minimum(sampled, probabilities.shape[1] - 1)
+    return actions
 
 
 class StickyActions:
