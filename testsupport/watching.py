@@ -34,7 +34,10 @@ from tril.store.training.evaluations import POLICIES
 
 
 def finished_run(
-    workplace: Workplace, recipe: Recipe = TINY, policies: Sequence[str] = POLICIES
+    workplace: Workplace,
+    recipe: Recipe = TINY,
+    policies: Sequence[str] = POLICIES,
+    network: str = "small",
 ) -> str:
     """Make a run that is done, with untrained networks in place of trained ones."""
     run_id = workplace.make_run(recipe)
@@ -46,12 +49,12 @@ def finished_run(
         model.save(paths["reward_model"])
         for seed, policy in enumerate(policies):
             paths[policy] = Path(folder) / f"{policy}.zip"
-            network = new_policy("small", 0.0, np.random.default_rng(seed))
+            trained = new_policy(network, 0.0, np.random.default_rng(seed))
             # Decided enough that what is selected does not hang on the last bit.
-            weight = network.action_net.weight
+            weight = trained.action_net.weight
             assert isinstance(weight, torch.Tensor)
             weight.data.mul_(100.0)
-            save_policy(network, paths[policy])
+            save_policy(trained, paths[policy])
         with workplace.database.writing() as session:
             for kind, path in paths.items():
                 n_bytes = store.put(artifacts.path_of(run_id, path.name), path.read_bytes())

@@ -6,6 +6,7 @@ import { GameCanvas } from "@/components/game/GameCanvas";
 import { ThingMark } from "@/components/game/ThingMark";
 import { Score } from "@/features/play/hud/Score";
 import { endSentence, scoreSentence } from "@/features/play/stage/outcome-words";
+import { classes } from "@/lib/classes";
 import type { Palette, ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { THING_NAMES, thingColour } from "@/lib/things";
@@ -92,8 +93,16 @@ export function LaneView(props: LaneViewProps) {
         {nLanes > 1 && (
           <IconButton icon="close" label={`Remove game ${lane + 1}`} onClick={props.onRemove} />
         )}
+        <Button
+          className={styles.takeOver}
+          disabled={!props.canTakeOver || ended !== null}
+          onClick={props.onTakeOver}
+          title="From here on you play; the whole game becomes your recording"
+        >
+          Take over <kbd>{key}</kbd>
+        </Button>
       </div>
-      <div className={styles.body}>
+      <div className={classes(styles.body, nLanes === 2 && styles.below)}>
         <div ref={stage} className={styles.stage}>
           <GameCanvas size={size} label={`Screen of game ${lane + 1}`} onPainter={setPainter} />
           {ended && (
@@ -106,14 +115,6 @@ export function LaneView(props: LaneViewProps) {
         <div className={styles.side}>
           <Score hits={state?.hits ?? []} behaviour={behaviour} />
           <DecisionBars handle={decisions} />
-          <Button
-            className={styles.takeOver}
-            disabled={!props.canTakeOver || ended !== null}
-            onClick={props.onTakeOver}
-            title="From here on you play; the whole game becomes your recording"
-          >
-            Take over <kbd>{key}</kbd>
-          </Button>
         </div>
       </div>
     </article>
