@@ -62,7 +62,7 @@ class BegunBy(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    run_id: Annotated[str, Field(max_length=36)]
+    run_id: Annotated[str, Field(pattern=r"^[0-9a-f-]{36}$")]
     policy: Policy
     action_selection: ActionSelection
     frames: Annotated[int, Field(ge=1, le=MAX_FRAMES)]
