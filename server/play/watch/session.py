@@ -172,9 +172,8 @@ class WatchSession:
                 await self._activity.stop()
                 await self.socket.say(WatchPaused(why=""))
         elif self.phase is Phase.WAITING and not self._activity.is_running:
+            # Not waited for: the page may pause games that wait for a decision.
             self._activity.start(self._play(one_step=message.type == "step"))
-            if message.type == "step":
-                await self._activity.join()
 
     async def close(self) -> None:
         """End the games: nothing of them is left."""
@@ -210,7 +209,8 @@ class WatchSession:
         self.phase = Phase.PLAYING
         why = ""
         try:
-            await self.socket.say(Playing())
+            if not one_step:
+                await self.socket.say(Playing())
             with self._resources.consoles.loading_suspended():
                 why = await self._advance(one_step)
         except TrilError as error:

@@ -370,7 +370,7 @@ class LateModels(Models):
         return Late(policy._network)
 
 
-def test_games_wait_for_a_late_answer_and_the_page_is_told(workplace: Workplace) -> None:
+def test_games_wait_for_a_late_answer_and_may_be_paused_meanwhile(workplace: Workplace) -> None:
     run_id = finished_run(workplace)
     (expected,) = play(
         Scene(workplace, None, run_id).policy("imitator"),  # type: ignore[arg-type]
@@ -392,8 +392,14 @@ def test_games_wait_for_a_late_answer_and_the_page_is_told(workplace: Workplace)
         standing = page.frames[0][-1].frame
         assert standing % 4 == 0
         assert live.http.get("/api/health").json() == {"status": "ok"}, "the loop is not blocked"
+        page.say("pause")
+        page.until("paused")
+        page.say("step")
+        page.until("waiting")
         LateModels.let.set()
-        page.until("playing")
+        page.until("paused")
+        assert page.frames[0][-1].frame == standing + 4
+        page.say("play")
         page.until_frame(standing + 20)
         page.say("take_over", lane=0)
         taken = page.until("taken")
