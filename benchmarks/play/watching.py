@@ -23,9 +23,10 @@ from pathlib import Path
 import numpy as np
 from websockets.exceptions import ConnectionClosed
 
-from benchmarks.play.support.fleet import running_fleet
+from benchmarks.play.support.fleet import START_TIMEOUT_S, running_fleet
 from server.play.lateness import Lateness
 from testsupport.processes import tril_process
+from testsupport.waiting import wait_until
 from testsupport.watching import Watcher, finished_run, watching
 from testsupport.workplace import TINY, make_workplace
 from tril.cores import core_count
@@ -101,13 +102,13 @@ def main() -> None:
         workplace.database.close()
         with (
             running_fleet(workplace.settings.data, 1, 8) as fleet,
-            tril_process(fleet.settings, "inference") as inference,
+            tril_process(fleet.settings, "inference"),
         ):
-            inference.wait_for("Inference answers")
+            wait_until(fleet.settings.inference_socket.exists, START_TIMEOUT_S)
             watch(fleet.settings, run_id, arguments.games, 0, time.monotonic() + arguments.warm_up)
             before, load_before = fleet.sample(), os.getloadavg()[0]
             began = time.monotonic()
-            parts = []
+            parts: list[Seen] = []
             while time.monotonic() < began + arguments.seconds:
                 until_s = began + arguments.seconds
                 parts.append(
