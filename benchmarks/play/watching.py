@@ -6,8 +6,9 @@ Runs a server process, an inference process and one page of its own, which watch
 usual size (untrained ones: they are as fast as trained ones) and acknowledges every frame at once.
 Games that are over are watched again from the next start. A frame is late by the time from its
 deadline to its begin, waits for decisions included; a decision takes the time from a step's last
-frame to the message that announces the next action, both as the page receives them. Prints a table
-and a JSON line.
+frame to the message that announces the next action, both as the page receives them. The processor
+time of both processes is given, too, since other load does not change it much. Prints a table and a
+JSON line.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import psutil
 from websockets.exceptions import ConnectionClosed
 
 from benchmarks.play.support.fleet import START_TIMEOUT_S, running_fleet
@@ -82,6 +84,20 @@ def watch(settings: Settings, run_id: str, n_games: int, start: int, until_s: fl
     return seen
 
 
+@dataclass(frozen=True)
+class CpuTimes:
+    """Processor time of the server and of the inference process, seconds."""
+
+    server_s: float
+    inference_s: float
+
+
+def cpu_s(process: psutil.Process) -> float:
+    """Return the processor time of a process so far."""
+    times = process.cpu_times()
+    return times.user + times.system
+
+
 def count_frames(page: Watcher) -> int:
     """Return the number of frames that a page has received."""
     return sum(map(len, page.frames.values()))
@@ -102,11 +118,13 @@ def main() -> None:
         workplace.database.close()
         with (
             running_fleet(workplace.settings.data, 1, 8) as fleet,
-            tril_process(fleet.settings, "inference"),
+            tril_process(fleet.settings, "inference") as inference,
         ):
             wait_until(fleet.settings.inference_socket.exists, START_TIMEOUT_S)
             watch(fleet.settings, run_id, arguments.games, 0, time.monotonic() + arguments.warm_up)
+            process = psutil.Process(inference.process.pid)
             before, load_before = fleet.sample(), os.getloadavg()[0]
+            inference_before_s = cpu_s(process)
             began = time.monotonic()
             parts: list[Seen] = []
             while time.monotonic() < began + arguments.seconds:
@@ -116,9 +134,11 @@ def main() -> None:
                 )
             took_s = time.monotonic() - began
             after, load_after = fleet.sample(), os.getloadavg()[0]
+            inference_s = cpu_s(process) - inference_before_s
     late = after.watched - before.watched
     decisions = np.concatenate([part.decisions_ms for part in parts])
-    report(late, decisions, parts, after.cpu_s - before.cpu_s, took_s, vars(arguments))
+    cpu = CpuTimes(after.cpu_s - before.cpu_s, inference_s)
+    report(late, decisions, parts, cpu, took_s, vars(arguments))
     print(f"Load of the machine (1 min): {load_before:.1f} before, {load_after:.1f} after.")
 
 
@@ -126,7 +146,7 @@ def report(
     late: Lateness,
     decisions_ms: np.ndarray[tuple[int], np.dtype[np.float64]],
     parts: list[Seen],
-    cpu_s: float,
+    cpu: CpuTimes,
     took_s: float,
     arguments: dict[str, object],
 ) -> None:
@@ -141,7 +161,8 @@ def report(
         },
         "waits": sum(part.n_waits for part in parts),
         "games": sum(part.n_games for part in parts),
-        "server_cores": round(cpu_s / took_s, 2),
+        "server_ms_per_frame": round(1000 * cpu.server_s / max(1, late.n_frames), 2),
+        "inference_ms_per_step": round(1000 * cpu.inference_s / max(1, len(decisions_ms)), 1),
     }
     print(f"{arguments['games']} watched games, {core_count()} cores, {took_s:.0f} s\n")
     print(f"{'':28}{'p50':>8}{'p95':>8}{'p99':>8}")
@@ -150,7 +171,8 @@ def report(
         assert isinstance(row, dict)
         print(f"{title:28}" + "".join(f"{row[share]:8}" for share in SHARES))
     print(f"\n{found['frames_per_s']} frames/s of 60, {found['waits']} waits shown to the person,")
-    print(f"{found['server_cores']} cores of the server.")
+    print(f"{found['server_ms_per_frame']} ms of the server's processor time for a frame of all,")
+    print(f"{found['inference_ms_per_step']} ms of the inference process's for a step of all.")
     print(json.dumps({"benchmark": "watching", **arguments, **found}))
 
 
