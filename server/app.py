@@ -27,6 +27,7 @@ from server.api import (
 from server.dependencies import limited_by
 from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
+from server.play.watch import stream as watch_stream
 from server.services import running_services
 from server.web import problems
 from server.web.compression import Compression
@@ -91,7 +92,7 @@ def _api() -> APIRouter:
     api.include_router(rankings.borrowed_router, dependencies=[requests])
     for router in (replays.router, rankings.playing_router):
         api.include_router(router, dependencies=[replaying])
-    for unlimited in (health, events, stream):
+    for unlimited in (health, events, stream, watch_stream):
         api.include_router(unlimited.router)
     return api
 

@@ -16,6 +16,7 @@ from server.play.hub import N_SPARE_CONSOLES, PlayHub
 from server.play.limits import GameLimits
 from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
+from server.play.watch.hub import WatchHub
 from server.replay_cache import ReplayCache
 from server.storage import StorageMeter
 from server.web.security import Access
@@ -45,6 +46,7 @@ class Services:
         replay_cache: Frames, thumbnails, memory and clips of recordings.
         limits: Limits of open games.
         games: The games that are played in this process.
+        watching: The games that are watched in this process.
         changes: The change stream.
         storage: Measures disk usage.
         read_limit: Limits requests that read. Together with those that write they are fewer than
@@ -67,6 +69,7 @@ class Services:
     replay_cache: ReplayCache
     limits: GameLimits
     games: PlayHub
+    watching: WatchHub
     changes: ChangeStream
     storage: StorageMeter
     read_limit: ConcurrencyLimit = field(
@@ -103,6 +106,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     replays = ReplayProcess()
     limits = GameLimits.from_settings(settings, rules.max_games)
     jobs = Jobs(database, settings)
+    play = PlayHub(database, consoles, replays, name, rules, limits)
     services = Services(
         settings=settings,
         database=database,
@@ -114,7 +118,8 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         replays=replays,
         replay_cache=ReplayCache(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
         limits=limits,
-        games=PlayHub(database, consoles, replays, name, rules, limits),
+        games=play,
+        watching=WatchHub(database, consoles, play, settings.inference_socket, rules, limits),
         changes=ChangeStream(database),
         storage=StorageMeter(settings),
     )
@@ -124,9 +129,11 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         services.changes.start()
         consoles.start()
         services.games.start()
+        services.watching.start()
         jobs.start_reconciling()
         yield services
     finally:
+        await services.watching.stop()
         await services.games.stop()
         await asyncio.to_thread(replays.stop)
         await asyncio.to_thread(consoles.stop)

@@ -1,12 +1,18 @@
 """Client of the inference process, and the protocol of both ends.
 
 A message is a little-endian u32, the length of a JSON header, the header, and ``n_bytes`` raw bytes
-as the header says. Nothing is pickled. A connection carries one request and its reply, so a restart
-of the process between two requests goes unnoticed.
+as the header says. Nothing is pickled. A connection carries requests and their replies in turns;
+one that is idle for half a minute is closed.
 
-Requests: ``{"op": "ping"}``; ``{"op": "reward", "run_id"}`` with observations uint8 (N, 4, 84, 84)
-gives float32 (N,). A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind",
-"detail"}``.
+Requests, with observations uint8 (N, 4, 84, 84):
+
+- ``{"op": "ping"}``
+- ``{"op": "reward", "run_id"}`` gives R of each observation, float32 (N,).
+- ``{"op": "act", "run_id", "policies"}`` gives the probability of each action, float32 (N, 6), by
+  the policy named for each observation. A connection keeps the policies it has used, so that a game
+  is played by one policy even if a resumed run replaces its file.
+
+A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
 """
 
 from __future__ import annotations
@@ -35,6 +41,7 @@ LONGEST_ADDRESS = 100
 """Bytes of a path that fit into the address of a local socket, with some margin."""
 
 _LENGTH = struct.Struct("<I")
+LENGTH_BYTES = _LENGTH.size
 _ERRORS = {"invalid": Invalid, "not_found": NotFound, "unavailable": Unavailable}
 
 Values = npt.NDArray[np.float32]
@@ -82,7 +89,7 @@ class InferenceClient:
             except ConnectionError:
                 return self._request_once(request, body)
         except OSError as problem:
-            raise _unavailable(problem) from problem
+            raise unavailable(problem) from problem
 
     def _request_once(self, request: dict[str, Any], body: bytes) -> bytearray:
         with socket.socket(socket.AF_UNIX) as connection:
@@ -91,24 +98,57 @@ class InferenceClient:
                 connection.connect(address)
             send_message(connection, request, body)
             header, values = receive_message(connection)
-        if header.get("ok") is True:
-            return values
-        kind = _ERRORS.get(str(header.get("kind")), Unavailable)
-        raise kind(str(header.get("detail", "The inference process gave no reason.")))
+        raise_refusal(header)
+        return values
 
 
-def _unavailable(problem: OSError) -> Unavailable:
+def raise_refusal(reply: dict[str, Any]) -> None:
+    """Raise what a reply's header says went wrong, if anything did."""
+    if reply.get("ok") is not True:
+        kind = _ERRORS.get(str(reply.get("kind")), Unavailable)
+        raise kind(str(reply.get("detail", "The inference process gave no reason.")))
+
+
+def unavailable(problem: OSError) -> Unavailable:
+    """Return the error that tells a person of a process that can't be reached."""
     reason = "did not answer in time" if isinstance(problem, TimeoutError) else "is not running"
     return Unavailable(
-        f"The inference process {reason}, so rewards can't be computed. `tril up` starts it, "
+        f"The inference process {reason}, so no network can be asked. `tril up` starts it, "
         "again if need be; try again in a moment."
     )
 
 
+def head_of(header: dict[str, Any], n_bytes: int) -> bytes:
+    """Return the bytes of a message before its ``n_bytes`` raw bytes."""
+    text = json.dumps({**header, "n_bytes": n_bytes}).encode()
+    return _LENGTH.pack(len(text)) + text
+
+
+def header_length_of(data: bytes | bytearray) -> int:
+    """Return the length of the header from a message's first 4 bytes; raises Invalid."""
+    length: int = _LENGTH.unpack(data)[0]
+    if length > MAX_HEADER_BYTES:
+        raise Invalid(f"Expected a header of at most {MAX_HEADER_BYTES} bytes, got {length}.")
+    return length
+
+
+def parse_header(data: bytes | bytearray) -> tuple[dict[str, Any], int]:
+    """Return a header and the number of raw bytes after it; raises Invalid."""
+    try:
+        header = json.loads(data)
+    except ValueError as problem:
+        raise Invalid("The message's header is not JSON.") from problem
+    if not isinstance(header, dict):
+        raise Invalid("The message's header is not a JSON object.")
+    n_bytes = header.get("n_bytes")
+    if not isinstance(n_bytes, int) or not 0 <= n_bytes <= MAX_BODY_BYTES:
+        raise Invalid(f"Expected at most {MAX_BODY_BYTES} bytes, the message announces {n_bytes}.")
+    return header, n_bytes
+
+
 def send_message(connection: socket.socket, header: dict[str, Any], body: bytes = b"") -> None:
     """Send one message."""
-    text = json.dumps({**header, "n_bytes": len(body)}).encode()
-    connection.sendall(_LENGTH.pack(len(text)) + text)
+    connection.sendall(head_of(header, len(body)))
     if body:  # even an empty write fails once the other end has answered and closed
         connection.sendall(body)
 
@@ -120,18 +160,8 @@ def receive_message(connection: socket.socket) -> tuple[dict[str, Any], bytearra
         Disconnected: The other end closed the connection.
         Invalid: The message is malformed or too long.
     """
-    (length,) = _LENGTH.unpack(_exactly(connection, _LENGTH.size))
-    if length > MAX_HEADER_BYTES:
-        raise Invalid(f"Expected a header of at most {MAX_HEADER_BYTES} bytes, got {length}.")
-    try:
-        header = json.loads(_exactly(connection, length))
-    except ValueError as problem:
-        raise Invalid("The message's header is not JSON.") from problem
-    if not isinstance(header, dict):
-        raise Invalid("The message's header is not a JSON object.")
-    n_bytes = header.get("n_bytes")
-    if not isinstance(n_bytes, int) or not 0 <= n_bytes <= MAX_BODY_BYTES:
-        raise Invalid(f"Expected at most {MAX_BODY_BYTES} bytes, the message announces {n_bytes}.")
+    length = header_length_of(_exactly(connection, LENGTH_BYTES))
+    header, n_bytes = parse_header(_exactly(connection, length))
     return header, _exactly(connection, n_bytes)
 
 

@@ -16,6 +16,7 @@ async def get_health(request: Request) -> Health:
 
     Asks no database and needs no cookie.
     """
-    tasks = services_of(request).games.background_tasks
+    services = services_of(request)
+    tasks = (*services.games.background_tasks, *services.watching.background_tasks)
     failing = [task.name for task in tasks if not task.is_healthy]
     return Health(status="degraded", failing=failing) if failing else Health(status="ok")

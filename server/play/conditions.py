@@ -11,7 +11,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
+from tril.analysis.summary import Policy
 from tril.game.space_invaders import MAX_FRAMES
+from tril.store.training.evaluations import ActionSelection
 
 KEY = "play"
 """The key of a recording's conditions that holds these."""
@@ -48,6 +50,24 @@ class Latency:
     is_bad: bool
 
 
+class BegunBy(BaseModel):
+    """The policy that played the first frames of a game, before a person took over.
+
+    Attributes:
+        run_id: Its run.
+        policy: "imitator" or "clone".
+        action_selection: How its actions were selected.
+        frames: How many frames it played, those of an opening included.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    run_id: Annotated[str, Field(pattern=r"^[0-9a-f-]{36}$")]
+    policy: Policy
+    action_selection: ActionSelection
+    frames: Annotated[int, Field(ge=1, le=MAX_FRAMES)]
+
+
 Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
 _Frames = Annotated[list[int], Field(max_length=MAX_ENTRIES)]
 
@@ -68,6 +88,7 @@ class PlayConditions(BaseModel):
             100 at first.
         single_steps: Frames that were executed one at a time.
         pauses: Frames after which the player paused.
+        begun_by: The policy that a person took the game over from, if any.
     """
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
@@ -81,6 +102,7 @@ class PlayConditions(BaseModel):
     ] = []
     single_steps: _Frames = []
     pauses: _Frames = []
+    begun_by: BegunBy | None = None
 
     @classmethod
     def from_conditions(cls, conditions: Mapping[str, Any]) -> Self | None:
@@ -95,7 +117,7 @@ class PlayConditions(BaseModel):
 
     def to_conditions(self) -> dict[str, Any]:
         """Return these as a part of a recording's conditions, JSON-serialisable."""
-        return {KEY: self.model_dump(mode="json")}
+        return {KEY: self.model_dump(mode="json", exclude_none=True)}
 
     @property
     def speed_percent(self) -> int:
@@ -128,9 +150,15 @@ class PlayConditions(BaseModel):
             speeds=[(at, percent) for at, percent in self.speeds if at < frame],
             single_steps=[at for at in self.single_steps if at <= frame],
             pauses=[at for at in self.pauses if at <= frame],
+            begun_by=self._begun_by_until(frame),
         )
         kept.set_speed(frame, self.speed_percent)
         return kept
+
+    def _begun_by_until(self, frame: int) -> BegunBy | None:
+        if self.begun_by is None or frame == 0:
+            return None
+        return self.begun_by.model_copy(update={"frames": min(frame, self.begun_by.frames)})
 
     def slowest_percent(self, n_frames: int) -> int:
         """Return the slowest speed at which any of the first ``n_frames`` frames was executed."""

@@ -68,6 +68,7 @@ class PlayHub:
         self._consoles = consoles
         self._replays = replays
         self._rules = rules
+        self._watched = limits.watched
         self._committer = Committer(database)
         self._ownership = GameOwnership(self._committer, replays, consoles, owner, limits)
         self._resources = SessionResources(consoles, rules, self.lateness)
@@ -87,6 +88,11 @@ class PlayHub:
     def background_tasks(self) -> Collection[PeriodicTask]:
         """The tasks that save and clear up, with their health."""
         return self._tasks
+
+    @property
+    def n_games(self) -> int:
+        """Number of games in this process, those being joined included."""
+        return len(self._sessions.keys() | self._joining)
 
     def start(self) -> None:
         """Start saving games and clearing up those that were left alone."""
@@ -134,8 +140,8 @@ class PlayHub:
         """Reserve a place for a game, if need be by unloading one without a page."""
         self._joining.add(game_id)
         try:
-            taken = self._sessions.keys() | self._joining
-            if len(taken) > self._rules.max_games and game_id not in self._sessions:
+            n_taken = self.n_games + self._watched.n_open
+            if n_taken > self._rules.max_games and game_id not in self._sessions:
                 await self._unload_one()
             yield
         finally:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from sqlalchemy.orm import Session
 
@@ -15,6 +15,17 @@ class TooManyGames(Unavailable):
     """All places are taken; the message says what to do."""
 
 
+@dataclass
+class WatchedGames:
+    """Counts the watched games of this process, which no row of the database tells of.
+
+    Attributes:
+        n_open: How many there are.
+    """
+
+    n_open: int = 0
+
+
 @dataclass(frozen=True)
 class GameLimits:
     """Limits on the number of open games, see tril.store.games.count_open.
@@ -22,10 +33,12 @@ class GameLimits:
     Attributes:
         total: Of all players together.
         per_player: Of one player.
+        watched: The watched games of this process, which count as well.
     """
 
     total: int
     per_player: int
+    watched: WatchedGames = field(default_factory=WatchedGames)
 
     @classmethod
     def from_settings(cls, settings: Settings, per_process: int) -> GameLimits:
@@ -38,27 +51,32 @@ class GameLimits:
         total = settings.max_games or per_process * settings.server_processes
         return cls(total, settings.max_games_per_player)
 
-    def check(self, session: Session, player_id: int | None, n_counted: int = 0) -> None:
-        """Check that one more game may be opened, in the transaction that opens it.
+    def check(
+        self, session: Session, player_id: int | None, n_counted: int = 0, n_new: int = 1
+    ) -> None:
+        """Check that more games may be opened, in the transaction that opens them.
 
         Args:
             session: The transaction.
-            player_id: The game's player.
-            n_counted: 1 if the transaction has opened the game already.
+            player_id: The games' player.
+            n_counted: Games that count already but need no place beside the new ones: the new
+                game itself, or games that end with its opening.
+            n_new: Number of new games.
 
         Raises:
             TooManyGames: A limit is reached.
         """
         if player_id is not None:
             players.lock(session, player_id)
-            n_own = games.count_open(session, player_id) - n_counted
-            if n_own >= self.per_player:
+            n_own = games.count_open(session, player_id) + self.watched.n_open - n_counted
+            if n_own + n_new > self.per_player:
                 raise TooManyGames(
                     f"{n_own} of your games are open, and more are not allowed at the same time "
                     "(TRIL_MAX_GAMES_PER_PLAYER). Finish or stop one; a game whose tab is closed "
                     "counts for about a minute longer."
                 )
-        if games.count_open(session) - n_counted >= self.total:
+        n_open = games.count_open(session) + self.watched.n_open - n_counted
+        if n_open + n_new > self.total:
             raise TooManyGames(
                 f"All {self.total} places are taken at the moment. Games are short: try again in "
                 "a minute. Whoever runs this server can allow more (TRIL_MAX_GAMES)."

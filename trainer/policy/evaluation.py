@@ -12,16 +12,14 @@ import numpy.typing as npt
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.game import space_invaders as game
+from tril.game.agent import STICKY_ACTION_PROBABILITY, sample_actions
 from tril.game.episode import Ending, EndReason, Hit
-from tril.game.openings import Opening, evaluation_opening, start_of
-from tril.game.starts import Start, evaluation_start
+from tril.game.openings import Opening, evaluation_beginning, start_of
+from tril.game.starts import Start
 from tril.game.vector.vector_game import FinishedGame, FixedStarts, VectorGame
 from tril.recipes import EvaluationRecipe
 from tril.recording import Recording
 from tril.store.training.evaluations import ActionSelection
-
-STICKY_ACTION_PROBABILITY = 0.25
-"""Of the action selection "sticky" (Machado et al. 2018, section 5.1)."""
 
 
 class Actor(Protocol):
@@ -143,8 +141,7 @@ def play(
 
 def beginnings(recipe: EvaluationRecipe, numbers: Sequence[int]) -> list[Start | Opening]:
     """Return where the games of evaluation starts begin, by the recipe with openings or without."""
-    begin = evaluation_opening if recipe.openings else evaluation_start
-    return [begin(number) for number in numbers]
+    return [evaluation_beginning(number, recipe.openings) for number in numbers]
 
 
 def stickiness(action_selection: ActionSelection) -> float:
@@ -160,12 +157,7 @@ def _select_actions(
     if action_selection != "sampled":
         best: npt.NDArray[np.int64] = probabilities.argmax(1)
         return best
-    quantiles = np.array([rng.random() for rng in generators])
-    cumulative = probabilities.astype(np.float64).cumsum(1)
-    sampled = (cumulative < quantiles[:, None] * cumulative[:, -1:]).sum(1)
-    last = probabilities.shape[1] - 1
-    actions: npt.NDArray[np.int64] = np.minimum(sampled, last).astype(np.int64)
-    return actions
+    return sample_actions(probabilities, np.array([rng.random() for rng in generators]))
 
 
 def _score(

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.reporting.digests import recipe_digest
 from trainer.reporting.figures import (
     AliensRow,
@@ -23,6 +22,7 @@ from tril.analysis.outcome import AttentionState
 from tril.behaviours import BUILT_IN, score
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
+from tril.game.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import ABLATIONS, FAST_0_2, RECIPES, Ablation, EvaluationRecipe
 from tril.store.training.evaluations import POLICIES
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY
 from trainer.reporting.figures import (
     COLOURS,
     AliensRow,
@@ -19,6 +18,7 @@ from trainer.reporting.run_entry import cells, describe_example, entry_of
 from tril.analysis.outcome import AttentionState
 from tril.behaviours import score
 from tril.files.artifact_store import ArtifactStore, write_whole
+from tril.game.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database

@@ -1,4 +1,4 @@
-"""The inference process: evaluates reward models for the server over a local socket."""
+"""The inference process: evaluates reward models and policies for the server."""
 
 from __future__ import annotations
 
@@ -11,20 +11,23 @@ import socket
 import socketserver
 import threading
 from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from sqlalchemy.exc import SQLAlchemyError
 
+from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.throttle import learning_threads
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.observation import OBSERVATION_SHAPE, Observations
+from tril.game.space_invaders import Action
 from tril.heartbeat import Heartbeat
 from tril.inference import (
     OBSERVATION_BYTES,
@@ -37,11 +40,13 @@ from tril.settings import Settings
 from tril.store.database import Database, create_database
 from tril.store.schema import check_schema
 from tril.store.training import artifacts
+from tril.store.training.evaluations import POLICIES
 
 log = logging.getLogger(__name__)
+_Network = TypeVar("_Network")
 
 MAX_MODELS = 16
-"""Reward models kept in memory; the least recently used one is dropped."""
+"""Networks kept in memory; the least recently used one is dropped."""
 
 THREADS = 2
 MESSAGE_TIMEOUT_S = 30.0
@@ -60,7 +65,7 @@ def run_inference(settings: Settings) -> None:
     database = create_database(settings.application_url)
     try:
         check_schema(database)
-        models = RewardModels(database, ArtifactStore(settings.artifact_root))
+        models = Models(database, ArtifactStore(settings.artifact_root))
         server = InferenceServer(settings.inference_socket, models)
         for number in (signal.SIGINT, signal.SIGTERM):
             # shutdown waits for the loop that this thread runs.
@@ -72,13 +77,13 @@ def run_inference(settings: Settings) -> None:
         database.close()
 
 
-class RewardModels:
-    """Trained reward models, loaded from the artifact store at the first request.
+class Models:
+    """Trained reward models and policies, loaded from the artifact store at the first request.
 
     Args:
         database: The application's database.
         store: The artifact store.
-        max_kept: Models kept in memory.
+        max_kept: Networks kept in memory.
     """
 
     def __init__(
@@ -87,23 +92,31 @@ class RewardModels:
         self._database = database
         self._store = store
         self._max_kept = max_kept
-        self._kept: OrderedDict[Hashable, RewardModel] = OrderedDict()
+        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
         self._lock = threading.Lock()
 
-    def get(self, run_id: str) -> RewardModel:
+    def reward_model(self, run_id: str) -> RewardModel:
         """Return a run's reward model; raises NotFound if it has none."""
+        return self._get(run_id, "reward_model", RewardModel.load)
+
+    def policy(self, run_id: str, kind: str) -> Policy:
+        """Return a run's "imitator" or "clone"; raises NotFound if it has none."""
+        return self._get(run_id, kind, load_policy)
+
+    def _get(self, run_id: str, kind: str, load: Callable[[Path], _Network]) -> _Network:
         with self._database.reading() as session:
-            row = artifacts.of_kind(session, run_id, "reward_model")
+            row = artifacts.of_kind(session, run_id, kind)
         # A resumed run may replace its file.
         key = (row.id, row.created_at)
         with self._lock:
             if key not in self._kept:
                 with self._store.local(row.path) as path:
-                    self._kept[key] = RewardModel.load(path)
+                    self._kept[key] = load(path)
                 while len(self._kept) > self._max_kept:
                     self._kept.popitem(last=False)
             self._kept.move_to_end(key)
-            return self._kept[key]
+            network: _Network = self._kept[key]
+            return network
 
 
 class InferenceServer(socketserver.ThreadingUnixStreamServer):
@@ -119,7 +132,7 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
 
     daemon_threads = True
 
-    def __init__(self, path: Path, models: RewardModels) -> None:
+    def __init__(self, path: Path, models: Models) -> None:
         self.models = models
         self._path = path
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -146,50 +159,90 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
 
 
 class _Handler(socketserver.BaseRequestHandler):
-    """One connection: one request, one answer."""
+    """One connection: requests and their replies in turns."""
 
     server: InferenceServer
     request: socket.socket
 
     def handle(self) -> None:
         self.request.settimeout(MESSAGE_TIMEOUT_S)
+        answers = Answers(self.server.models)
         # The client may have disconnected.
         with contextlib.suppress(ConnectionError, TimeoutError):
-            try:
-                header, body = receive_message(self.request)
-                reply, values = reply_to(self.server.models, header, body)
-            except Disconnected:
-                return
-            except (TrilError, SQLAlchemyError) as problem:
-                reply, values = _error_reply(problem), b""
-            except Exception as problem:
-                log.exception("A request failed.")
-                reply, values = _error_reply(problem), b""
-            send_message(self.request, reply, values)
+            while self._answer_one(answers):
+                pass
+
+    def _answer_one(self, answers: Answers) -> bool:
+        """Answer a request; returns whether another may follow on this connection."""
+        is_understood = False
+        try:
+            header, body = receive_message(self.request)
+            is_understood = True
+            values = answers.to(header, body)
+            reply: dict[str, Any] = {"ok": True}
+        except Disconnected:
+            return False
+        except (TrilError, SQLAlchemyError) as problem:
+            reply, values = _error_reply(problem), b""
+        except Exception as problem:
+            log.exception("A request failed.")
+            reply, values = _error_reply(problem), b""
+        send_message(self.request, reply, values)
+        # After a message that was not understood, nobody knows where the next one begins.
+        return is_understood
 
 
-def reply_to(
-    models: RewardModels, header: dict[str, Any], body: bytearray
-) -> tuple[dict[str, Any], bytes]:
-    """Return the header and the values, as bytes, of the reply to a request.
+class Answers:
+    """Answers the requests of one connection.
 
-    Raises:
-        Invalid: The request is malformed.
-        NotFound: The run has no reward model.
+    Args:
+        models: The networks.
     """
-    op, run_id = header.get("op"), header.get("run_id")
-    if op == "ping":
-        return {"ok": True}, b""
-    if op != "reward":
-        raise Invalid(f"There is no operation {op!r}; choose ping or reward.")
-    if not isinstance(run_id, str):
-        raise Invalid("The request lacks 'run_id'.")
-    if len(body) % OBSERVATION_BYTES:
-        raise Invalid(
-            f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
-        )
-    observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
-    return {"ok": True}, models.get(run_id).score(observations).tobytes()
+
+    def __init__(self, models: Models) -> None:
+        self._models = models
+        self._policies: dict[tuple[str, str], Policy] = {}
+
+    def to(self, header: dict[str, Any], body: bytearray) -> bytes:
+        """Return the values that answer a request.
+
+        Raises:
+            Invalid: The request is malformed.
+            NotFound: The run has no such network.
+        """
+        op, run_id = header.get("op"), header.get("run_id")
+        if op == "ping":
+            return b""
+        if op not in {"reward", "act"}:
+            raise Invalid(f"There is no operation {op!r}; choose ping, reward or act.")
+        if not isinstance(run_id, str):
+            raise Invalid("The request lacks 'run_id'.")
+        if len(body) % OBSERVATION_BYTES:
+            raise Invalid(
+                f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
+            )
+        observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
+        if op == "reward":
+            return self._models.reward_model(run_id).score(observations).tobytes()
+        return self._probabilities(run_id, header.get("policies"), observations).tobytes()
+
+    def _probabilities(
+        self, run_id: str, policies: object, observations: Observations
+    ) -> npt.NDArray[np.float32]:
+        if not isinstance(policies, list) or len(policies) != len(observations):
+            raise Invalid(f"Expected 'policies' to name one for each of {len(observations)}.")
+        result = np.empty((len(observations), len(Action)), np.float32)
+        for kind in sorted(set(map(str, policies))):
+            if kind not in POLICIES:
+                raise Invalid(f"There is no policy {kind!r}; choose {' or '.join(POLICIES)}.")
+            own = [index for index, name in enumerate(policies) if name == kind]
+            result[own] = self._policy(run_id, kind).probabilities(observations[own])
+        return result
+
+    def _policy(self, run_id: str, kind: str) -> Policy:
+        if (run_id, kind) not in self._policies:
+            self._policies[run_id, kind] = self._models.policy(run_id, kind)
+        return self._policies[run_id, kind]
 
 
 def _error_reply(problem: Exception) -> dict[str, Any]:

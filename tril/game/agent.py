@@ -3,11 +3,31 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
 from tril.game.observation import AgentView, AgentViewState, Observation
+from tril.game.openings import Opening, start_of
+
+STICKY_ACTION_PROBABILITY = 0.25
+"""Of the action selection "sticky" (Machado et al. 2018, section 5.1)."""
+
+
+def sample_actions(
+    probabilities: npt.NDArray[np.float32], quantiles: npt.NDArray[np.float64]
+) -> npt.NDArray[np.int64]:
+    """Return the action at a quantile of each distribution, int64 (N,).
+
+    Args:
+        probabilities: of each action, float32 (N, 6).
+        quantiles: float64 (N,), 0 to 1; drawn uniformly, they sample the actions.
+    """
+    cumulative = probabilities.astype(np.float64).cumsum(1)
+    sampled = (cumulative < quantiles[:, None] * cumulative[:, -1:]).sum(1)
+    actions: npt.NDArray[np.int64] = np.minimum(sampled, probabilities.shape[1] - 1)
+    return actions
 
 
 class StickyActions:
@@ -89,6 +109,22 @@ class AgentGame:
         self._episode = Episode(self.console, start, self.ending, self.max_frames)
         self._view.reset(self.console)
 
+    def begin(self, beginning: Start | Opening) -> int:
+        """Begin a game and play its opening, if it has one; return the number of steps played.
+
+        An opening that the cannon does not survive is left out.
+        """
+        self.reset(start_of(beginning))
+        if not isinstance(beginning, Opening):
+            return 0
+        for action in beginning.actions:
+            for _ in range(game.FRAMES_PER_STEP):
+                self.advance(action)
+                if self.end is not None:
+                    self.reset(beginning.start)
+                    return 0
+        return len(beginning.actions)
+
     def step(self, action: int) -> None:
         """Execute the action for four frames, or until the episode ends.
 
@@ -104,7 +140,7 @@ class AgentGame:
                 return
 
     def advance(self, action: int) -> None:
-        """Execute one frame, for replays of games with an action per frame.
+        """Execute one frame, for games with an action per frame.
 
         Raises:
             EpisodeEnded: the episode is over.

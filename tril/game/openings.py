@@ -58,3 +58,12 @@ def evaluation_opening(number: int) -> Opening:
         UnknownStart: The number is out of range.
     """
     return draw_opening(evaluation_start(number), np.random.default_rng((_EVALUATION, number)))
+
+
+def evaluation_beginning(number: int, openings: bool) -> Start | Opening:
+    """Return where the game of an evaluation start begins, with its opening or without.
+
+    Raises:
+        UnknownStart: The number is out of range.
+    """
+    return evaluation_opening(number) if openings else evaluation_start(number)

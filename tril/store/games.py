@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session, joinedload
 from tril.errors import Conflict, Invalid, NotFound
 from tril.game.episode import Start
 from tril.game.space_invaders import rom_md5
-from tril.recording import Recording, Replay
+from tril.recording import Recording, Replay, Verified
 from tril.store.changes import note_change
 from tril.store.database import database_now
 from tril.store.models import (
@@ -118,6 +118,37 @@ def create_from(
     row.ram_hashes = list(until.ram_hashes)
     row.hits = [hit for hit in parent.hits if hit[2] <= frame]
     row.conditions = conditions or {}
+    return _create(session, row)
+
+
+def create_taken_over(
+    session: Session,
+    behaviour_id: int,
+    begun: Verified,
+    player_id: int | None,
+    conditions: dict[str, Any],
+) -> GameRow:
+    """Begin a game that continues what a policy has played so far.
+
+    There is no recording of that part; the game's own holds it from the start.
+
+    Args:
+        session: The transaction.
+        behaviour_id: What is to be demonstrated.
+        begun: What the policy has played.
+        player_id: Who takes over.
+        conditions: How the game was played until then.
+
+    Raises:
+        Conflict: The policy's game is over.
+    """
+    if begun.replay.end is not None:
+        raise Conflict("This game is over, so nobody can play on.")
+    row = _playing(behaviour_id, begun.recording.start, player_id)
+    fill(row, begun.recording, begun.replay)
+    # Without a parent: nothing was played yet that an abandoned game would be kept for.
+    row.parent_frame = begun.recording.n_frames
+    row.conditions = conditions
     return _create(session, row)
 
 

@@ -30,11 +30,13 @@ class Sample:
 
     Attributes:
         lateness: Lateness of all games' frames.
+        watched: Lateness of watched games' frames; side by side they count as one game.
         cpu_s: CPU time.
         rss_bytes: Resident memory at present.
     """
 
     lateness: Lateness
+    watched: Lateness
     cpu_s: float
     rss_bytes: int
 
@@ -55,13 +57,14 @@ class Fleet:
 
     def sample(self) -> Sample:
         """Return the present totals."""
-        lateness, cpu_s, rss_bytes = Lateness(), 0.0, 0
+        lateness, watched, cpu_s, rss_bytes = Lateness(), Lateness(), 0.0, 0
         for process, written in zip(self.processes, self._ask(), strict=True):
             times = process.cpu_times()
             lateness += Lateness(written["late"])
+            watched += Lateness(written["watched_late"])
             cpu_s += times.user + times.system
             rss_bytes += process.memory_info().rss
-        return Sample(lateness, cpu_s, rss_bytes)
+        return Sample(lateness, watched, cpu_s, rss_bytes)
 
     def has_consoles(self, n_each: int) -> bool:
         """Return whether every process has loaded at least so many consoles."""

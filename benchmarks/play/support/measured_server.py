@@ -45,6 +45,7 @@ class MeasuredServer(Server):
         services: Services = self._app.state.services
         content = {
             "late": services.games.lateness.counts,
+            "watched_late": services.watching.lateness.counts,
             "consoles": services.consoles.n_loaded,
         }
         write_whole(self._measures, json.dumps(content).encode())

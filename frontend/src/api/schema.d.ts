@@ -962,6 +962,26 @@ export interface components {
          */
         AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
         /**
+         * BegunBy
+         * @description The policy that played the first ``frames`` frames of a person's game.
+         */
+        BegunBy: {
+            /**
+             * Action Selection
+             * @enum {string}
+             */
+            action_selection: "greedy" | "sampled" | "sticky";
+            /** Frames */
+            frames: number;
+            /**
+             * Policy
+             * @enum {string}
+             */
+            policy: "imitator" | "clone";
+            /** Run Id */
+            run_id: string;
+        };
+        /**
          * Behaviour
          * @description A behaviour. ``target`` is None if hits do not describe it.
          */
@@ -1626,7 +1646,8 @@ export interface components {
          *     ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
          *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
          *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
-         *     if unknown. ``parent`` is the recording that this one continues.
+         *     if unknown. ``parent`` is the recording that this one continues; ``begun_by`` tells the policy
+         *     that the player took the game over from.
          *
          *     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, or of a
          *     training's policy, that the behaviour in question has borrowed for its ranking: ``targets``,
@@ -1634,6 +1655,7 @@ export interface components {
          *     never ``perfect`` there.
          */
         Recording: {
+            begun_by: components["schemas"]["BegunBy"] | null;
             /** Behaviour Id */
             behaviour_id: number;
             /** Behaviour Name */

@@ -5,7 +5,7 @@ import { createBrowserRouter, Navigate, useParams } from "react-router";
 import { isNotFound } from "@/api/client";
 import { recordingQuery } from "@/api/recordings";
 import { runQuery } from "@/api/runs";
-import type { Behaviour } from "@/api/types";
+import type { Behaviour, Run } from "@/api/types";
 import { Layout } from "@/app/layout/Layout";
 import { Failed, Loading } from "@/components/feedback/States";
 import { BehaviourFrame } from "@/features/behaviours/BehaviourFrame";
@@ -32,6 +32,9 @@ const RunsPage = lazy(async () => ({
 const RunPage = lazy(async () => ({
   default: (await import("@/features/results/RunPage")).RunPage,
 }));
+const WatchPage = lazy(async () => ({
+  default: (await import("@/features/play/watch/WatchPage")).WatchPage,
+}));
 
 /** Shows a placeholder while the code of a page loads. */
 function Lazy({ children }: { children: ReactNode }) {
@@ -50,8 +53,8 @@ function InBehaviour({ page }: { page: (behaviour: Behaviour) => ReactNode }) {
   );
 }
 
-/** A run's page, in the frame of its behaviour. */
-function RunRoute() {
+/** A page of a run, in the frame of its behaviour. */
+function RunRoute({ page }: { page: (run: Run, behaviour: Behaviour) => ReactNode }) {
   const { runId = "" } = useParams();
   const { data: run, error, refetch } = useQuery(runQuery(runId));
   if (isNotFound(error)) return <NotFound />;
@@ -59,11 +62,7 @@ function RunRoute() {
   if (!run) return <Loading what="the run" rows={3} height="6rem" />;
   return (
     <BehaviourFrame behaviourId={run.behaviour_id} looking>
-      {(behaviour) => (
-        <Lazy>
-          <RunPage key={run.id} run={run} behaviour={behaviour} />
-        </Lazy>
-      )}
+      {(behaviour) => <Lazy>{page(run, behaviour)}</Lazy>}
     </BehaviourFrame>
   );
 }
@@ -109,7 +108,8 @@ export const routes = [
         ],
       },
       { path: "recordings/:recordingId", element: <RecordingRoute /> },
-      { path: "runs/:runId", element: <RunRoute /> },
+      { path: "runs/:runId", element: <RunRoute page={runPage} /> },
+      { path: "runs/:runId/watch", element: <RunRoute page={watchPage} /> },
       { path: "*", element: <NotFound /> },
     ],
   },
@@ -133,6 +133,14 @@ function trainPage(behaviour: Behaviour): ReactNode {
 
 function runsPage(behaviour: Behaviour): ReactNode {
   return <RunsPage behaviour={behaviour} />;
+}
+
+function runPage(run: Run, behaviour: Behaviour): ReactNode {
+  return <RunPage key={run.id} run={run} behaviour={behaviour} />;
+}
+
+function watchPage(run: Run, behaviour: Behaviour): ReactNode {
+  return <WatchPage key={run.id} run={run} behaviour={behaviour} />;
 }
 
 export function createRouter() {

@@ -59,6 +59,7 @@ export function recording(change: Partial<Recording> = {}): Recording {
     slowest_percent: null,
     single_steps: null,
     parent: null,
+    begun_by: null,
     perfect: false,
     notes: "",
     ranked: false,

@@ -8,7 +8,9 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Column, Id, Row, Schema
+from tril.analysis.summary import Policy
 from tril.store.models import RecordingState, Source, Verification
+from tril.store.training.evaluations import ActionSelection
 
 
 class Hit(Schema):
@@ -34,6 +36,15 @@ class Latency(Schema):
     is_bad: bool
 
 
+class BegunBy(Schema):
+    """The policy that played the first ``frames`` frames of a person's game."""
+
+    run_id: str
+    policy: Policy
+    action_selection: ActionSelection
+    frames: int
+
+
 class Branch(Schema):
     """A related recording, and the frame at which the two part."""
 
@@ -47,7 +58,8 @@ class Recording(Schema):
     ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
-    if unknown. ``parent`` is the recording that this one continues.
+    if unknown. ``parent`` is the recording that this one continues; ``begun_by`` tells the policy
+    that the player took the game over from.
 
     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, or of a
     training's policy, that the behaviour in question has borrowed for its ranking: ``targets``,
@@ -80,6 +92,7 @@ class Recording(Schema):
     slowest_percent: int | None
     single_steps: int | None
     parent: Branch | None
+    begun_by: BegunBy | None
     perfect: bool
     notes: str
     ranked: bool

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
-from server.api.schemas.recordings import Branch, Hit, Recording
+from server.api.schemas.recordings import BegunBy, Branch, Hit, Recording
 from server.play.conditions import PlayConditions
 from server.replay_cache import version_of
 from tril.behaviours import Behaviour, score
@@ -22,6 +22,12 @@ def parent_of(row: RecordingRow) -> Branch | None:
     if row.parent_id is None or row.parent_frame is None:
         return None
     return Branch(recording_id=row.parent_id, frame=row.parent_frame)
+
+
+def _begun_by(conditions: PlayConditions | None) -> BegunBy | None:
+    if conditions is None or conditions.begun_by is None:
+        return None
+    return BegunBy.of(conditions.begun_by)
 
 
 class RecordingViews:
@@ -77,6 +83,7 @@ class RecordingViews:
             slowest_percent=None if conditions is None else conditions.slowest_percent(played),
             single_steps=None if conditions is None else len(conditions.single_steps),
             parent=parent_of(row),
+            begun_by=_begun_by(conditions),
             ranked=row.id in self._ranked_of(shown_for),
             thumbnail_url=f"/api/recordings/{row.id}/thumbnail.png?v={version}",
             frames_url=f"/api/recordings/{row.id}/frames?v={version}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Awaitable, Callable
 
 from server.play.conditions import FULL_SPEED_PERCENT
 from server.play.lateness import Lateness
@@ -30,15 +31,28 @@ class FrameClock:
         self._loop = asyncio.get_running_loop()
         self._deadline = self._loop.time()
 
-    async def wait(self, speed_percent: int) -> None:
-        """Wait until a frame at this speed has passed since the last deadline."""
+    async def wait(
+        self, speed_percent: int, ready: Callable[[], Awaitable[None]] | None = None
+    ) -> None:
+        """Wait until a frame at this speed has passed since the last deadline.
+
+        Args:
+            speed_percent: Of 60 frames a second.
+            ready: Waits for whatever else the next frame needs. If that is more than a frame late,
+                the clock stands still meanwhile: the deadlines restart from then.
+        """
         self._deadline += FRAME_S * FULL_SPEED_PERCENT / speed_percent
         now = self._loop.time()
         if now - self._deadline > MAX_LAG_S:
             _LOG.warning("Game %s stood still for %.2f s.", self._game_id, now - self._deadline)
             self._deadline = now
         await asyncio.sleep(max(0.0, self._deadline - now))
-        self._lateness.note(self._loop.time() - self._deadline)
+        if ready is not None:
+            await ready()
+        now = self._loop.time()
+        self._lateness.note(now - self._deadline)
+        if ready is not None and now - self._deadline > FRAME_S:
+            self._deadline = now
 
 
 async def is_set_within(event: asyncio.Event, timeout_s: float) -> bool:

@@ -24,7 +24,7 @@ from tril.game.controls import Keys
 MAX_REASON_CHARACTERS = 60
 """A close reason is limited to 123 bytes."""
 
-_GONE = (OSError, RuntimeError, WebSocketDisconnect)
+GONE = (OSError, RuntimeError, WebSocketDisconnect)
 """What a send raises if the other end has gone."""
 
 
@@ -153,7 +153,7 @@ class Connection:
             self.is_open = False
             try:
                 await self._socket.close(code, reason[:MAX_REASON_CHARACTERS])
-            except _GONE:
+            except GONE:
                 return
 
     def _encode(self, scene: Scene, sequence: int) -> bytes | str:
@@ -177,6 +177,6 @@ class Connection:
                 await self._socket.send_bytes(data)
             else:
                 await self._socket.send_text(data)
-        except _GONE:
+        except GONE:
             # The task that receives notices the same, and pauses the game.
             self.is_open = False

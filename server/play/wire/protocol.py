@@ -200,7 +200,9 @@ def _parse_command(text: str) -> Command | SpeedMessage:
     return Command(command.type)
 
 
-class _Message(BaseModel):
+class Message(BaseModel):
+    """A text message of the server."""
+
     model_config = ConfigDict(extra="forbid")
 
     def to_json(self) -> str:
@@ -208,7 +210,7 @@ class _Message(BaseModel):
         return self.model_dump_json()
 
 
-class HitAt(_Message):
+class HitAt(Message):
     """An alien that was shot; rows and columns count from 0."""
 
     row: int
@@ -217,7 +219,7 @@ class HitAt(_Message):
     on_target: bool | None
 
 
-class AlienGeometry(_Message):
+class AlienGeometry(Message):
     """Size of an alien and pitch of columns and rows, in pixels."""
 
     width: int
@@ -226,7 +228,7 @@ class AlienGeometry(_Message):
     row_px: int
 
 
-class Hello(_Message):
+class Hello(Message):
     """First message: how to draw the frames, and the state of the game."""
 
     type: Literal["hello"] = "hello"
@@ -243,7 +245,7 @@ class Hello(_Message):
     aliens: AlienGeometry
 
 
-class Countdown(_Message):
+class Countdown(Message):
     """Seconds until the game resumes; 0 when it does."""
 
     type: Literal["countdown"] = "countdown"
@@ -258,14 +260,14 @@ class HitMessage(HitAt):
     strays: int | None
 
 
-class Paused(_Message):
+class Paused(Message):
     """The game is paused; ``why`` is shown to the player. "go_on" restarts the countdown."""
 
     type: Literal["paused"] = "paused"
     why: str
 
 
-class Rewound(_Message):
+class Rewound(Message):
     """The game was rewound and resumes at this frame.
 
     ``recording_id`` is the recording of the game as it was before.
@@ -277,7 +279,7 @@ class Rewound(_Message):
     recording_id: int
 
 
-class Ended(_Message):
+class Ended(Message):
     """The game is over, saved and verified. ``reason`` is None if it was stopped."""
 
     type: Literal["ended"] = "ended"
@@ -292,7 +294,7 @@ class Ended(_Message):
     verification_note: str
 
 
-class TakenOver(_Message):
+class TakenOver(Message):
     """Another tab has taken over the game; the stream closes with 4001."""
 
     type: Literal["taken_over"] = "taken_over"

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.play.conditions import BAD_P95_MS, KEY, MAX_ENTRIES, PlayConditions
+from server.play.conditions import BAD_P95_MS, KEY, MAX_ENTRIES, BegunBy, PlayConditions
 from tril.game.space_invaders import MAX_FRAMES
+from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
 FRAMES = st.integers(1, MAX_FRAMES)
 SPEEDS = st.dictionaries(st.integers(0, MAX_FRAMES), st.integers(25, 100)).map(
@@ -24,6 +25,14 @@ CONDITIONS = st.builds(
     speeds=SPEEDS,
     single_steps=st.lists(FRAMES),
     pauses=st.lists(FRAMES),
+    begun_by=st.none()
+    | st.builds(
+        BegunBy,
+        run_id=st.uuids().map(str),
+        policy=st.sampled_from(POLICIES),
+        action_selection=st.sampled_from(ACTION_SELECTIONS),
+        frames=FRAMES,
+    ),
 )
 
 
@@ -52,6 +61,19 @@ def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
 )
 def test_what_can_not_be_read_is_left_alone(foreign: dict[str, object]) -> None:
     assert PlayConditions.from_conditions(foreign) is None
+
+
+@given(CONDITIONS, st.integers(0, MAX_FRAMES))
+def test_a_rewound_game_keeps_of_its_policys_part_what_is_left(
+    conditions: PlayConditions, frame: int
+) -> None:
+    kept = conditions.until(frame).begun_by
+    if conditions.begun_by is None or frame == 0:
+        assert kept is None
+    else:
+        assert kept is not None
+        assert kept.frames == min(frame, conditions.begun_by.frames)
+        assert kept.run_id == conditions.begun_by.run_id
 
 
 def test_latency_is_given_by_nearest_rank() -> None:

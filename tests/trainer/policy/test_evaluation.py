@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from trainer.policy.evaluation import STICKY_ACTION_PROBABILITY, EvaluatedGame, play
+from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
+from tril.game.agent import STICKY_ACTION_PROBABILITY
 from tril.game.episode import Ending, EndReason
 from tril.game.space_invaders import Action
 from tril.game.starts import evaluation_start

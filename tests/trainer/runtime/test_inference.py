@@ -18,8 +18,9 @@ import pytest
 
 from testsupport.processes import tril_process
 from testsupport.workplace import Workplace, make_workplace
+from trainer.policy.networks import Policy, load_policy, new_policy, save_policy
 from trainer.reward.model import RewardModel, new_network
-from trainer.runtime.inference import InferenceServer, RewardModels
+from trainer.runtime.inference import InferenceServer, Models
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
 from tril.game.observation import Observations
@@ -27,8 +28,10 @@ from tril.inference import (
     MAX_BODY_BYTES,
     MAX_HEADER_BYTES,
     MAX_OBSERVATIONS,
+    OBSERVATION_BYTES,
     InferenceClient,
     receive_message,
+    send_message,
 )
 from tril.store.training import artifacts
 from tril.store.training.artifacts import path_of
@@ -42,7 +45,7 @@ def store(workplace: Workplace) -> ArtifactStore:
 @contextmanager
 def serving(workplace: Workplace) -> Iterator[None]:
     store = ArtifactStore(workplace.settings.artifact_root)
-    models = RewardModels(workplace.database, store)
+    models = Models(workplace.database, store)
     with InferenceServer(workplace.settings.inference_socket, models) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
         thread.start()
@@ -74,6 +77,17 @@ def keep_model(
     store.put(path_of(run_id, path.name), path.read_bytes())
     with workplace.database.writing() as session:
         artifacts.save(session, run_id, "reward_model", path.name, "application/octet-stream", 1)
+
+
+def keep_policy(
+    workplace: Workplace, store: ArtifactStore, run_id: str, kind: str, tmp_path: Path, seed: int
+) -> Policy:
+    path = tmp_path / f"{kind}.zip"
+    save_policy(new_policy("small", 0.0, np.random.default_rng(seed)), path)
+    store.put(path_of(run_id, path.name), path.read_bytes())
+    with workplace.database.writing() as session:
+        artifacts.save(session, run_id, kind, path.name, "application/octet-stream", 1)
+    return load_policy(path)
 
 
 def run_with_model(workplace: Workplace, store: ArtifactStore, tmp_path: Path) -> str:
@@ -127,17 +141,59 @@ def test_a_replaced_model_is_loaded_again(
     np.testing.assert_allclose(rewards, a_reward_model(7).score(observations), rtol=1e-5)
 
 
+def test_each_observation_is_judged_by_the_policy_named_for_it(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = workplace.make_run()
+    imitator = keep_policy(workplace, store, run_id, "imitator", tmp_path, 1)
+    clone = keep_policy(workplace, store, run_id, "clone", tmp_path, 2)
+    observations = some_observations(3)
+    request = {"op": "act", "run_id": run_id, "policies": ["clone", "imitator", "clone"]}
+    with serving(workplace), opened(workplace) as connection:
+        for _ in range(2):
+            send_message(connection, request, observations.tobytes())
+            header, values = receive_message(connection)
+            assert header["ok"], header
+            probabilities = np.frombuffer(values, np.float32).reshape(3, 6)
+            own = imitator.probabilities(observations[1:2])
+            np.testing.assert_allclose(probabilities[1:2], own, atol=1e-6)
+            own = clone.probabilities(observations[::2])
+            np.testing.assert_allclose(probabilities[::2], own, atol=1e-6)
+
+
+def test_a_connection_keeps_its_policy_although_the_file_is_replaced(
+    workplace: Workplace, store: ArtifactStore, tmp_path: Path
+) -> None:
+    run_id = workplace.make_run()
+    first = keep_policy(workplace, store, run_id, "clone", tmp_path, 1)
+    observations = some_observations(1)
+    request = {"op": "act", "run_id": run_id, "policies": ["clone"]}
+
+    def ask(connection: socket.socket) -> np.ndarray[tuple[int], np.dtype[np.float32]]:
+        send_message(connection, request, observations.tobytes())
+        return np.frombuffer(receive_message(connection)[1], np.float32)
+
+    with serving(workplace), opened(workplace) as connection:
+        before = ask(connection)
+        second = keep_policy(workplace, store, run_id, "clone", tmp_path, 2)
+        np.testing.assert_array_equal(ask(connection), before)
+        np.testing.assert_allclose(before, first.probabilities(observations)[0], atol=1e-6)
+        with opened(workplace) as newer:
+            own = second.probabilities(observations)[0]
+            np.testing.assert_allclose(ask(newer), own, atol=1e-6)
+
+
 def test_models_in_memory_are_bounded(
     workplace: Workplace, store: ArtifactStore, tmp_path: Path
 ) -> None:
     runs = [run_with_model(workplace, store, tmp_path) for _ in range(3)]
-    models = RewardModels(workplace.database, store, max_kept=2)
-    first = models.get(runs[0])
-    second = models.get(runs[1])
-    assert models.get(runs[0]) is first
-    models.get(runs[2])
-    assert models.get(runs[0]) is first
-    assert models.get(runs[1]) is not second
+    models = Models(workplace.database, store, max_kept=2)
+    first = models.reward_model(runs[0])
+    second = models.reward_model(runs[1])
+    assert models.reward_model(runs[0]) is first
+    models.reward_model(runs[2])
+    assert models.reward_model(runs[0]) is first
+    assert models.reward_model(runs[1]) is not second
 
 
 def test_the_socket_is_for_its_owner_alone_and_goes_with_the_process(
@@ -183,10 +239,16 @@ def test_a_connection_that_breaks_is_tried_once_more(workplace: Workplace) -> No
     assert asked == ["ping", "ping"]
 
 
-def ask_raw(workplace: Workplace, content: bytes) -> dict[str, object]:
+@contextmanager
+def opened(workplace: Workplace) -> Iterator[socket.socket]:
     with socket.socket(socket.AF_UNIX) as connection:
         connection.settimeout(20)
         connection.connect(str(workplace.settings.inference_socket))
+        yield connection
+
+
+def ask_raw(workplace: Workplace, content: bytes) -> dict[str, object]:
+    with opened(workplace) as connection:
         connection.sendall(content)
         return receive_message(connection)[0]
 
@@ -208,6 +270,13 @@ def framed(header: object) -> bytes:
         (framed({"op": "delete", "n_bytes": 0}), "no operation 'delete'"),
         (framed({"op": "reward", "n_bytes": 0}), "lacks 'run_id'"),
         (framed({"op": "reward", "run_id": "x", "n_bytes": 3}) + b"abc", "whole observations"),
+        (framed({"op": "act", "run_id": "x", "policies": ["clone"], "n_bytes": 0}), "for each of"),
+        (framed({"op": "act", "run_id": "x", "policies": 3, "n_bytes": 0}), "for each of"),
+        (
+            framed({"op": "act", "run_id": "x", "policies": ["king"], "n_bytes": OBSERVATION_BYTES})
+            + bytes(OBSERVATION_BYTES),
+            "no policy 'king'",
+        ),
     ],
 )
 def test_bad_requests_are_refused_with_a_reason_and_harm_nothing(
@@ -241,7 +310,7 @@ def test_the_process_serves_one_data_folder_alone_and_survives_a_kill(
         with pytest.raises(Unavailable, match="Another inference process"):
             InferenceServer(
                 workplace.settings.inference_socket,
-                RewardModels(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
+                Models(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
             )
         first.process.kill()
     assert workplace.settings.inference_socket.exists()

@@ -15,7 +15,6 @@ from tril.game.agent import AgentGame, StickyActions
 from tril.game.console import Console, StartCache
 from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.game.observation import OBSERVATION_SHAPE, AgentView, AgentViews
-from tril.game.openings import Opening
 from tril.game.saved_game import pack_game, unpack_game
 from tril.game.vector.reset_distribution import (
     DemonstrationLog,
@@ -200,21 +199,8 @@ class GameSlot:
         elif isinstance(sample, DemonstrationStep):
             self._first_step = sample.step
             self._game.restore(unpack_game(self._demonstrations.state(sample)))
-        elif isinstance(sample, Opening):
-            self._open(sample)
         else:
-            self._game.reset(sample)
-
-    def _open(self, opening: Opening) -> None:
-        """Play an opening; leave it out if the cannon does not survive it."""
-        self._game.reset(opening.start)
-        for action in opening.actions:
-            for _ in range(game.FRAMES_PER_STEP):
-                self._game.advance(action)
-                if self._game.end is not None:
-                    self._game.reset(opening.start)
-                    return
-        self._first_step = len(opening.actions)
+            self._first_step = self._game.begin(sample)
 
     def step(self) -> bool:
         """Play the step whose action is in shared memory; return whether it ended the episode."""

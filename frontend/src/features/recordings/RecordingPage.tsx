@@ -20,6 +20,7 @@ import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { runName } from "@/lib/runs";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
@@ -170,6 +171,15 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
       {recording.run_id !== null && (
         <p>
           <Link to={`/runs/${recording.run_id}`}>The run whose policy played it</Link>
+        </p>
+      )}
+      {recording.begun_by && (
+        <p>
+          The {recording.begun_by.policy} of{" "}
+          <Link to={`/runs/${recording.begun_by.run_id}`}>
+            {runName({ id: recording.begun_by.run_id })}
+          </Link>{" "}
+          played the first {seconds(recording.begun_by.frames / FRAME_RATE_HZ)}.
         </p>
       )}
     </section>

@@ -19,6 +19,7 @@ import { Parameters } from "@/features/results/run/Parameters";
 import { RunHead } from "@/features/results/run/RunHead";
 import { RunNotices } from "@/features/results/run/RunNotices";
 import { Stages } from "@/features/results/run/Stages";
+import { WatchLinks } from "@/features/results/run/WatchLinks";
 import { isActive, runName } from "@/lib/runs";
 
 import styles from "./RunPage.module.css";
@@ -83,6 +84,7 @@ function Sections(props: SectionsProps) {
   return (
     <>
       <Alarms results={props.results} />
+      <WatchLinks results={props.results} />
       <nav className={styles.sections} aria-label="On this page">
         {plans.map(({ id, title }) => (
           <a key={id} href={`#${id}`}>

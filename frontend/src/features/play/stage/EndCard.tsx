@@ -5,8 +5,8 @@ import { Button } from "@/components/controls/Button";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import type { Intent } from "@/features/play/input/intents";
 import type { Ended } from "@/features/play/stream/text-messages";
-import { count, FRAME_RATE_HZ, seconds } from "@/lib/format";
 
+import { endSentence, scoreSentence } from "./outcome-words";
 import { Overlay } from "./Overlay";
 import styles from "./Overlay.module.css";
 import { useDecision } from "./use-decision";
@@ -115,34 +115,6 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
       {question}
     </Overlay>
   );
-}
-
-function endSentence({ reason, frame }: Ended): string {
-  const after = `after ${seconds(frame / FRAME_RATE_HZ)}`;
-  switch (reason) {
-    case "hit":
-    case "lives":
-      return `Hit by a bomb ${after}`;
-    case "steps":
-      return "Survived all 300 steps";
-    case "cleared":
-      return `All aliens gone ${after}`;
-    case "landed":
-      return `The aliens landed ${after}`;
-    default:
-      return `Stopped ${after}`;
-  }
-}
-
-function scoreSentence(ended: Ended, { target }: Behaviour): string {
-  const { targets, strays, hits, order_errors: errors } = ended;
-  if (targets === null || strays === null) return `${count(hits.length, "alien")} hit`;
-  const parts = [
-    target ? `${targets} of ${target.length} targets` : `${targets} targets`,
-    strays === 0 ? "no strays" : count(strays, "stray"),
-  ];
-  if (errors) parts.push(`${count(errors, "hit")} out of order`);
-  return parts.join(", ");
 }
 
 function decisionSentence(

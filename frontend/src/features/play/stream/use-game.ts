@@ -37,7 +37,7 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
 
   const play = useCallback(
     (gameId: string, streamPath: string) => {
-      remember(behaviourId, gameId);
+      rememberGame(behaviourId, gameId);
       const speed = current.current?.snapshot().speed;
       current.current?.leave();
       const next = new GameStream(streamUrl(streamPath, TAB), screen, speed);
@@ -105,7 +105,8 @@ export function resumeFrameOf({ frame }: Pick<Ended, "frame">): number {
   return Math.max(0, frame - RESUME_FRAMES);
 }
 
-function remember(behaviourId: number, gameId: string): void {
+/** Lets the play page of a behaviour join a game as soon as it is shown. */
+export function rememberGame(behaviourId: number, gameId: string): void {
   try {
     sessionStorage.setItem(storageKey(behaviourId), gameId);
   } catch {

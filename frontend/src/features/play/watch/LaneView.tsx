@@ -1,0 +1,122 @@
+import { type CSSProperties, useCallback, useEffect, useRef } from "react";
+
+import type { Behaviour } from "@/api/types";
+import { Button, IconButton } from "@/components/controls/Button";
+import { GameCanvas } from "@/components/game/GameCanvas";
+import { ThingMark } from "@/components/game/ThingMark";
+import { Score } from "@/features/play/hud/Score";
+import { endSentence, scoreSentence } from "@/features/play/stage/outcome-words";
+import { classes } from "@/lib/classes";
+import type { Palette, ScreenPainter } from "@/lib/game/screen";
+import { useFittingScreenSize } from "@/lib/game/use-screen-size";
+import { THING_NAMES, thingColour } from "@/lib/things";
+
+import { type Player, playerName, PLAYERS, policyOf } from "./choice";
+import { DecisionBars, type DecisionHandle } from "./DecisionBars";
+import styles from "./LaneView.module.css";
+import type { LaneRelay } from "./use-watch";
+import { takeOverKey } from "./watch-keys";
+import type { LaneState } from "./watch-stream";
+
+interface LaneViewProps {
+  /** Its place, from 0. */
+  lane: number;
+  nLanes: number;
+  player: Player;
+  behaviour: Behaviour;
+  state: LaneState | undefined;
+  relay: LaneRelay;
+  /** Called with each frame, outside React. */
+  onFrame: (frame: number, maxFrames: number) => void;
+  heightFor: (windowHeight: number) => number;
+  canTakeOver: boolean;
+  onPlayer: (player: Player) => void;
+  onRemove: () => void;
+  onTakeOver: () => void;
+}
+
+/** One of the games that are watched: its screen, its score, and what its policy does next. */
+export function LaneView(props: LaneViewProps) {
+  const { lane, nLanes, player, behaviour, state, relay, onFrame, heightFor } = props;
+  const stage = useRef<HTMLDivElement>(null);
+  const painter = useRef<ScreenPainter | null>(null);
+  const palette = useRef<Palette | null>(null);
+  const decisions = useRef<DecisionHandle>(null);
+  const size = useFittingScreenSize(stage, heightFor);
+  const setPainter = useCallback((ready: ScreenPainter) => {
+    painter.current = ready;
+    if (palette.current) ready.setPalette(palette.current);
+  }, []);
+  useEffect(
+    () =>
+      relay.attach({
+        setPalette: (colours) => {
+          palette.current = colours;
+          painter.current?.setPalette(colours);
+        },
+        show: (pixels, { frame }, maxFrames) => {
+          painter.current?.draw(pixels);
+          onFrame(frame, maxFrames);
+        },
+        decide: (decision) => decisions.current?.decide(decision),
+        reward: (reward) => decisions.current?.reward(reward),
+      }),
+    [relay, onFrame],
+  );
+  const thing = policyOf(player);
+  const ended = state?.ended ?? null;
+  const key = takeOverKey(lane, nLanes);
+  return (
+    <article
+      className={styles.lane}
+      aria-label={`Game ${lane + 1}: ${playerName(player)}`}
+      style={{ "--thing": thingColour(thing) } as CSSProperties}
+    >
+      <div className={styles.head}>
+        <ThingMark thing={thing}>
+          <span className="visually-hidden">{THING_NAMES[thing]}</span>
+        </ThingMark>
+        <select
+          aria-label={`Player of game ${lane + 1}`}
+          value={player}
+          onChange={(event) => {
+            const chosen = PLAYERS.find((one) => one === event.currentTarget.value);
+            if (chosen) props.onPlayer(chosen);
+          }}
+        >
+          {PLAYERS.map((one) => (
+            <option key={one} value={one}>
+              {playerName(one)}
+            </option>
+          ))}
+        </select>
+        {nLanes > 1 && (
+          <IconButton icon="close" label={`Remove game ${lane + 1}`} onClick={props.onRemove} />
+        )}
+        <Button
+          className={styles.takeOver}
+          disabled={!props.canTakeOver || ended !== null}
+          onClick={props.onTakeOver}
+          title="From here on you play; the whole game becomes your recording"
+        >
+          Take over <kbd>{key}</kbd>
+        </Button>
+      </div>
+      <div className={classes(styles.body, nLanes === 2 && styles.below)}>
+        <div ref={stage} className={styles.stage}>
+          <GameCanvas size={size} label={`Screen of game ${lane + 1}`} onPainter={setPainter} />
+          {ended && (
+            <div className={styles.ended} role="status">
+              <b>{endSentence(ended)}</b>
+              <span>{scoreSentence(ended, behaviour)}</span>
+            </div>
+          )}
+        </div>
+        <div className={styles.side}>
+          <Score hits={state?.hits ?? []} behaviour={behaviour} />
+          <DecisionBars handle={decisions} />
+        </div>
+      </div>
+    </article>
+  );
+}

@@ -1,0 +1,84 @@
+import type { RefObject } from "react";
+
+import { Button } from "@/components/controls/Button";
+import { Clock, type ClockHandle } from "@/features/play/hud/Clock";
+
+import { type Choice, N_STARTS } from "./choice";
+import styles from "./Transport.module.css";
+import { WATCH_SPEEDS } from "./watch-keys";
+import type { WatchState } from "./watch-stream";
+
+interface TransportProps {
+  state: WatchState | null;
+  choice: Choice;
+  clock: RefObject<ClockHandle | null>;
+  onToggle: () => void;
+  onStep: () => void;
+  onSpeed: (percent: number) => void;
+  onRestart: () => void;
+  onNext: () => void;
+  /** Called with an evaluation start; null for a new one. */
+  onStart: (start: number | null) => void;
+}
+
+/** Pause, single steps, slow motion, and where the games begin. */
+export function Transport(props: TransportProps) {
+  const { state, choice } = props;
+  const isRunning = state?.phase === "playing" || state?.phase === "waiting";
+  const isPaused = state?.phase === "paused";
+  return (
+    <div className={styles.transport} role="group" aria-label="Playback">
+      <div className={styles.row}>
+        <Button
+          kind="primary"
+          icon={isRunning ? "pause" : "play"}
+          disabled={!isRunning && !isPaused}
+          onClick={props.onToggle}
+        >
+          {isRunning ? "Pause" : "Play"} <kbd>Space</kbd>
+        </Button>
+        <Button icon="stepOn" disabled={!isPaused && !isRunning} onClick={props.onStep}>
+          One step <kbd>.</kbd>
+        </Button>
+        <div className={styles.speeds} role="group" aria-label="Speed">
+          {WATCH_SPEEDS.map((percent) => (
+            <Button
+              key={percent}
+              kind="quiet"
+              aria-pressed={percent === state?.speed}
+              onClick={() => props.onSpeed(percent)}
+            >
+              {percent} %
+            </Button>
+          ))}
+        </div>
+      </div>
+      <div className={styles.row}>
+        <Button icon="restart" onClick={props.onRestart}>
+          Restart <kbd>R</kbd>
+        </Button>
+        <select
+          aria-label="Start"
+          value={choice.start ?? "new"}
+          onChange={(event) => {
+            const { value } = event.currentTarget;
+            props.onStart(value === "new" ? null : Number(value));
+          }}
+        >
+          <option value="new">New start, with an opening</option>
+          {Array.from({ length: N_STARTS }, (_, start) => (
+            <option key={start} value={start}>
+              Evaluation start {start}
+            </option>
+          ))}
+        </select>
+        <Button icon="arrowRight" onClick={props.onNext}>
+          Next start <kbd>N</kbd>
+        </Button>
+      </div>
+      <div className={styles.clock}>
+        <Clock handle={props.clock} />
+      </div>
+    </div>
+  );
+}

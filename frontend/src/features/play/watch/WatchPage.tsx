@@ -1,0 +1,239 @@
+import { type RefObject, useCallback, useEffect, useRef } from "react";
+import { Link, useNavigate, useSearchParams } from "react-router";
+
+import type { Behaviour, Run } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Notice } from "@/components/feedback/States";
+import type { ClockHandle } from "@/features/play/hud/Clock";
+import { dialogIsOpen } from "@/features/play/input/dialogs";
+import { rememberGame } from "@/features/play/stream/use-game";
+import { FRAME_RATE_HZ, seconds } from "@/lib/format";
+import { runName } from "@/lib/runs";
+
+import {
+  type Choice,
+  furtherPlayer,
+  MAX_PLAYERS,
+  newStart,
+  nextStart,
+  type Player,
+  readChoice,
+  writeChoice,
+} from "./choice";
+import { LaneView } from "./LaneView";
+import { Transport } from "./Transport";
+import { useWatch } from "./use-watch";
+import { speedAfter, type WatchIntent, watchIntentOf } from "./watch-keys";
+import styles from "./WatchPage.module.css";
+import type { WatchState, WatchStream } from "./watch-stream";
+
+/** Height of the header, the path, the controls and the lanes' heads. */
+const CHROME_PX = 420;
+const MIN_HEIGHT_PX = 210;
+const heightOfOneRow = (windowHeight: number) => Math.max(windowHeight - CHROME_PX, MIN_HEIGHT_PX);
+const heightOfTwoRows = (windowHeight: number) =>
+  Math.max((windowHeight - CHROME_PX) / 2, MIN_HEIGHT_PX);
+
+/** Watches policies of a run play, up to four side by side on the same start. */
+export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
+  const [search, setSearch] = useSearchParams();
+  const choice = readChoice(search);
+  const { players } = choice;
+  const { state, stream, relays, restart } = useWatch(run.id, choice);
+  const clock = useRef<ClockHandle>(null);
+  const onFrame = useCallback(
+    (frame: number, maxFrames: number) => clock.current?.show(frame, maxFrames),
+    [],
+  );
+  const choose = (change: Choice) => setSearch(writeChoice(change), { replace: true });
+  const setPlayers = (changed: readonly Player[]) => choose({ ...choice, players: changed });
+
+  const execute = (intent: WatchIntent) => {
+    if (intent === "restart") restart();
+    else if (intent === "next") choose(nextStart(choice));
+    else if (stream) control(stream, intent);
+  };
+  useWatchKeys(execute, players.length);
+  usePauseWhenHidden(stream);
+  useTaken(state);
+
+  const canTakeOver = ["playing", "waiting", "paused"].includes(state?.phase ?? "");
+  return (
+    <div className={styles.page}>
+      <title>{`Watch · ${runName(run)} · Tril`}</title>
+      <div className={styles.title}>
+        <h2>
+          <Link to={`/runs/${run.id}`}>{runName(run)}</Link> plays
+        </h2>
+        <p>{describeBeginning(choice, state)}</p>
+      </div>
+      <Transport
+        state={state}
+        choice={choice}
+        clock={clock}
+        onToggle={() => execute("toggle")}
+        onStep={() => execute("step")}
+        onSpeed={(percent) => stream?.setSpeed(percent)}
+        onRestart={() => execute("restart")}
+        onNext={() => execute("next")}
+        onStart={(start) => choose(start === null ? newStart(choice) : { ...choice, start })}
+      />
+      <Situation state={state} onAgain={restart} />
+      <div className={styles.lanes} data-several={players.length > 1 || undefined}>
+        {players.map((player, lane) => {
+          const relay = relays[lane];
+          return (
+            relay && (
+              <LaneView
+                key={lane}
+                lane={lane}
+                nLanes={players.length}
+                player={player}
+                behaviour={behaviour}
+                state={state?.lanes[lane]}
+                relay={relay}
+                onFrame={onFrame}
+                heightFor={players.length > 2 ? heightOfTwoRows : heightOfOneRow}
+                canTakeOver={canTakeOver}
+                onPlayer={(chosen) =>
+                  setPlayers(players.map((one, at) => (at === lane ? chosen : one)))
+                }
+                onRemove={() => setPlayers(players.filter((_, at) => at !== lane))}
+                onTakeOver={() => stream?.takeOver(lane)}
+              />
+            )
+          );
+        })}
+      </div>
+      {players.length < MAX_PLAYERS && (
+        <Button
+          icon="plus"
+          className={styles.add}
+          onClick={() => setPlayers([...players, furtherPlayer(players)])}
+        >
+          Another beside {players.length === 1 ? "it" : "them"}
+        </Button>
+      )}
+      <p className={styles.hint}>
+        All games begin at the same start and keep in step. A step is four frames, one decision of a
+        policy. Sampled and sticky games differ after a restart; at first they are those of the
+        run&rsquo;s evaluation. What you only watch is not kept. If you take over, the game goes on
+        after a countdown with the keys you hold, and the whole of it becomes your recording.
+      </p>
+    </div>
+  );
+}
+
+/** What keeps the games from being played, and what to do. */
+function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () => void }) {
+  const again = (
+    <Button icon="restart" onClick={onAgain}>
+      Try again
+    </Button>
+  );
+  switch (state?.phase) {
+    case "waiting":
+      return (
+        <Notice tone="calm" icon="clock" live>
+          <p>
+            Waiting for the policy. The machine has other work; the games stand still meanwhile.
+          </p>
+        </Notice>
+      );
+    case "paused":
+      return state.why ? (
+        <Notice live>
+          <p>{state.why}</p>
+        </Notice>
+      ) : null;
+    case "refused":
+      return (
+        <Notice tone="bad" live>
+          <p>{state.why}</p>
+          {again}
+        </Notice>
+      );
+    case "closed":
+      return (
+        <Notice tone="calm" icon="clock" live>
+          <p>The games were paused for long and are closed.</p>
+          {again}
+        </Notice>
+      );
+    case "lost":
+      return (
+        <Notice tone="bad" live>
+          <p>The connection was lost, and the games with it.</p>
+          {again}
+        </Notice>
+      );
+    default:
+      return null;
+  }
+}
+
+function describeBeginning({ start }: Choice, state: WatchState | null): string {
+  const where = start === null ? "A start that no evaluation uses" : `Evaluation start ${start}`;
+  const opening = state?.openingFrames ?? 0;
+  if (opening === 0) return where;
+  return `${where}, after an opening of ${seconds(opening / FRAME_RATE_HZ)}`;
+}
+
+function control(stream: WatchStream, intent: WatchIntent): void {
+  if (typeof intent === "object") stream.takeOver(intent.takeOver);
+  else if (intent === "toggle") stream.toggle();
+  else if (intent === "step") stepOrPause(stream);
+  else if (intent === "slower" || intent === "faster") {
+    stream.setSpeed(speedAfter(stream.snapshot().speed, intent));
+  }
+}
+
+/** Plays one step of paused games, and pauses running ones. */
+function stepOrPause(stream: WatchStream): void {
+  stream.command(stream.snapshot().phase === "paused" ? "step" : "pause");
+}
+
+/** Executes the intents of keys that belong to no control of the page. */
+function useWatchKeys(execute: (intent: WatchIntent) => void, nLanes: number): void {
+  const latest: RefObject<typeof execute> = useRef(execute);
+  useEffect(() => {
+    latest.current = execute;
+  });
+  useEffect(() => {
+    const down = (event: KeyboardEvent) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || dialogIsOpen()) return;
+      const { target } = event;
+      const at = target instanceof HTMLElement ? target : null;
+      if (at?.matches("input, textarea, select")) return;
+      if (event.code === "Space" && at?.matches("button, a, summary")) return;
+      const intent = watchIntentOf(event, nLanes);
+      if (intent === null) return;
+      event.preventDefault();
+      latest.current(intent);
+    };
+    window.addEventListener("keydown", down);
+    return () => window.removeEventListener("keydown", down);
+  }, [nLanes]);
+}
+
+function usePauseWhenHidden(stream: WatchStream | null): void {
+  useEffect(() => {
+    if (!stream) return undefined;
+    const pause = () => {
+      if (document.hidden) stream.command("pause");
+    };
+    document.addEventListener("visibilitychange", pause);
+    return () => document.removeEventListener("visibilitychange", pause);
+  }, [stream]);
+}
+
+/** Goes on with a game that was taken over on the play page. */
+function useTaken(state: WatchState | null): void {
+  const navigate = useNavigate();
+  const taken = state?.taken;
+  useEffect(() => {
+    if (!taken) return;
+    rememberGame(taken.behaviour_id, taken.game_id);
+    void navigate(`/behaviours/${taken.behaviour_id}/play`);
+  }, [taken, navigate]);
+}

@@ -1,0 +1,75 @@
+import { useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
+
+import type { Choice } from "./choice";
+import { writeChoice } from "./choice";
+import { type LaneScreen, type WatchState, WatchStream } from "./watch-stream";
+
+const NOTHING = () => () => undefined;
+
+/** Passes what a lane's stream shows on to the lane's view, which may mount later. */
+export class LaneRelay implements LaneScreen {
+  view: LaneScreen | null = null;
+  private palette: Parameters<LaneScreen["setPalette"]> | null = null;
+
+  attach(view: LaneScreen): () => void {
+    this.view = view;
+    if (this.palette) view.setPalette(...this.palette);
+    return () => {
+      if (this.view === view) this.view = null;
+    };
+  }
+
+  readonly setPalette = (...palette: Parameters<LaneScreen["setPalette"]>): void => {
+    this.palette = palette;
+    this.view?.setPalette(...palette);
+  };
+
+  readonly show = (...frame: Parameters<LaneScreen["show"]>): void => this.view?.show(...frame);
+
+  readonly decide = (...decision: Parameters<LaneScreen["decide"]>): void =>
+    this.view?.decide(...decision);
+
+  readonly reward = (...reward: Parameters<LaneScreen["reward"]>): void =>
+    this.view?.reward(...reward);
+}
+
+interface Watched {
+  readonly state: WatchState | null;
+  readonly stream: WatchStream | null;
+  /** One for each game. */
+  readonly relays: readonly LaneRelay[];
+  /** Plays the same games again from their start; sampled ones with other actions. */
+  restart: () => void;
+}
+
+/** Watches what is chosen, and something else as soon as the choice changes. */
+export function useWatch(runId: string, choice: Choice): Watched {
+  const search = writeChoice(choice).toString();
+  const nLanes = choice.players.length;
+  const relays = useMemo(() => Array.from({ length: nLanes }, () => new LaneRelay()), [nLanes]);
+  const [stream, setStream] = useState<WatchStream | null>(null);
+  const [take, setTake] = useState(0);
+  const speed = useRef<number>(undefined);
+  useEffect(() => {
+    const next = new WatchStream(watchUrl(runId, search, take), relays, speed.current);
+    next.connect();
+    setStream(next);
+    return () => {
+      speed.current = next.snapshot().speed;
+      next.leave();
+    };
+  }, [runId, search, take, relays]);
+  const state = useSyncExternalStore<WatchState | null>(
+    stream?.subscribe ?? NOTHING,
+    () => stream?.snapshot() ?? null,
+  );
+  return { state, stream, relays, restart: () => setTake((before) => before + 1) };
+}
+
+/** Returns the URL of the stream; `take` draws sampled actions anew. */
+function watchUrl(runId: string, search: string, take: number): string {
+  const url = new URL(`/api/runs/${runId}/watch?${search}`, location.href);
+  url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+  url.searchParams.set("take", String(take));
+  return url.href;
+}

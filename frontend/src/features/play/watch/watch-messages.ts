@@ -1,0 +1,74 @@
+/** The messages of a page that watches (docs/protocol.md). */
+import type { AlienGeometry } from "@/features/play/stream/formation";
+import type { HitAt } from "@/features/play/stream/text-messages";
+import type { Palette } from "@/lib/game/screen";
+
+interface WatchHello {
+  readonly type: "hello";
+  readonly palette: Palette;
+  readonly max_frames: number;
+  /** The frame that the policies begin at, after an opening. */
+  readonly frame: number;
+  readonly speed_percent: number;
+  readonly aliens: AlienGeometry;
+  readonly idle_frames: number;
+  readonly start_number: number | null;
+  readonly actors: readonly object[];
+}
+
+/** The action of a lane's next step, and the probability of each. */
+export interface Decision {
+  readonly type: "decision";
+  readonly lane: number;
+  readonly frame: number;
+  readonly action: number;
+  readonly probabilities: readonly number[];
+}
+
+interface LaneReward {
+  readonly type: "reward";
+  readonly lane: number;
+  readonly frame: number;
+  readonly reward: number;
+}
+
+interface LaneHit extends HitAt {
+  readonly type: "hit";
+  readonly lane: number;
+}
+
+export interface LaneEnded {
+  readonly type: "ended";
+  readonly lane: number;
+  readonly reason: string;
+  readonly frame: number;
+  readonly hits: readonly HitAt[];
+  readonly targets: number | null;
+  readonly strays: number | null;
+  readonly order_errors: number | null;
+}
+
+interface Paused {
+  readonly type: "paused";
+  readonly why: string;
+}
+
+/** The person's game that continues a lane's. */
+export interface Taken {
+  readonly type: "taken";
+  readonly lane: number;
+  readonly game_id: string;
+  readonly behaviour_id: number;
+}
+
+interface Refused {
+  readonly type: "refused";
+  readonly why: string;
+}
+
+interface Bare {
+  readonly type: "playing" | "waiting" | "finished";
+}
+
+export type WatchMessage =
+  WatchHello | Decision | LaneReward | LaneHit | LaneEnded | Paused | Taken | Refused | Bare;

@@ -1,0 +1,31 @@
+import type { RunResults } from "@/api/types";
+import { ButtonLink } from "@/components/controls/Button";
+
+import styles from "./RunActions.module.css";
+
+const POLICIES = ["imitator", "clone"] as const;
+
+/** Leads to the pages on which a run's policies play live, as soon as they are trained. */
+export function WatchLinks({ results: { run, artifacts } }: { results: RunResults }) {
+  const trained = POLICIES.filter((policy) => artifacts.some(({ kind }) => kind === policy));
+  if (trained.length === 0) return null;
+  return (
+    <div className={styles.actions} role="group" aria-label="Watch it play">
+      {trained.map((policy) => (
+        <ButtonLink key={policy} icon="play" to={watchPath(run.id, [policy])}>
+          Watch the {policy} play
+        </ButtonLink>
+      ))}
+      {trained.length > 1 && (
+        <ButtonLink kind="quiet" to={watchPath(run.id, trained)}>
+          Both side by side
+        </ButtonLink>
+      )}
+    </div>
+  );
+}
+
+function watchPath(runId: string, policies: readonly string[]): string {
+  const players = policies.map((policy) => ["player", `${policy}.greedy`]);
+  return `/runs/${runId}/watch?${new URLSearchParams([...players, ["start", "0"]])}`;
+}

@@ -1,0 +1,1 @@
+"""Watched games: a policy plays, a person looks on and may take over."""

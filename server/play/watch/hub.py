@@ -1,0 +1,265 @@
+"""The watched games of this process: opened, taken over, closed."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from server.play.background import PeriodicTask
+from server.play.conditions import BegunBy, PlayConditions
+from server.play.consoles import ConsolePool
+from server.play.hub import PlayHub
+from server.play.lateness import Lateness
+from server.play.limits import GameLimits, TooManyGames
+from server.play.rules import PlayRules
+from server.play.saving.committer import Committer
+from server.play.session.session import Phase, SessionResources
+from server.play.watch.messages import Actor, Taken, WatchRequest
+from server.play.watch.policy_client import PolicyClient
+from server.play.watch.policy_game import PolicyGame
+from server.play.watch.session import Lane, WatchEvents, WatchSession
+from server.play.watch.watch_socket import WatchSocket
+from server.play.wire.protocol import Close
+from tril.behaviours import Behaviour
+from tril.errors import NotFound
+from tril.game.episode import Ending
+from tril.game.openings import Opening, draw_opening, evaluation_beginning
+from tril.game.starts import Start, draw_start
+from tril.recipes import recipe_from_dict
+from tril.recording import Recording, Verified, verify
+from tril.store import behaviours, games, players
+from tril.store.database import Database
+from tril.store.models import RunRow, RunStatus
+from tril.store.training import artifacts, runs
+
+WHY_IDLE = "The game was paused for long."
+WHY_FAILED = "An error stopped the game."
+
+
+@dataclass(frozen=True)
+class WatchPlan:
+    """What is played before a page.
+
+    Attributes:
+        run_id: The run whose policies play.
+        behaviour_id: What they have been taught.
+        behaviour: The same, to score hits.
+        beginning: Where the games begin.
+        ending: Which event of the player's death ends them.
+        players: Who plays, and the seed of its sampled and repeated actions.
+    """
+
+    run_id: str
+    behaviour_id: int
+    behaviour: Behaviour
+    beginning: Start | Opening
+    ending: Ending
+    players: tuple[tuple[Actor, int], ...]
+
+
+class WatchHub:
+    """The watched games of this process. They leave nothing behind unless they are taken over.
+
+    Args:
+        database: Has the runs; receives games that are taken over.
+        consoles: The pool to take consoles from.
+        games: The games that are played in this process.
+        inference_socket: The inference process's socket.
+        rules: Timing and the limit of games in a process.
+        limits: Limits on the number of open games.
+
+    Attributes:
+        lateness: How late frames began since the process started, waits for decisions included.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        consoles: ConsolePool,
+        games: PlayHub,
+        inference_socket: Path,
+        rules: PlayRules,
+        limits: GameLimits,
+    ) -> None:
+        self.lateness = Lateness()
+        self._consoles = consoles
+        self._games = games
+        self._inference_socket = inference_socket
+        self._rules = rules
+        self._limits = limits
+        self._committer = Committer(database)
+        self._resources = SessionResources(consoles, rules, self.lateness)
+        self._events = WatchEvents(self._on_take_over, self._on_error)
+        self._sessions: dict[WatchSession, WatchPlan] = {}
+        self._tasks = (PeriodicTask("watched", self._close_idle, rules.sweep_every_s),)
+
+    @property
+    def background_tasks(self) -> Collection[PeriodicTask]:
+        """The task that closes games that stay paused."""
+        return self._tasks
+
+    def start(self) -> None:
+        """Start closing games that stay paused."""
+        for task in self._tasks:
+            task.start()
+
+    async def stop(self) -> None:
+        """Close all games."""
+        await asyncio.gather(*(task.stop() for task in self._tasks))
+        for session in list(self._sessions):
+            await self.close(session)
+        self._committer.close()
+
+    async def open(self, request: WatchRequest, socket: WatchSocket) -> WatchSession:
+        """Open games for a page.
+
+        Raises:
+            NotFound: There is no such run, or it has no such policy; says why.
+            Unavailable: Too many games are open.
+        """
+        n_games = len(request.actors)
+        watched = self._limits.watched
+        if self._games.n_games + watched.n_open + n_games > self._rules.max_games:
+            raise TooManyGames(
+                "This process plays as many games as it can. Games are short: try again in a "
+                "minute, or watch fewer side by side."
+            )
+        watched.n_open += n_games
+        try:
+            plan = await self._committer.run(lambda session: self._plan(session, request))
+            played = await asyncio.to_thread(self._begin, plan)
+        except BaseException:
+            watched.n_open -= n_games
+            raise
+        session = WatchSession(
+            [Lane(n, game, plan.behaviour, socket) for n, game in enumerate(played)],
+            request.start_number,
+            socket,
+            PolicyClient(self._inference_socket, plan.run_id),
+            PolicyClient(self._inference_socket, plan.run_id),
+            self._resources,
+            self._events,
+        )
+        self._sessions[session] = plan
+        return session
+
+    async def close(self, session: WatchSession) -> None:
+        """End a page's games."""
+        if self._sessions.pop(session, None) is None:
+            return
+        # At once: a page that watches other games opens them while these come to a stop.
+        self._limits.watched.n_open -= len(session.lanes)
+        await session.close()
+        for lane in session.lanes:
+            self._consoles.give_back(lane.game.episode.console)
+
+    def _plan(self, session: Session, request: WatchRequest) -> WatchPlan:
+        run = runs.get(session, request.run_id)
+        for actor in request.actors:
+            _check_trained(session, run, actor.policy)
+        # The games have their places already.
+        self._limits.check(session, players.owner(session).id, n_new=0)
+        recipe = recipe_from_dict(run.recipe)
+        return WatchPlan(
+            run.id,
+            run.behaviour_id,
+            behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
+            _beginning_of(request, recipe.evaluation.openings),
+            Ending(recipe.ending),
+            tuple(zip(request.actors, _seeds(request, run.training_seed), strict=True)),
+        )
+
+    def _begin(self, plan: WatchPlan) -> list[PolicyGame]:
+        return [
+            PolicyGame(self._consoles.take(), actor, plan.beginning, plan.ending, seed)
+            for actor, seed in plan.players
+        ]
+
+    async def _on_take_over(self, session: WatchSession, lane: Lane) -> None:
+        plan = self._sessions.get(session)
+        if plan is None:
+            return
+        # A person's game ends when the cannon is hit, whatever the run's recipe says.
+        recording = replace(lane.game.recording(), ending=Ending.HIT)
+        begun = await asyncio.to_thread(self._verify, recording)
+        actor = lane.game.actor
+        conditions = PlayConditions(
+            begun_by=BegunBy(
+                run_id=plan.run_id,
+                policy=actor.policy,
+                action_selection=actor.action_selection,
+                frames=recording.n_frames,
+            )
+            if recording.n_frames
+            else None
+        ).to_conditions()
+
+        def take_over(transaction: Session) -> str:
+            player_id = players.owner(transaction).id
+            self._limits.check(transaction, player_id, n_counted=len(session.lanes))
+            return games.create_taken_over(
+                transaction, plan.behaviour_id, begun, player_id, conditions
+            ).id
+
+        game_id = await self._committer.run(take_over)
+        taken = Taken(lane=lane.number, game_id=game_id, behaviour_id=plan.behaviour_id)
+        await session.socket.close(Close.GAME_OVER, "You play on.", taken)
+        await self.close(session)
+
+    def _verify(self, recording: Recording) -> Verified:
+        with self._consoles.lent() as console:
+            return verify(recording, console=console)
+
+    async def _on_error(self, session: WatchSession) -> None:
+        await session.socket.close(Close.INTERNAL_ERROR, WHY_FAILED)
+        await self.close(session)
+
+    async def _close_idle(self) -> None:
+        now = asyncio.get_running_loop().time()
+        idle_s = self._rules.idle_after.total_seconds()
+        for session in list(self._sessions):
+            if session.phase is Phase.WAITING and now - session.waiting_since > idle_s:
+                await session.socket.close(Close.GAME_OVER, WHY_IDLE)
+                await self.close(session)
+
+
+def _check_trained(session: Session, run: RunRow, policy: str) -> None:
+    """Check that a run has a policy.
+
+    Raises:
+        NotFound: It has not; says why.
+    """
+    try:
+        artifacts.of_kind(session, run.id, policy)
+    except NotFound:
+        raise NotFound(
+            f"This training ended before its {policy} was trained, so there is nothing to watch."
+            if RunStatus(run.status).is_over
+            else f"This training has no {policy} yet. It can be watched as soon as it is trained."
+        ) from None
+
+
+def _beginning_of(request: WatchRequest, openings: bool) -> Start | Opening:
+    if request.start_number is not None:
+        return evaluation_beginning(request.start_number, openings)
+    rng = np.random.default_rng(request.draw)
+    return draw_opening(draw_start(rng), rng)
+
+
+def _seeds(request: WatchRequest, training_seed: int) -> list[int]:
+    """Return a seed for each game; those of an evaluation's games at the first take.
+
+    Equal players side by side draw different actions.
+    """
+    seeds = []
+    for index, actor in enumerate(request.actors):
+        n_before = request.actors[:index].count(actor)
+        drawn = np.random.SeedSequence((training_seed, request.take, n_before)).generate_state(1)
+        is_evaluation = request.take == 0 and n_before == 0
+        seeds.append(training_seed if is_evaluation else int(drawn[0]))
+    return seeds

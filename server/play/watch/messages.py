@@ -1,0 +1,318 @@
+"""Messages between a page that watches and the server, see docs/protocol.md. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from server.play.conditions import Percent
+from server.play.wire.codec import palette_json
+from server.play.wire.messages import alien_geometry, all_hits, hits_after
+from server.play.wire.protocol import (
+    MAX_MESSAGE_BYTES,
+    AckMessage,
+    AlienGeometry,
+    BadMessage,
+    HitAt,
+    Message,
+    parse_client,
+)
+from tril.analysis.summary import Policy
+from tril.behaviours import Behaviour, score
+from tril.errors import Invalid
+from tril.game import space_invaders as game
+from tril.game.episode import Episode
+from tril.game.starts import EVALUATION_START_COUNT
+from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES, ActionSelection
+
+MAX_LANES = 4
+"""Games that are watched side by side."""
+LARGEST_DRAW = 2**31 - 1
+
+
+class Actor(BaseModel):
+    """Who plays a watched game: a run's policy, and how its actions are selected."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    policy: Policy
+    action_selection: ActionSelection
+
+
+@dataclass(frozen=True)
+class WatchRequest:
+    """What a page wants to watch.
+
+    Attributes:
+        run_id: The run whose policies play.
+        actors: Who plays, one game each, side by side.
+        start_number: The evaluation start; None for one that is drawn.
+        draw: Seeds the start and its opening if they are drawn.
+        take: 0 plays the games of the run's evaluation; others draw sampled and repeated actions
+            anew.
+    """
+
+    run_id: str
+    actors: tuple[Actor, ...]
+    start_number: int | None
+    draw: int
+    take: int
+
+
+def parse_request(
+    run_id: str, players: list[str], start: str | None, draw: str | None, take: str | None
+) -> WatchRequest:
+    """Parse the query of a page that wants to watch.
+
+    Args:
+        run_id: The run.
+        players: "imitator.greedy" and the like, 1 to 4.
+        start: The number of an evaluation start, if any.
+        draw: Seeds a drawn start.
+        take: See WatchRequest.
+
+    Raises:
+        Invalid: The query is malformed; says how.
+    """
+    if not 1 <= len(players) <= MAX_LANES:
+        raise Invalid(f"Expected 1 to {MAX_LANES} players, got {len(players)}.")
+    return WatchRequest(
+        run_id,
+        tuple(map(_actor_named, players)),
+        None if start is None else _number("start", start, EVALUATION_START_COUNT - 1),
+        _number("draw", draw or "0", LARGEST_DRAW),
+        _number("take", take or "0", LARGEST_DRAW),
+    )
+
+
+def _actor_named(name: str) -> Actor:
+    for policy in POLICIES:
+        for action_selection in ACTION_SELECTIONS:
+            if name == f"{policy}.{action_selection}":
+                return Actor(policy=policy, action_selection=action_selection)
+    raise Invalid(f"There is no player {name[:40]!r}; choose one such as 'imitator.greedy'.")
+
+
+def _number(name: str, text: str, largest: int) -> int:
+    if not text.isascii() or not text.isdigit() or len(text) > len(str(largest)):
+        raise Invalid(f"Expected a {name} from 0 to {largest}, got {text[:40]!r}.")
+    if int(text) > largest:
+        raise Invalid(f"Expected a {name} from 0 to {largest}, got {text}.")
+    return int(text)
+
+
+CommandType = Literal["play", "pause", "step"]
+
+
+class WatchCommand(BaseModel):
+    """Page to server: play, pause, or play one step and pause."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    type: CommandType
+
+
+class SetSpeed(BaseModel):
+    """Page to server: the speed in percent of 60 frames/s, 25 to 100."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    type: Literal["speed"]
+    percent: Percent
+
+
+class TakeOver(BaseModel):
+    """Page to server: the person goes on with the game of a lane."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    type: Literal["take_over"]
+    lane: int = Field(ge=0, lt=MAX_LANES)
+
+
+@dataclass(frozen=True)
+class LaneAck:
+    """Page to server: an acknowledgement of a lane's frame."""
+
+    lane: int
+    ack: AckMessage
+
+
+_TEXT = WatchCommand | SetSpeed | TakeOver
+WatcherMessage = _TEXT | LaneAck
+_TEXTS: TypeAdapter[_TEXT] = TypeAdapter(Annotated[_TEXT, Field(discriminator="type")])
+
+
+def parse_watcher(data: bytes | str, n_lanes: int) -> WatcherMessage:
+    """Parse a page's message.
+
+    Args:
+        data: The message.
+        n_lanes: Number of games that the page watches.
+
+    Raises:
+        BadMessage: It violates the protocol; says how.
+    """
+    if len(data) > MAX_MESSAGE_BYTES:
+        raise BadMessage(f"A message may have {MAX_MESSAGE_BYTES} bytes, got {len(data)}.")
+    if isinstance(data, bytes):
+        ack = parse_client(data[1:])
+        if not isinstance(ack, AckMessage) or data[0] >= n_lanes:
+            raise BadMessage(f"Expected an acknowledgement of lane 0 to {n_lanes - 1}.")
+        return LaneAck(data[0], ack)
+    try:
+        message = _TEXTS.validate_json(data)
+    except ValidationError as error:
+        names = ", ".join((*get_args(CommandType), "speed", "take_over"))
+        raise BadMessage(f"Expected one of {names}, got {data[:80]!r}.") from error
+    if isinstance(message, TakeOver) and message.lane >= n_lanes:
+        raise BadMessage(f"Expected lane 0 to {n_lanes - 1}, got {message.lane}.")
+    return message
+
+
+class WatchHello(Message):
+    """First message: how to draw the frames, and what is watched.
+
+    ``frame`` is the one that the policies begin at, after an opening.
+    """
+
+    type: Literal["hello"] = "hello"
+    palette: list[list[int]]
+    width: int
+    height: int
+    frame_rate_hz: int
+    max_frames: int
+    frame: int
+    speed_percent: int
+    aliens: AlienGeometry
+    idle_frames: int
+    start_number: int | None
+    actors: list[Actor]
+
+
+class Playing(Message):
+    """The games go on."""
+
+    type: Literal["playing"] = "playing"
+
+
+class Waiting(Message):
+    """The games wait for the policies' decisions; ``playing`` follows."""
+
+    type: Literal["waiting"] = "waiting"
+
+
+class WatchPaused(Message):
+    """The games are paused; ``why`` is empty if the person or a single step paused them."""
+
+    type: Literal["paused"] = "paused"
+    why: str
+
+
+class Decision(Message):
+    """The action of a lane's next step, and the probability of each action."""
+
+    type: Literal["decision"] = "decision"
+    lane: int
+    frame: int
+    action: int
+    probabilities: list[float]
+
+
+class LaneReward(Message):
+    """R of a lane's state at a frame, by the run's reward model."""
+
+    type: Literal["reward"] = "reward"
+    lane: int
+    frame: int
+    reward: float
+
+
+class LaneHit(HitAt):
+    """An alien was shot; ``targets`` and ``strays`` so far, None without a target."""
+
+    type: Literal["hit"] = "hit"
+    lane: int
+    targets: int | None
+    strays: int | None
+
+
+class LaneEnded(Message):
+    """The game of a lane is over."""
+
+    type: Literal["ended"] = "ended"
+    lane: int
+    reason: str
+    frame: int
+    hits: list[HitAt]
+    targets: int | None
+    strays: int | None
+    order_errors: int | None
+
+
+class Finished(Message):
+    """The games of all lanes are over."""
+
+    type: Literal["finished"] = "finished"
+
+
+class Taken(Message):
+    """The person goes on with a lane's game, which is theirs now; the stream closes."""
+
+    type: Literal["taken"] = "taken"
+    lane: int
+    game_id: str
+    behaviour_id: int
+
+
+class Refused(Message):
+    """Nothing can be watched; ``why`` says what to do, and the stream closes."""
+
+    type: Literal["refused"] = "refused"
+    why: str
+
+
+def watch_hello(
+    episode: Episode, actors: list[Actor], start_number: int | None, speed_percent: int
+) -> WatchHello:
+    """Return the first message; ``episode`` is any of the games, which begin alike."""
+    height, width = game.SCREEN_SHAPE
+    return WatchHello(
+        palette=palette_json(),
+        width=width,
+        height=height,
+        frame_rate_hz=game.FRAME_RATE_HZ,
+        max_frames=episode.max_frames,
+        frame=episode.frame,
+        speed_percent=speed_percent,
+        aliens=alien_geometry(),
+        idle_frames=episode.start.idle_frames,
+        start_number=start_number,
+        actors=actors,
+    )
+
+
+def lane_hits_after(
+    lane: int, behaviour: Behaviour, episode: Episode, n_known: int
+) -> list[LaneHit]:
+    """Return a message for each hit after the first ``n_known``."""
+    return [
+        LaneHit(lane=lane, **hit.model_dump(exclude={"type"}))
+        for hit in hits_after(behaviour, episode, n_known)
+    ]
+
+
+def lane_ended(lane: int, behaviour: Behaviour, episode: Episode) -> LaneEnded:
+    """Return the last message of a lane's game, which is over."""
+    found = score(behaviour, tuple((hit.row, hit.column) for hit in episode.hits))
+    return LaneEnded(
+        lane=lane,
+        reason=str(episode.end),
+        frame=episode.frame,
+        hits=all_hits(behaviour, episode),
+        targets=None if found is None else found.targets,
+        strays=None if found is None else found.strays,
+        order_errors=None if found is None else found.order_errors,
+    )

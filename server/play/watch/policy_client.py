@@ -1,0 +1,108 @@
+"""Asks the inference process from the event loop, over one connection that stays open."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.game.observation import Observations
+from tril.game.space_invaders import ACTION_COUNT
+from tril.inference import (
+    LENGTH_BYTES,
+    address_of,
+    head_of,
+    header_length_of,
+    parse_header,
+    raise_refusal,
+    unavailable,
+)
+
+TIMEOUT_S = 20.0
+"""Loading the networks of a run for the first time takes most of a second."""
+
+
+class PolicyClient:
+    """Asks for the actions and rewards of one run's networks.
+
+    A request whose connection turns out to be closed is repeated once on a new one, because the
+    process may have been restarted, or closed it after a long pause.
+
+    Args:
+        path: The inference process's socket (Settings.inference_socket).
+        run_id: The run.
+        timeout_s: Seconds that a reply may take.
+    """
+
+    def __init__(self, path: Path, run_id: str, timeout_s: float = TIMEOUT_S) -> None:
+        self._path = path
+        self._run_id = run_id
+        self._timeout_s = timeout_s
+        self._lock = asyncio.Lock()
+        self._opened: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
+
+    async def act(
+        self, policies: Sequence[str], observations: Observations
+    ) -> npt.NDArray[np.float32]:
+        """Return the probability of each action, float32 (N, 6).
+
+        Args:
+            policies: The policy that is asked about each observation.
+            observations: uint8 (N, 4, 84, 84).
+
+        Raises:
+            NotFound: The run has no such policy.
+            Unavailable: The process does not reply.
+        """
+        values = await self._ask({"op": "act", "policies": list(policies)}, observations)
+        return np.frombuffer(values, np.float32).reshape(len(observations), ACTION_COUNT)
+
+    async def reward(self, observations: Observations) -> npt.NDArray[np.float32]:
+        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84); raises as ``act``."""
+        return np.frombuffer(await self._ask({"op": "reward"}, observations), np.float32)
+
+    def close(self) -> None:
+        """Close the connection."""
+        if self._opened is not None:
+            self._opened[1].close()
+            self._opened = None
+
+    async def _ask(self, request: dict[str, Any], observations: Observations) -> bytes:
+        request = {**request, "run_id": self._run_id}
+        message = head_of(request, observations.nbytes) + observations.tobytes()
+        async with self._lock:
+            try:
+                async with asyncio.timeout(self._timeout_s):
+                    header, values = await self._exchange(message)
+            except (OSError, asyncio.IncompleteReadError) as problem:
+                self.close()
+                lost = problem if isinstance(problem, OSError) else ConnectionError(str(problem))
+                raise unavailable(lost) from problem
+            except BaseException:
+                # A reply that is still to come would be taken for that to the next request.
+                self.close()
+                raise
+        raise_refusal(header)
+        return values
+
+    async def _exchange(self, message: bytes) -> tuple[dict[str, Any], bytes]:
+        try:
+            return await self._exchange_once(message)
+        except (ConnectionError, asyncio.IncompleteReadError):
+            self.close()
+            return await self._exchange_once(message)
+
+    async def _exchange_once(self, message: bytes) -> tuple[dict[str, Any], bytes]:
+        if self._opened is None:
+            with address_of(self._path) as address:
+                self._opened = await asyncio.open_unix_connection(address)
+        reader, writer = self._opened
+        writer.write(message)
+        await writer.drain()
+        length = header_length_of(await reader.readexactly(LENGTH_BYTES))
+        header, n_bytes = parse_header(await reader.readexactly(length))
+        return header, await reader.readexactly(n_bytes)

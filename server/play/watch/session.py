@@ -1,0 +1,341 @@
+"""Games that policies play side by side, in step with each other, before one page."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from server.play.conditions import FULL_SPEED_PERCENT
+from server.play.session.activity import Activity
+from server.play.session.clock import FrameClock
+from server.play.session.session import WHY_STALLED, Phase, SessionResources
+from server.play.watch.messages import (
+    Decision,
+    Finished,
+    LaneEnded,
+    LaneHit,
+    LaneReward,
+    Playing,
+    TakeOver,
+    Waiting,
+    WatchCommand,
+    WatchPaused,
+    lane_ended,
+    lane_hits_after,
+    watch_hello,
+)
+from server.play.watch.policy_client import PolicyClient
+from server.play.watch.policy_game import PolicyGame
+from server.play.watch.watch_socket import LaneSocket, WatchSocket
+from server.play.wire.connection import Connection
+from server.play.wire.protocol import AckMessage
+from server.play.wire.scene import Scene
+from tril.behaviours import Behaviour
+from tril.errors import TrilError
+from tril.game.observation import Observations
+
+_LOG = logging.getLogger(__name__)
+
+REWARD_EVERY_S = 0.2
+"""Nobody reads the figure faster, and a reward model takes longer than a policy."""
+
+PATIENCE_S = 0.5
+"""How long the games wait for decisions before the page says so."""
+
+
+class Lane:
+    """One of the games that are watched side by side.
+
+    Args:
+        number: Its place, from 0.
+        game: The game.
+        behaviour: What its policy has been taught.
+        socket: The page's socket.
+    """
+
+    def __init__(
+        self, number: int, game: PolicyGame, behaviour: Behaviour, socket: WatchSocket
+    ) -> None:
+        self.number = number
+        self.game = game
+        self.connection = Connection(LaneSocket(socket, number))
+        self._behaviour = behaviour
+
+    def advance(self) -> list[LaneHit]:
+        """Execute one frame; returns the hits in it."""
+        n_hits = len(self.game.episode.hits)
+        self.game.advance()
+        return lane_hits_after(self.number, self._behaviour, self.game.episode, n_hits)
+
+    def ended(self) -> LaneEnded:
+        """Return the last message of the game, which is over."""
+        return lane_ended(self.number, self._behaviour, self.game.episode)
+
+    async def show(self) -> bool:
+        """Send the screen; returns whether the page is not too far behind."""
+        return await self.connection.show(Scene.of(self.game.episode))
+
+    async def acknowledge(self, ack: AckMessage, is_playing: bool) -> None:
+        """Handle an acknowledgement: show a frame that was dropped, if no other follows.
+
+        Raises:
+            BadMessage: It acknowledges a frame that was not sent.
+        """
+        self.connection.receive(ack)
+        shown = self.connection.shown_frame
+        if shown != self.game.episode.frame and (self.game.is_over or not is_playing):
+            await self.show()
+
+
+@dataclass(frozen=True)
+class WatchEvents:
+    """What a session reports to.
+
+    Attributes:
+        on_take_over: Called with a lane whose game a person goes on with; raises a TrilError if
+            that is not possible.
+        on_error: Called after an unexpected error.
+    """
+
+    on_take_over: Callable[[WatchSession, Lane], Awaitable[None]]
+    on_error: Callable[[WatchSession], Awaitable[None]]
+
+
+class WatchSession:
+    """Games that policies play side by side, at one clock.
+
+    The action of a step is asked for when the observation of the step before is complete, and the
+    next frame waits for it; see docs/decisions/0018-watched-games-wait-for-their-policies.md. All
+    methods run in the event loop.
+
+    Args:
+        lanes: The games, all at the same frame.
+        start_number: Their evaluation start, if they have one.
+        socket: The page's socket.
+        actors: Asks for actions.
+        critic: Asks for rewards, on a connection of its own, so that no action waits for them.
+        resources: What all games of the process share; frames' lateness among it.
+        events: What it reports to.
+
+    Attributes:
+        phase: The current phase: WAITING while paused, PLAYING or ENDED.
+        waiting_since: When the current phase began, by the event loop's clock.
+        speed_percent: Of 60 frames a second.
+    """
+
+    def __init__(
+        self,
+        lanes: Sequence[Lane],
+        start_number: int | None,
+        socket: WatchSocket,
+        actors: PolicyClient,
+        critic: PolicyClient,
+        resources: SessionResources,
+        events: WatchEvents,
+    ) -> None:
+        self.lanes = tuple(lanes)
+        self.socket = socket
+        self.phase = Phase.WAITING
+        self.speed_percent = FULL_SPEED_PERCENT
+        self.waiting_since = asyncio.get_running_loop().time()
+        self._start_number = start_number
+        self._actors = actors
+        self._critic: PolicyClient | None = critic
+        self._resources = resources
+        self._events = events
+        self._activity = Activity("a watched game", lambda: events.on_error(self))
+        self._asking: asyncio.Task[None] | None = None
+        self._rewarding: asyncio.Task[None] | None = None
+        self._rewarded_at = -REWARD_EVERY_S
+
+    async def greet(self) -> None:
+        """Show the games at their beginning."""
+        first = self.lanes[0].game.episode
+        actors = [lane.game.actor for lane in self.lanes]
+        await self.socket.say(watch_hello(first, actors, self._start_number, self.speed_percent))
+        for lane in self.lanes:
+            await lane.show()
+
+    async def handle(self, message: WatchCommand | TakeOver) -> None:
+        """Execute a command; one that makes no sense in this phase is ignored."""
+        if self.phase is Phase.ENDED or not self._in_play:
+            return
+        if isinstance(message, TakeOver):
+            await self._take_over(self.lanes[message.lane])
+        elif message.type == "pause":
+            if self.phase is Phase.PLAYING:
+                await self._activity.stop()
+                await self.socket.say(WatchPaused(why=""))
+        elif self.phase is Phase.WAITING and not self._activity.is_running:
+            # Not waited for: the page may pause games that wait for a decision.
+            self._activity.start(self._play(one_step=message.type == "step"))
+
+    async def close(self) -> None:
+        """End the games: nothing of them is left."""
+        await self._activity.stop()
+        self.phase = Phase.ENDED
+        tasks = [task for task in (self._asking, self._rewarding) if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        self._actors.close()
+        if self._critic is not None:
+            self._critic.close()
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether frames follow each other."""
+        return self.phase is Phase.PLAYING
+
+    @property
+    def _in_play(self) -> list[Lane]:
+        return [lane for lane in self.lanes if not lane.game.is_over]
+
+    async def _take_over(self, lane: Lane) -> None:
+        if lane.game.is_over:
+            return
+        await self._activity.stop()
+        try:
+            await self._events.on_take_over(self, lane)
+        except TrilError as error:
+            await self.socket.say(WatchPaused(why=str(error)))
+
+    async def _play(self, one_step: bool) -> None:
+        self.phase = Phase.PLAYING
+        why = ""
+        try:
+            if not one_step:
+                await self.socket.say(Playing())
+            with self._resources.consoles.loading_suspended():
+                why = await self._advance(one_step)
+        except TrilError as error:
+            why = str(error)
+        finally:
+            self.phase = Phase.WAITING
+            self.waiting_since = asyncio.get_running_loop().time()
+            is_stopping = self._activity.stop_requested.is_set()
+            self._activity.finish()
+        if not self._in_play:
+            await self.socket.say(Finished())
+        elif not is_stopping:
+            await self.socket.say(WatchPaused(why=why))
+
+    async def _advance(self, one_step: bool) -> str:
+        """Execute frames until the games are over, stopped or, for one step, at its end.
+
+        Returns:
+            Why they stopped, if the person has to be told.
+
+        Raises:
+            TrilError: There are no decisions to go on with.
+        """
+        await self._decided()
+        clock = FrameClock("watched", self._resources.lateness)
+        while not self._activity.stop_requested.is_set():
+            if not self.socket.is_open:
+                break
+            stalled_s = max(lane.connection.stalled_for_s for lane in self._in_play)
+            if stalled_s > self._resources.rules.stalled_after_s:
+                return WHY_STALLED
+            await self._tick()
+            if not self._in_play or (one_step and self._in_play[0].game.at_boundary):
+                break
+            await clock.wait(self.speed_percent, self._decided)
+        return ""
+
+    async def _tick(self) -> None:
+        """Execute and show one frame of each game that is not over."""
+        for lane in self._in_play:
+            for hit in lane.advance():
+                await self.socket.say(hit)
+            await lane.show()
+            if lane.game.is_over:
+                await self.socket.say(lane.ended())
+            # Other games of the process may have frames that are due.
+            await asyncio.sleep(0)
+        if any(lane.game.needs_action for lane in self.lanes):
+            self._ask()
+
+    async def _decided(self) -> None:
+        """Wait until the next frame's actions are decided, or the games are to stop.
+
+        Raises:
+            TrilError: They can't be decided.
+        """
+        if not any(lane.game.needs_action for lane in self.lanes):
+            return
+        asking = self._asking
+        if asking is None or asking.done():
+            asking = self._ask()
+        stopped = asyncio.create_task(self._activity.stop_requested.wait())
+        both: set[asyncio.Task[Any]] = {asking, stopped}
+        try:
+            done, _ = await asyncio.wait(both, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
+            if not done:
+                await self.socket.say(Waiting())
+                await asyncio.wait(both, return_when="FIRST_COMPLETED")
+                await self.socket.say(Playing())
+        finally:
+            stopped.cancel()
+        if asking.done():
+            asking.result()
+
+    def _ask(self) -> asyncio.Task[None]:
+        """Ask for the actions of the next step, all games in one request."""
+        self._asking = asyncio.create_task(self._decide(), name="decisions")
+        # Whoever waits for it raises the error; a page that has left does not wait.
+        self._asking.add_done_callback(lambda task: task.cancelled() or task.exception())
+        return self._asking
+
+    async def _decide(self) -> None:
+        lanes = [lane for lane in self.lanes if lane.game.needs_action]
+        observations = np.stack([lane.game.observation for lane in lanes])
+        rows = await self._actors.act([lane.game.actor.policy for lane in lanes], observations)
+        decisions = [
+            Decision(
+                lane=lane.number,
+                frame=lane.game.episode.frame,
+                action=lane.game.decide(row),
+                probabilities=[round(float(share), 4) for share in row],
+            )
+            for lane, row in zip(lanes, rows, strict=True)
+        ]
+        # Now, since the processor is free until the step is complete.
+        self._ask_for_rewards(lanes, observations)
+        for decision in decisions:
+            await self.socket.say(decision)
+
+    def _ask_for_rewards(self, lanes: Sequence[Lane], observations: Observations) -> None:
+        """Ask for R of the games' states, unless the last answer is new or still to come."""
+        now = asyncio.get_running_loop().time()
+        is_asking = self._rewarding is not None and not self._rewarding.done()
+        if self._critic is None or is_asking or now - self._rewarded_at < REWARD_EVERY_S:
+            return
+        self._rewarded_at = now
+        frames = [lane.game.episode.frame for lane in lanes]
+        self._rewarding = asyncio.create_task(
+            self._show_rewards(self._critic, lanes, frames, observations), name="rewards"
+        )
+
+    async def _show_rewards(
+        self,
+        critic: PolicyClient,
+        lanes: Sequence[Lane],
+        frames: Sequence[int],
+        observations: Observations,
+    ) -> None:
+        try:
+            rewards = await critic.reward(observations)
+        except TrilError as error:
+            # The figure is left out; whether the games can go on is for their actions to say.
+            _LOG.info("No rewards are shown: %s", error)
+            self._critic = None
+            critic.close()
+            return
+        for lane, frame, reward in zip(lanes, frames, rewards, strict=True):
+            await self.socket.say(LaneReward(lane=lane.number, frame=frame, reward=float(reward)))

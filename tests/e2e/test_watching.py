@@ -1,0 +1,101 @@
+"""An imitator that plays live in a real browser: watched, stepped, and taken over by a person."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, ViewportSize, expect
+
+from server.web.pages import FRONTEND
+from tests.e2e.pages import DESKTOP, signed_in
+from tests.e2e.playing import end_and_keep, expect_running
+from testsupport.live import LiveServer, live_server
+from testsupport.watching import finished_run, running_inference
+from testsupport.workplace import Workplace
+from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.store import recordings
+from tril.store.models import Source
+
+PHONE = ViewportSize(width=360, height=780)
+FIRST_STEP = re.compile(r"^step \d+ of 300$")
+
+
+@pytest.fixture
+def run_id(workplace: Workplace) -> str:
+    """Return a finished run of column 1 with policies."""
+    return finished_run(workplace)
+
+
+@pytest.fixture
+def built(workplace: Workplace, run_id: str) -> Iterator[LiveServer]:
+    """Return a running server with the built pages, and an inference process beside it."""
+    with (
+        running_inference(workplace),
+        live_server(workplace.settings.data, frontend=FRONTEND) as running,
+    ):
+        yield running
+
+
+def step_of(page: Page) -> int:
+    """Return the step that the page shows."""
+    return int(page.get_by_text(FIRST_STEP).inner_text().split()[1])
+
+
+def test_an_imitator_is_watched_stepped_and_taken_over(
+    browser: Browser, built: LiveServer, workplace: Workplace, run_id: str
+) -> None:
+    with signed_in(browser, built, f"/runs/{run_id}", viewport=DESKTOP) as page:
+        page.get_by_role("link", name="Watch the imitator play").click()
+        lane = page.get_by_role("article", name="Game 1: Imitator, greedy")
+        expect(page.get_by_role("button", name="Pause")).to_be_visible()
+        expect(page.get_by_text(FIRST_STEP)).not_to_have_text("step 0 of 300")
+        expect(lane.get_by_text("Reward R")).not_to_contain_text("–")
+
+        page.keyboard.press("Space")
+        expect(page.get_by_role("button", name="Play Space")).to_be_visible()
+        page.keyboard.press("Period")
+        expect(page.get_by_role("button", name="Play Space")).to_be_enabled()
+        before = step_of(page)
+        page.keyboard.press("Period")
+        expect(page.get_by_text(f"step {before + 1} of 300")).to_be_visible()
+        chosen = lane.get_by_role("listitem").filter(has_text=re.compile(r"\d+ %"))
+        expect(chosen).to_have_count(6)
+
+        page.keyboard.press("t")
+        page.wait_for_url(re.compile("/behaviours/1/play$"))
+        expect_running(page)
+        page.keyboard.down("ArrowRight")
+        page.wait_for_timeout(300)
+        page.keyboard.up("ArrowRight")
+        recording_id = end_and_keep(page)
+
+        page.goto(f"/recordings/{recording_id}")
+        expect(
+            page.get_by_text(f"The imitator of Run {run_id[:6]} played the first")
+        ).to_be_visible()
+
+    with workplace.database.reading() as session:
+        row = recordings.get(session, recording_id)
+    watched = (before + 1) * FRAMES_PER_STEP
+    assert (row.source, row.state, row.verification) == (Source.PERSON, "kept", "verified")
+    assert row.conditions["play"]["begun_by"]["frames"] == watched
+    assert row.n_frames > watched
+    assert 2 in row.actions[watched:], "the person moved right"
+
+
+def test_several_policies_are_watched_side_by_side_on_a_phone(
+    browser: Browser, built: LiveServer, run_id: str
+) -> None:
+    path = f"/runs/{run_id}/watch?player=imitator.greedy&player=clone.greedy&start=2"
+    with signed_in(browser, built, path, viewport=PHONE) as page:
+        expect(page.get_by_role("article")).to_have_count(2)
+        page.get_by_role("button", name="Another beside them").click()
+        expect(page.get_by_role("article")).to_have_count(3)
+        expect(page.get_by_text(FIRST_STEP)).not_to_have_text("step 0 of 300")
+        width = page.evaluate("document.documentElement.scrollWidth")
+        assert width <= PHONE["width"], "nothing is cut off at the side"
+        page.get_by_role("button", name="Next start").click()
+        expect(page.get_by_text("Evaluation start 3", exact=True).first).to_be_visible()
+        expect(page.get_by_role("button", name="Pause")).to_be_visible()
