@@ -5,7 +5,8 @@ as the header says. Nothing is pickled. A connection carries one request and its
 of the process between two requests goes unnoticed.
 
 Requests: ``{"op": "ping"}``; ``{"op": "reward", "run_id"}`` with observations uint8 (N, 4, 84, 84)
-gives float32 (N,). A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind",
+gives float32 (N,); ``{"op": "scale", "run_id"}`` gives float32 (2,), R at which the level is 0 and
+R at which it is 1. A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind",
 "detail"}``.
 """
 
@@ -74,6 +75,17 @@ class InferenceClient:
             self._request({"op": "reward", "run_id": run_id}, part) for part in _parts(observations)
         ]
         return np.frombuffer(b"".join(parts), np.float32)
+
+    def scale(self, run_id: str) -> tuple[float, float]:
+        """Return R at which a run's level is 0, and R at which it is 1.
+
+        Raises:
+            NotFound: The run has no reward model.
+            Unavailable: The process does not reply.
+        """
+        values = np.frombuffer(self._request({"op": "scale", "run_id": run_id}), np.float32)
+        zero, one = values.tolist()
+        return zero, one
 
     def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
         try:

@@ -16,11 +16,11 @@ from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
 from server.play.replays import ReplayTask
-from server.play.replays.products import read_final_picture
+from server.play.replays.products import read_final_picture, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
 from tril.analysis.linear_reward import can_form_opinions, form_opinions
-from tril.recording import Recording, trajectory
+from tril.recording import Recording
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RecordingRow
 from tril.store.training import runs
@@ -166,10 +166,15 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
     with services.database.reading() as session:
         runs.get(session, str(run_id))
         recording = recordings.as_recording(recordings.get(session, recording_id))
-    with services.consoles.lent() as console:
-        observations = trajectory(recording, console).observations
-    rewards = services.inference.reward(str(run_id), observations).tolist()
-    return RewardTrace(run_id=str(run_id), recording_id=recording_id, rewards=rewards)
+    content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
+    rewards = services.inference.reward(str(run_id), read_observations(content))
+    zero, one = services.inference.scale(str(run_id))
+    return RewardTrace(
+        run_id=str(run_id),
+        recording_id=recording_id,
+        rewards=rewards.tolist(),
+        levels=((rewards - zero) / (one - zero)).tolist(),
+    )
 
 
 def _best(session: Session, behaviour_id: int) -> RecordingRow | None:

@@ -180,10 +180,13 @@ def reply_to(
     op, run_id = header.get("op"), header.get("run_id")
     if op == "ping":
         return {"ok": True}, b""
-    if op != "reward":
-        raise Invalid(f"There is no operation {op!r}; choose ping or reward.")
+    if op not in {"reward", "scale"}:
+        raise Invalid(f"There is no operation {op!r}; choose ping, reward or scale.")
     if not isinstance(run_id, str):
         raise Invalid("The request lacks 'run_id'.")
+    if op == "scale":
+        model = models.get(run_id)
+        return {"ok": True}, np.array([model.zero, model.one], np.float32).tobytes()
     if len(body) % OBSERVATION_BYTES:
         raise Invalid(
             f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."

@@ -1756,8 +1756,12 @@ export interface components {
         /**
          * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, beginning with the start.
+         *
+         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
          */
         RewardTrace: {
+            /** Levels */
+            levels: number[];
             /** Recording Id */
             recording_id: number;
             /** Rewards */

@@ -234,11 +234,15 @@ class Artifact(Schema):
 
 
 class RewardTrace(Schema):
-    """R (raw output) of every observation of a recording, by step, beginning with the start."""
+    """R (raw output) of every observation of a recording, by step, beginning with the start.
+
+    ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
+    """
 
     run_id: str
     recording_id: int
     rewards: list[float]
+    levels: list[float]
 
 
 RunResults.model_rebuild()

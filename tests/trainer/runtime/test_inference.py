@@ -11,6 +11,7 @@ import struct
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,17 @@ def test_rewards_equal_the_models_own(
         client.ping()
         rewards = client.reward(run_id, observations)
     np.testing.assert_allclose(rewards, a_reward_model().score(observations), rtol=1e-5)
+
+
+def test_the_scale_is_that_of_the_models_level(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = workplace.make_run()
+    keep_model(workplace, store, run_id, tmp_path, replace(a_reward_model(), zero=-0.5, one=2.0))
+    with serving(workplace):
+        assert client.scale(run_id) == (-0.5, 2.0)
+        with pytest.raises(NotFound, match="no reward model yet"):
+            client.scale("unknown")
 
 
 def test_more_observations_than_fit_one_message_are_sent_in_parts(

@@ -19,13 +19,14 @@ import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { stepOf } from "@/lib/recordings";
 
 import styles from "./RecordingPlayer.module.css";
+import { RewardCurve, type ShownReward } from "./RewardCurve";
 import { Scrubber } from "./Scrubber";
 
 interface RecordingPlayerProps {
   frames: RecordedFrames;
   hits: Recording["hits"];
-  /** R of each observation, one per step; plotted over time. */
-  rewards?: readonly number[] | undefined;
+  /** The learned reward to plot over time. */
+  reward?: ShownReward | undefined;
   /** The frame to begin at, paused; without it the recording plays at once. */
   startFrame?: number | undefined;
   /** Height available for the screen, in CSS pixels. Must be a stable reference. */
@@ -36,7 +37,7 @@ interface RecordingPlayerProps {
 
 /** Plays a recording back with a scrubber, speeds and single frames, by mouse and keyboard. */
 export function RecordingPlayer(props: RecordingPlayerProps) {
-  const { frames, hits, rewards, startFrame, screenHeight, children } = props;
+  const { frames, hits, reward, startFrame, screenHeight, children } = props;
   const playback = useMemo(() => new Playback(frames.last, frames.header.frame_rate_hz), [frames]);
   const stage = useRef<HTMLDivElement>(null);
   const size = useFittingScreenSize(stage, screenHeight);
@@ -73,7 +74,8 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
       <div className={styles.stage} ref={stage}>
         <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
       </div>
-      <Scrubber playback={playback} last={frames.last} hits={hits} rewards={rewards} />
+      <Scrubber playback={playback} last={frames.last} hits={hits} />
+      {reward && <RewardCurve reward={reward} playback={playback} last={frames.last} hits={hits} />}
       <Controls playback={playback} last={frames.last} />
       {children?.(playback)}
     </div>

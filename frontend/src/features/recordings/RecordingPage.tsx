@@ -12,7 +12,8 @@ import { useRecordingActions } from "@/components/recording/use-recording-action
 import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
-import { FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
+import { useRewardRun } from "@/features/recordings/detail/use-reward-run";
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
@@ -37,6 +38,7 @@ export function RecordingPage({
   const course = useQuery(courseQuery(recording.id));
   const [search] = useSearchParams();
   const { restore } = useRecordingActions(behaviour.id);
+  const { runId, control } = useRewardRun(behaviour);
   const name = recordingName(recording);
   return (
     <>
@@ -58,11 +60,15 @@ export function RecordingPage({
           <RecordingPlayer
             frames={frames.data}
             hits={recording.hits}
+            reward={
+              runId === null ? undefined : { runId, recordingId: recording.id, menu: control }
+            }
             startFrame={frameOf(search)}
             screenHeight={screenHeight}
           >
             {(playback) => (
               <>
+                {runId === null && control}
                 {course.data && <ActionLanes playback={playback} actions={course.data.actions} />}
                 <Hits playback={playback} recording={recording} />
                 {course.data && <MemoryView playback={playback} course={course.data} />}
@@ -91,9 +97,10 @@ export function RecordingPage({
   );
 }
 
-/** Returns the frame that an address names, so that a moment can be linked to. */
+/** Returns the frame that an address names by frame or step, so that a moment can be linked to. */
 function frameOf(search: URLSearchParams): number {
-  const frame = Number(search.get("frame") ?? 0);
+  const step = search.get("step");
+  const frame = step === null ? Number(search.get("frame") ?? 0) : Number(step) * FRAMES_PER_STEP;
   return Number.isInteger(frame) && frame > 0 ? frame : 0;
 }
 
