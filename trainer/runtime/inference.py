@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import logging
 import os
+import select
 import signal
 import socket
 import socketserver
@@ -16,15 +17,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from sqlalchemy.exc import SQLAlchemyError
 
+from trainer.explain.attention import attention_map
+from trainer.explain.gradient import gradient_map
+from trainer.progress import CallbackProgress, Progress
 from trainer.reward.model import RewardModel
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.throttle import learning_threads
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.game.observation import OBSERVATION_SHAPE, Observation
 from tril.heartbeat import Heartbeat
 from tril.inference import (
     OBSERVATION_BYTES,
@@ -157,7 +162,8 @@ class _Handler(socketserver.BaseRequestHandler):
         with contextlib.suppress(ConnectionError, TimeoutError):
             try:
                 header, body = receive_message(self.request)
-                reply, values = reply_to(self.server.models, header, body)
+                progress = CallbackProgress(self._stop_if_disconnected)
+                reply, values = reply_to(self.server.models, header, body, progress)
             except Disconnected:
                 return
             except (TrilError, SQLAlchemyError) as problem:
@@ -167,11 +173,22 @@ class _Handler(socketserver.BaseRequestHandler):
                 reply, values = _error_reply(problem), b""
             send_message(self.request, reply, values)
 
+    def _stop_if_disconnected(self) -> None:
+        # A client sends nothing after its request, so what can be read is the end of the stream.
+        if select.select([self.request], [], [], 0)[0]:
+            raise Disconnected("The client gave up.")
+
 
 def reply_to(
-    models: RewardModels, header: dict[str, Any], body: bytearray
+    models: RewardModels, header: dict[str, Any], body: bytearray, progress: Progress
 ) -> tuple[dict[str, Any], bytes]:
     """Return the header and the values, as bytes, of the reply to a request.
+
+    Args:
+        models: The reward models.
+        header: The request's header.
+        body: The request's bytes.
+        progress: Reported to by what takes long, so that it can be stopped.
 
     Raises:
         Invalid: The request is malformed.
@@ -180,8 +197,8 @@ def reply_to(
     op, run_id = header.get("op"), header.get("run_id")
     if op == "ping":
         return {"ok": True}, b""
-    if op not in {"reward", "scale"}:
-        raise Invalid(f"There is no operation {op!r}; choose ping, reward or scale.")
+    if op not in {"reward", "scale", "attention"}:
+        raise Invalid(f"There is no operation {op!r}; choose ping, reward, scale or attention.")
     if not isinstance(run_id, str):
         raise Invalid("The request lacks 'run_id'.")
     if op == "scale":
@@ -192,7 +209,23 @@ def reply_to(
             f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
         )
     observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
+    if op == "attention":
+        if len(observations) != 1:
+            raise Invalid(f"Expected one observation, got {len(observations)}.")
+        maps = _attention(models.get(run_id), header.get("method"), observations[0], progress)
+        return {"ok": True}, maps.sum(0).tobytes()
     return {"ok": True}, models.get(run_id).score(observations).tobytes()
+
+
+def _attention(
+    model: RewardModel, method: object, observation: Observation, progress: Progress
+) -> npt.NDArray[np.float32]:
+    match method:
+        case "gradient":
+            return gradient_map(model, observation)
+        case "occlusion":
+            return attention_map(model, observation, progress)
+    raise Invalid(f"There is no method {method!r}; choose gradient or occlusion.")
 
 
 def _error_reply(problem: Exception) -> dict[str, Any]:

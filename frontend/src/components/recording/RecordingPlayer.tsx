@@ -9,6 +9,9 @@ import {
 } from "react";
 
 import type { Recording } from "@/api/types";
+import { AttentionLayer } from "@/components/attention/AttentionLayer";
+import { AttentionPanel } from "@/components/attention/AttentionPanel";
+import { useAttention } from "@/components/attention/use-attention";
 import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
@@ -43,6 +46,8 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
   const size = useFittingScreenSize(stage, screenHeight);
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   const player = useRef<HTMLDivElement>(null);
+  const attention = useAttention(reward, playback);
+  const [opacity, setOpacity] = useState(0.8);
 
   // The keyboard controls the player, not the buttons before it.
   useEffect(() => player.current?.focus({ preventScroll: true }), []);
@@ -73,10 +78,18 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
     >
       <div className={styles.stage} ref={stage}>
         <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+        {attention.map && attention.step !== null && (
+          <AttentionLayer map={attention.map} step={attention.step} size={size} opacity={opacity} />
+        )}
       </div>
       <Scrubber playback={playback} last={frames.last} hits={hits} />
-      {reward && <RewardCurve reward={reward} playback={playback} last={frames.last} hits={hits} />}
       <Controls playback={playback} last={frames.last} />
+      {reward && (
+        <>
+          <RewardCurve reward={reward} playback={playback} last={frames.last} hits={hits} />
+          <AttentionPanel attention={attention} opacity={opacity} onOpacity={setOpacity} />
+        </>
+      )}
       {children?.(playback)}
     </div>
   );

@@ -46,6 +46,7 @@ function page(
   of: Partial<RecordingCourse> = {},
   path = "/",
   runs: readonly Run[] = [],
+  exactMap: Promise<unknown> = Promise.resolve(),
 ) {
   const shown = recording({
     n_frames: N_FRAMES,
@@ -61,6 +62,10 @@ function page(
     "GET /api/runs": () => runs,
     [`GET /api/runs/${NEWEST}/reward/1`]: () => trace(NEWEST),
     [`GET /api/runs/${OLDER}/reward/1`]: () => trace(OLDER),
+    [`GET /api/runs/${NEWEST}/attention/1`]: async ({ query }) => {
+      if (query.get("method") === "occlusion") await exactMap;
+      return new Float32Array(84 * 84).fill(1).buffer;
+    },
     "GET /api/recordings/1/course": () => course(of),
     "GET /api/recordings/1/memory": memory,
     "GET /api/recordings/1/clip.gif": () => new ArrayBuffer(8),
@@ -235,6 +240,36 @@ describe("the page of a recording", () => {
       await waitFor(async () =>
         expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50"),
       );
+    });
+
+    it("shows what the reward looks at, quickly and then exactly", async () => {
+      let compute: () => void = () => undefined;
+      const computed = new Promise<void>((resolve) => {
+        compute = resolve;
+      });
+      const asked = page({}, {}, "/?step=2", runs, computed);
+      await curve();
+      await userEvent.click(screen.getByRole("button", { name: "What the reward looks at" }));
+      expect(await screen.findByText(/Step 2, estimated by the gradient/)).toBeVisible();
+      expect(screen.getByRole("img", { name: "What the reward looks at in step 2" })).toBeVisible();
+      await userEvent.keyboard("{Shift>}{ArrowRight}{/Shift}");
+      expect(await screen.findByText(/Step 3, estimated by the gradient/)).toBeVisible();
+      compute();
+      expect(await screen.findByText(/Step 3, exact/)).toBeVisible();
+      const maps = asked.filter(({ path }) => path.includes("/attention/"));
+      expect(maps.map(({ query }) => `${query.get("step")} ${query.get("method")}`)).toEqual([
+        "2 gradient",
+        "2 occlusion",
+        "3 gradient",
+        "3 occlusion",
+      ]);
+      expect(maps.map(({ signal }) => signal.aborted)).toEqual([false, true, false, false]);
+      fireEvent.change(screen.getByRole("slider", { name: "Opacity" }), {
+        target: { value: "30" },
+      });
+      expect(screen.getByRole("img", { name: /looks at in step 3/ })).toHaveStyle({
+        opacity: "0.3",
+      });
     });
 
     it("says where there is no reward, and what to do", async () => {
