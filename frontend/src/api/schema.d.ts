@@ -1777,6 +1777,23 @@ export interface components {
             to_step: number;
         };
         /**
+         * RewardState
+         * @description A state of a demonstration.
+         *
+         *     Attributes:
+         *         reward: R of the state.
+         *         recording_id: The demonstration that it is from.
+         *         step: The step after which it stands.
+         */
+        RewardState: {
+            /** Recording Id */
+            recording_id: number;
+            /** Reward */
+            reward: number;
+            /** Step */
+            step: number;
+        };
+        /**
          * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          *
@@ -1905,7 +1922,9 @@ export interface components {
          * @description All results of a training; parts that are missing yet are None or empty.
          *
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
-         *     ``proposed`` are the recordings of the imitator's games that are proposed for the ranking.
+         *     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
+         *     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
+         *     are proposed for the ranking.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1923,6 +1942,8 @@ export interface components {
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
             judged: components["schemas"]["JudgedGames"][];
+            /** Percentiles */
+            percentiles: components["schemas"]["RewardState"][];
             /** Proposed */
             proposed: number[];
             run: components["schemas"]["Run"];

@@ -166,6 +166,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     alarm: null,
     judged: [],
     attention: [],
+    percentiles: [],
     artifacts: [],
     ...change,
   };

@@ -11,7 +11,7 @@ from pydantic import Field, StrictBool
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.recordings import Recording
 from tril.analysis.extrapolation import JudgedGame, PlayerKind
-from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline
+from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, RewardState
 from tril.analysis.summary import Policy, PolicySummary, Winner
 from tril.stages import Stage
 from tril.store.models import RunStatus
@@ -205,7 +205,9 @@ class RunResults(Schema):
     """All results of a training; parts that are missing yet are None or empty.
 
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
-    ``proposed`` are the recordings of the imitator's games that are proposed for the ranking.
+    ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
+    empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
+    are proposed for the ranking.
     """
 
     run: Run
@@ -219,6 +221,7 @@ class RunResults(Schema):
     alarm: RewardAlarm | None
     judged: list[JudgedGames]
     attention: list[AttentionMap]
+    percentiles: list[RewardState]
     artifacts: list[Artifact]
 
 

@@ -23,7 +23,13 @@ from server.api.schemas.runs import (
 )
 from server.api.views.recordings import RecordingViews
 from server.api.views.runs import run_view
-from tril.analysis.outcome import AttentionState, CheckOutcome, CheckVerdict
+from tril.analysis.outcome import (
+    AttentionState,
+    CheckOutcome,
+    CheckVerdict,
+    RewardPercentiles,
+    RewardState,
+)
 from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
@@ -61,6 +67,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
         attention=_attention(files),
+        percentiles=_percentiles(files),
         artifacts=[artifact_view(row) for row in files],
     )
 
@@ -136,6 +143,11 @@ def _summaries(games: list[EvaluationRow], n_targets: int | None) -> list[Policy
         PolicyGamesSummary(policy=policy, action_selection=how, summary=summary)
         for (policy, how), summary in evaluations.summaries(games, n_targets).items()
     ]
+
+
+def _percentiles(files: list[ArtifactRow]) -> list[RewardState]:
+    found = [row for row in files if row.kind == "reward_percentiles"]
+    return RewardPercentiles.model_validate(found[0].details).states if found else []
 
 
 def _attention(files: list[ArtifactRow]) -> list[AttentionMap]:

@@ -18,6 +18,8 @@ from tril.store.models import RecordingRow, RunStatus, Source
 from tril.store.training import artifacts, evaluations, leases, metrics, runs
 from tril.store.training.evaluations import EvaluationKey
 
+PERCENTILES = [{"reward": p / 10, "recording_id": 1, "step": p} for p in range(101)]
+
 
 def test_the_recipes_say_what_they_cost(reader: TestClient) -> None:
     recipes = reader.get("/api/recipes").json()
@@ -192,6 +194,8 @@ def fill_with_results(workplace: Workplace) -> str:
             }
             name = f"attention-maximum{suffix}.png"
             artifacts.save(session, run_id, kind, name, "image/png", 3, details)
+        name, every = "reward-percentiles.json", {"states": PERCENTILES}
+        artifacts.save(session, run_id, "reward_percentiles", name, "application/json", 3, every)
         leases.end(session, lease, RunStatus.DONE)
     store = ArtifactStore(workplace.settings.artifact_root)
     store.put(artifacts.path_of(run_id, "attention-maximum.png"), b"png")
@@ -279,6 +283,7 @@ def test_attention_maps_are_shown_with_their_frames_and_can_be_fetched(
     assert (shown["state"], shown["step"]) == ("maximum", 9)
     picture = client.get(shown["map_url"])
     assert (picture.content, picture.headers["content-type"]) == (b"png", "image/png")
+    assert client.get(f"/api/runs/{run_id}/results").json()["percentiles"] == PERCENTILES
     missing = client.get(shown["frame_url"])
     assert missing.status_code == 404
     assert len({shown["map_url"], shown["frame_url"], shown["red_blue_url"]}) == 3
@@ -305,6 +310,7 @@ def test_a_run_that_has_found_nothing_yet_has_empty_results(
     results = client.get(f"/api/runs/{workplace.make_run()}/results").json()
     assert results["check"] is None
     assert results["comparison"] == results["games"] == results["attention"] == []
+    assert results["percentiles"] == []
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
 
 

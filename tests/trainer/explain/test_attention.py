@@ -13,6 +13,7 @@ from trainer.explain.attention import (
     changes_at,
     changing_positions,
     pick_states,
+    states_at,
 )
 from trainer.explain.gradient import gradient_map
 from trainer.explain.occlusion import PATCH
@@ -127,5 +128,8 @@ def test_states_are_chosen_by_their_reward() -> None:
         "maximum",
     ]
     assert [state.reward for state in picked] == [0.0, 89.0, 94.0, 99.0]
+    every = states_at(rewards, [percentile / 100 for percentile in range(101)])
+    assert [reward for _, _, reward in every[:3]] == [0.0, 1.0, 2.0]
+    assert every[-1] == (1, 49, 99.0)
     for state in picked:
         assert rewards[state.trajectory][state.step] == state.reward

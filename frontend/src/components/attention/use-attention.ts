@@ -1,9 +1,10 @@
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useState, useSyncExternalStore } from "react";
+import { useState, useSyncExternalStore } from "react";
 
 import { attentionQuery } from "@/api/runs";
 import type { Playback } from "@/lib/game/playback";
 import { stepOf } from "@/lib/recordings";
+import { useSettled } from "@/lib/use-settled";
 
 /** A state has to be shown for this long before its map is asked for, while a person scrubs. */
 const SETTLED_MS = 60;
@@ -34,7 +35,7 @@ export function useAttention(judged: Judged | undefined, playback: Playback): At
     const { playing, frame } = playback.snapshot();
     return playing ? null : stepOf(frame);
   });
-  const settled = useSettled(step);
+  const settled = useSettled(step, SETTLED_MS);
   const wanted = on && step !== null && step === settled && judged !== undefined;
   const { runId, recordingId } = judged ?? { runId: "", recordingId: 0 };
   const quick = useQuery({
@@ -56,14 +57,4 @@ export function useAttention(judged: Judged | undefined, playback: Playback): At
     isExact: wanted && exact.data !== undefined,
     error: wanted ? (quick.error ?? exact.error) : null,
   };
-}
-
-/** Returns a value once it has been the same for a moment. */
-function useSettled<T>(value: T): T {
-  const [settled, setSettled] = useState(value);
-  useEffect(() => {
-    const timer = setTimeout(() => setSettled(value), SETTLED_MS);
-    return () => clearTimeout(timer);
-  }, [value]);
-  return settled;
 }
