@@ -1594,7 +1594,8 @@ export interface components {
          * Recipe
          * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
-         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
+         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it. A training of
+         *     ``warm_up_steps`` or fewer learns nothing.
          */
         Recipe: {
             /** Default Steps */
@@ -1617,6 +1618,8 @@ export interface components {
             values: {
                 [key: string]: unknown;
             };
+            /** Warm Up Steps */
+            warm_up_steps: number;
         };
         /**
          * Recording
@@ -1921,6 +1924,8 @@ export interface components {
          * RunResults
          * @description All results of a training; parts that are missing yet are None or empty.
          *
+         *     ``verdict`` is None until the training is over.
+         *
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          *     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
          *     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
@@ -1949,6 +1954,7 @@ export interface components {
             run: components["schemas"]["Run"];
             /** Summaries */
             summaries: components["schemas"]["PolicyGamesSummary"][];
+            verdict: components["schemas"]["Verdict"] | null;
         };
         /**
          * RunStage
@@ -2020,6 +2026,23 @@ export interface components {
              * @default 24
              */
             count: number;
+        };
+        /**
+         * Verdict
+         * @description What came of a training, in words, and where to take the next step, if it is on a page.
+         */
+        Verdict: {
+            /** Advice */
+            advice: string;
+            /** Next Step */
+            next_step: ("rank" | "teach" | "train" | "games") | null;
+            /** Sentence */
+            sentence: string;
+            /**
+             * Tone
+             * @enum {string}
+             */
+            tone: "good" | "fair" | "bad" | "none";
         };
         /**
          * Verification
@@ -5739,6 +5762,8 @@ export interface operations {
     list_runs: {
         parameters: {
             query?: {
+                /** @description Only those that are not over. */
+                active?: boolean;
                 behaviour_id?: number | null;
             };
             header?: never;

@@ -33,3 +33,4 @@ export type Run = Schemas["Run"];
 export type RunNew = Schemas["RunNew"];
 export type RunResults = Schemas["RunResults"];
 export type System = Schemas["System"];
+export type Verdict = Schemas["Verdict"];

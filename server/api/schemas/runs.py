@@ -13,6 +13,7 @@ from server.api.schemas.recordings import Recording
 from tril.analysis.extrapolation import JudgedGame, PlayerKind
 from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, RewardState
 from tril.analysis.summary import Policy, PolicySummary, Winner
+from tril.analysis.verdict import NextStep, Tone
 from tril.stages import Stage
 from tril.store.models import RunStatus
 from tril.store.training.evaluations import ActionSelection
@@ -29,12 +30,14 @@ class RunStage(Schema):
 class Recipe(Schema):
     """A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
 
-    ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
+    ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it. A training of
+    ``warm_up_steps`` or fewer learns nothing.
     """
 
     name: str
     summary: str
     default_steps: int
+    warm_up_steps: int
     learning_rate: float
     values: dict[str, Any]
     stages: list[RunStage]
@@ -201,8 +204,19 @@ class RewardAlarm(Schema):
     message: str
 
 
+class Verdict(Schema):
+    """What came of a training, in words, and where to take the next step, if it is on a page."""
+
+    tone: Tone
+    sentence: str
+    advice: str
+    next_step: NextStep | None
+
+
 class RunResults(Schema):
     """All results of a training; parts that are missing yet are None or empty.
+
+    ``verdict`` is None until the training is over.
 
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
@@ -211,6 +225,7 @@ class RunResults(Schema):
     """
 
     run: Run
+    verdict: Verdict | None
     check: RankingCheck | None
     comparison: list[ComparisonRow]
     further_comparison: list[ComparisonRow]

@@ -26,6 +26,7 @@ def test_the_recipes_say_what_they_cost(reader: TestClient) -> None:
     assert [recipe["name"] for recipe in recipes] == list(RECIPES)
     for recipe in recipes:
         assert recipe["steps_per_s"] > 0
+        assert recipe["warm_up_steps"] == (12_000 if recipe["name"] in {"fast", "gail"} else 0)
         assert not recipe["steps_per_s_measured"]
         assert recipe["values"]["policy"]["learning_rate"] == recipe["learning_rate"]
 
@@ -55,6 +56,7 @@ def test_a_run_is_made_with_what_the_page_chose_and_waits(
     assert client.get(f"/api/runs/{run['id']}").json() == run
     assert client.get("/api/runs", params={"behaviour_id": 1}).json() == [run]
     assert client.get("/api/runs", params={"behaviour_id": 2}).json() == []
+    assert client.get("/api/runs", params={"active": True}).json() == [run]
     assert client.get("/api/behaviours/1").json()["n_runs"] == 1
 
 
@@ -123,6 +125,7 @@ def test_a_run_is_cancelled_resumed_and_deleted(client: TestClient) -> None:
     assert client.post(f"{path}/cancel").json()["status"] == "cancelled"
     assert client.post(f"{path}/resume").json()["status"] == "queued"
     assert client.post(f"{path}/cancel").json()["status"] == "cancelled"
+    assert client.get("/api/runs", params={"active": True}).json() == []
     assert client.delete(path).status_code == 204
     assert client.get(path).status_code == 404
     assert client.get("/api/runs").json() == []
@@ -241,6 +244,7 @@ def test_results_are_shown_as_the_thesis_tables_them(
     assert by_policy["clone"]["strays"] == {"mean": 2, "low": 2, "high": 2, "n": 1}
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
     assert len(results["games"]) == 4
+    assert results["verdict"]["sentence"].startswith("The imitator hits 3 of 6 targets")
 
 
 def test_returns_are_shown_with_what_the_games_were_worth(
@@ -311,6 +315,7 @@ def test_a_run_that_has_found_nothing_yet_has_empty_results(
     assert results["check"] is None
     assert results["comparison"] == results["games"] == results["attention"] == []
     assert results["percentiles"] == []
+    assert results["verdict"] is None
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
 
 

@@ -19,6 +19,7 @@ import { Parameters } from "@/features/results/run/Parameters";
 import { RunHead } from "@/features/results/run/RunHead";
 import { RunNotices } from "@/features/results/run/RunNotices";
 import { Stages } from "@/features/results/run/Stages";
+import { VerdictView } from "@/features/results/run/VerdictView";
 import { isActive, runName } from "@/lib/runs";
 
 import styles from "./RunPage.module.css";
@@ -32,6 +33,14 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
     <div className={styles.stack}>
       <title>{`${runName(run)} · ${behaviour.name} · Tril`}</title>
       <RunHead run={run} />
+      {results?.verdict && (
+        <VerdictView
+          verdict={results.verdict}
+          run={run}
+          behaviour={behaviour}
+          canTeach={results.proposed.length > 0}
+        />
+      )}
       <RunNotices run={run} />
       {run.status !== "done" && <Stages run={run} />}
       {results ? (

@@ -40,6 +40,24 @@ function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeo
   return asked;
 }
 
+describe("a run that is over", () => {
+  it("opens with its verdict and leads to what to do next", async () => {
+    const verdict = {
+      tone: "fair",
+      sentence: "The imitator hits 4 of 6 targets.",
+      advice: "Train for longer.",
+      next_step: "train",
+    } as const;
+    open(run({ status: "done" }), { verdict });
+    const said = within(await screen.findByRole("region", { name: "Verdict" }));
+    expect(said.getByText("The imitator hits 4 of 6 targets.")).toBeVisible();
+    expect(said.getByRole("link", { name: "Train again" })).toHaveAttribute(
+      "href",
+      "/behaviours/1/train",
+    );
+  });
+});
+
 describe("a run that goes", () => {
   it("says how far it is, stage by stage", async () => {
     open(run());
