@@ -26,6 +26,13 @@ export function runsQuery(behaviourId?: number) {
   });
 }
 
+/** The runs that are not over. */
+export const activeRunsQuery = queryOptions({
+  queryKey: ["runs", { active: true }],
+  queryFn: ({ signal }) =>
+    unwrap(api.GET("/api/runs", { params: { query: { active: true } }, signal })),
+});
+
 export function runQuery(runId: string) {
   return queryOptions({
     queryKey: ["run", runId],

@@ -6,6 +6,7 @@ import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { PageTitle } from "@/components/PageTitle";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
@@ -42,7 +43,7 @@ export function RecordingPage({
   const name = recordingName(recording);
   return (
     <>
-      <title>{`${name} · ${behaviour.name} · Tril`}</title>
+      <PageTitle>{`${name} · ${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
         <h2>{name}</h2>
         <Actions recording={recording} />
