@@ -28,7 +28,7 @@ export function turnNotificationsOff(): void {
  */
 export function notify(title: string, body: string, tag: string, onClick: () => void): void {
   if (!areNotificationsOn()) return;
-  const shown = new Notification(title, { body, tag, icon: "/favicon.svg" });
+  const shown = new Notification(title, { body, tag, icon: "/icon.svg" });
   shown.onclick = () => {
     window.focus();
     onClick();
