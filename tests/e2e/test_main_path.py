@@ -14,6 +14,8 @@ from testsupport.processes import TrilProcess
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 GAME_TIMEOUT_MS = 45_000
 RUN_TIMEOUT_MS = 400_000
+REWARD_TIMEOUT_MS = 60_000
+"""The recording is replayed and judged by the reward model, whatever else the machine does."""
 DRAG_TIMEOUT_S = 20
 BEHAVIOUR_1 = re.compile(r"/behaviours/\d+")
 
@@ -205,7 +207,7 @@ def _follow_the_reward(page: Page) -> None:
     page.wait_for_url(re.compile(r"/recordings/\d+\?step=\d+&run="))
     picture = page.get_by_role("slider", name="Position in the recording")
     curve = page.get_by_role("slider", name="Position on the curve of R")
-    expect(curve).to_be_visible()
+    expect(curve).to_be_visible(timeout=REWARD_TIMEOUT_MS)
     last = int(picture.get_attribute("max") or 0)
     step = int(page.url.partition("step=")[2].partition("&")[0])
     expect(picture).to_have_value(str(min(4 * step, last)))
