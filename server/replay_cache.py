@@ -31,7 +31,7 @@ def version_of(recording: Recording) -> str:
 
 
 class ReplayCache:
-    """Frames, thumbnails, memory, final pictures and clips of recordings; thread-safe.
+    """Frames, thumbnails, memory, observations and clips of recordings; thread-safe.
 
     Args:
         cache: Where the files are kept.

@@ -11,6 +11,10 @@ Requests, with observations uint8 (N, 4, 84, 84):
 - ``{"op": "act", "run_id", "policies"}`` gives the probability of each action, float32 (N, 6), by
   the policy named for each observation. A connection keeps the policies it has used, so that a game
   is played by one policy even if a resumed run replaces its file.
+- ``{"op": "scale", "run_id"}`` gives R at which the level is 0 and R at which it is 1, float32
+  (2,).
+- ``{"op": "attention", "run_id", "method"}`` gives the attention map of one observation, float32
+  (84, 84). The work ends when the client disconnects.
 
 A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
 """
@@ -19,18 +23,26 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import socket
 import struct
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid, NotFound, Unavailable
-from tril.game.observation import OBSERVATION_SHAPE, Observations, check_observations
+from tril.game.observation import (
+    OBSERVATION_SHAPE,
+    SIZE,
+    Observation,
+    Observations,
+    check_observations,
+)
 
 MAX_HEADER_BYTES = 16 * 1024
 MAX_OBSERVATIONS = 1024
@@ -44,7 +56,17 @@ _LENGTH = struct.Struct("<I")
 LENGTH_BYTES = _LENGTH.size
 _ERRORS = {"invalid": Invalid, "not_found": NotFound, "unavailable": Unavailable}
 
+GIVEN_UP_POLL_S = 0.05
+"""How often a client that may give up looks whether to."""
+
 Values = npt.NDArray[np.float32]
+
+AttentionMethod = Literal["gradient", "occlusion"]
+"""How attention is mapped: at once by the gradient, or by occlusion, as published."""
+
+
+class GivenUp(Exception):
+    """Nobody waits for the reply any more."""
 
 
 class Disconnected(ConnectionError):
@@ -82,24 +104,81 @@ class InferenceClient:
         ]
         return np.frombuffer(b"".join(parts), np.float32)
 
-    def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
+    def scale(self, run_id: str) -> tuple[float, float]:
+        """Return R at which a run's level is 0, and R at which it is 1.
+
+        Raises:
+            NotFound: The run has no reward model.
+            Unavailable: The process does not reply.
+        """
+        values = np.frombuffer(self._request({"op": "scale", "run_id": run_id}), np.float32)
+        zero, one = values.tolist()
+        return zero, one
+
+    def attention(
+        self,
+        run_id: str,
+        observation: Observation,
+        method: AttentionMethod,
+        is_given_up: Callable[[], bool],
+    ) -> Values:
+        """Return the attention map of a run's reward model, float32 (84, 84), non-negative.
+
+        It is the sum over the observation's screens.
+
+        Args:
+            run_id: The run.
+            observation: uint8 (4, 84, 84).
+            method: How.
+            is_given_up: Whether nobody waits for the map any more; the process then drops it.
+
+        Raises:
+            NotFound: The run has no reward model.
+            Unavailable: The process does not reply.
+            GivenUp: ``is_given_up`` said so.
+        """
+        request = {"op": "attention", "run_id": run_id, "method": method}
+        body = _checked(observation[None])
+        values = np.frombuffer(self._request(request, body, is_given_up), np.float32)
+        return values.reshape(SIZE, SIZE)
+
+    def _request(
+        self,
+        request: dict[str, Any],
+        body: bytes = b"",
+        is_given_up: Callable[[], bool] | None = None,
+    ) -> bytearray:
         try:
             try:
-                return self._request_once(request, body)
+                return self._request_once(request, body, is_given_up)
             except ConnectionError:
-                return self._request_once(request, body)
+                return self._request_once(request, body, is_given_up)
         except OSError as problem:
             raise unavailable(problem) from problem
 
-    def _request_once(self, request: dict[str, Any], body: bytes) -> bytearray:
+    def _request_once(
+        self, request: dict[str, Any], body: bytes, is_given_up: Callable[[], bool] | None
+    ) -> bytearray:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(self._timeout_s)
             with address_of(self._path) as address:
                 connection.connect(address)
             send_message(connection, request, body)
+            if is_given_up is not None:
+                self._await_reply(connection, is_given_up)
             header, values = receive_message(connection)
         raise_refusal(header)
         return values
+
+    def _await_reply(self, connection: socket.socket, is_given_up: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + self._timeout_s
+        poll = select.poll()
+        poll.register(connection, select.POLLIN)
+        while not poll.poll(GIVEN_UP_POLL_S * 1000):
+            if is_given_up():
+                raise GivenUp
+            if time.monotonic() > deadline:
+                raise TimeoutError
 
 
 def raise_refusal(reply: dict[str, Any]) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
+import threading
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request
 from sqlalchemy.orm import Session
+from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from server.api.schemas.behaviours import Ghost
@@ -16,11 +19,14 @@ from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
 from server.play.replays import ReplayTask
-from server.play.replays.products import read_final_picture
+from server.play.replays.products import read_final_picture, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
 from tril.analysis.linear_reward import can_form_opinions, form_opinions
-from tril.recording import Recording, trajectory
+from tril.errors import NotFound
+from tril.game.space_invaders import MAX_STEPS
+from tril.inference import AttentionMethod, GivenUp
+from tril.recording import Recording
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RecordingRow
 from tril.store.training import runs
@@ -33,6 +39,10 @@ _IMMUTABLE = "private, max-age=31536000, immutable"
 OPINION_REPLAYS_S = 1.0
 """Time for replays in one request for an opinion."""
 MAX_UNRANKED_OPINIONS = 60
+
+_DISCONNECT_POLL_S = 0.05
+_CLIENT_CLOSED_REQUEST = 499
+"""Nobody receives it; the status that nginx logs for this."""
 
 
 @dataclass(frozen=True)
@@ -166,10 +176,63 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
     with services.database.reading() as session:
         runs.get(session, str(run_id))
         recording = recordings.as_recording(recordings.get(session, recording_id))
-    with services.consoles.lent() as console:
-        observations = trajectory(recording, console).observations
-    rewards = services.inference.reward(str(run_id), observations).tolist()
-    return RewardTrace(run_id=str(run_id), recording_id=recording_id, rewards=rewards)
+    content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
+    rewards = services.inference.reward(str(run_id), read_observations(content))
+    zero, one = services.inference.scale(str(run_id))
+    return RewardTrace(
+        run_id=str(run_id),
+        recording_id=recording_id,
+        rewards=rewards.tolist(),
+        levels=((rewards - zero) / (one - zero)).tolist(),
+    )
+
+
+@router.get(
+    "/runs/{run_id}/attention/{recording_id}",
+    response_class=Response,
+    responses=NOT_FOUND
+    | {200: {"content": {_BYTES: {}}, "description": "float32 (84, 84), little-endian."}},
+    tags=["runs"],
+)
+async def get_attention(
+    request: Request,
+    run_id: RunId,
+    recording_id: RecordingId,
+    step: Annotated[int, Query(ge=0, le=MAX_STEPS)],
+    method: AttentionMethod,
+) -> Response:
+    """Return what a training's reward model looks at in a state of a recording.
+
+    The map is non-negative, in the observation's 84x84 pixels, and summed over its four screens.
+    Its computation stops when the client disconnects.
+    """
+    services = services_of(request)
+    given_up = threading.Event()
+
+    def compute() -> bytes:
+        with services.database.reading() as session:
+            runs.get(session, str(run_id))
+            recording = recordings.as_recording(recordings.get(session, recording_id))
+        content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
+        observations = read_observations(content)
+        if step >= len(observations):
+            raise NotFound(f"The recording ends at step {len(observations) - 1}.")
+        return services.inference.attention(
+            str(run_id), observations[step], method, given_up.is_set
+        ).tobytes()
+
+    async def watch() -> None:
+        while not await request.is_disconnected():
+            await asyncio.sleep(_DISCONNECT_POLL_S)
+        given_up.set()
+
+    watching = asyncio.create_task(watch())
+    try:
+        return Response(await run_in_threadpool(compute), media_type=_BYTES)
+    except GivenUp:
+        return Response(status_code=_CLIENT_CLOSED_REQUEST)
+    finally:
+        watching.cancel()
 
 
 def _best(session: Session, behaviour_id: int) -> RecordingRow | None:

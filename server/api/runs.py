@@ -14,6 +14,7 @@ from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
 from tril.recipes import RECIPES, recipe_named, with_values
 from tril.store import behaviours, players
+from tril.store.models import NOT_OVER
 from tril.store.training import metrics, runs
 
 router = APIRouter(tags=["runs"])
@@ -30,6 +31,7 @@ def list_recipes(session: ReadSession) -> list[Recipe]:
                 name=recipe.name,
                 summary=recipe.summary,
                 default_steps=recipe.default_steps,
+                warm_up_steps=recipe.warm_up_steps,
                 learning_rate=recipe.policy.learning_rate,
                 values=recipe.to_dict(),
                 stages=stage_views(example=False),
@@ -43,12 +45,15 @@ def list_recipes(session: ReadSession) -> list[Recipe]:
 
 @router.get("/runs", responses=NOT_FOUND)
 def list_runs(
-    session: ReadSession, behaviour_id: Annotated[int | None, Query(ge=1, le=MAX_ID)] = None
+    session: ReadSession,
+    behaviour_id: Annotated[int | None, Query(ge=1, le=MAX_ID)] = None,
+    active: Annotated[bool, Query(description="Only those that are not over.")] = False,
 ) -> list[Run]:
     """Return the trainings of a behaviour, or all, newest first."""
     if behaviour_id is not None:
         behaviours.get(session, behaviour_id)
-    return [run_view(session, row) for row in runs.listing(session, behaviour_id)]
+    rows = runs.listing(session, behaviour_id)
+    return [run_view(session, row) for row in rows if not active or row.status in NOT_OVER]
 
 
 @router.post("/runs", status_code=201, responses=NOT_FOUND | CONFLICT)

@@ -14,6 +14,8 @@ from testsupport.processes import TrilProcess
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 GAME_TIMEOUT_MS = 45_000
 RUN_TIMEOUT_MS = 400_000
+REWARD_TIMEOUT_MS = 60_000
+"""The recording is replayed and judged by the reward model, whatever else the machine does."""
 DRAG_TIMEOUT_S = 20
 BEHAVIOUR_1 = re.compile(r"/behaviours/\d+")
 
@@ -26,6 +28,7 @@ def test_play_rank_train_and_look(page: Page, tmp_path: Path, running_tril: Tril
     _rank(page)
     _train(page)
     _look(page)
+    _follow_the_reward(page)
 
 
 def _play_for_twenty_seconds(page: Page) -> None:
@@ -196,3 +199,26 @@ def _look(page: Page) -> None:
         page.wait_for_function(
             "(img) => img.complete && img.naturalWidth > 0", arg=picture.element_handle()
         )
+
+
+def _follow_the_reward(page: Page) -> None:
+    """Open the moment of a percentile; move the picture by the curve, the curve by the picture."""
+    page.get_by_role("slider", name="Any percentile of R").press("End")
+    page.get_by_role("link", name="Open this moment").click()
+    page.wait_for_url(re.compile(r"/recordings/\d+\?step=\d+&run="))
+    picture = page.get_by_role("slider", name="Position in the recording")
+    curve = page.get_by_role("slider", name="Position on the curve of R")
+    expect(curve).to_be_visible(timeout=REWARD_TIMEOUT_MS)
+    last = int(picture.get_attribute("max") or 0)
+    step = int(page.url.partition("step=")[2].partition("&")[0])
+    expect(picture).to_have_value(str(min(4 * step, last)))
+    curve.scroll_into_view_if_needed()
+    box = curve.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, steps=4)
+    page.mouse.up()
+    assert abs(int(picture.input_value()) - last / 2) <= 2
+    picture.press("Home")
+    expect(curve).to_have_attribute("aria-valuenow", "0")

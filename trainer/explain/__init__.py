@@ -1,1 +1,1 @@
-"""Attention maps of the reward model."""
+"""Attention maps of the reward model: by occlusion, and quickly by gradient."""

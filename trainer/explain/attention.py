@@ -53,17 +53,28 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
     Returns:
         The states in the order of AttentionState; of equal rewards the earliest comes first.
     """
+    found = states_at(rewards, [name.quantile for name in AttentionState])
+    return tuple(
+        NamedState(name, *state) for name, state in zip(AttentionState, found, strict=True)
+    )
+
+
+def states_at(
+    rewards: Sequence[npt.NDArray[np.float32]], quantiles: Sequence[float]
+) -> list[tuple[int, int, float]]:
+    """Return the states at quantiles, 0 to 1, of R: trajectory, step and R of each.
+
+    Args:
+        rewards: As in pick_states.
+        quantiles: Of the rewards of all states together.
+    """
     if not rewards or not sum(len(part) for part in rewards):
         raise ValueError("Expected at least one state to pick from.")
     values = np.concatenate(rewards)
     origins = [(i, step) for i, part in enumerate(rewards) for step in range(len(part))]
     order = np.argsort(values, kind="stable")
-    picked = []
-    for name in AttentionState:
-        at = int(order[round(name.quantile * (len(values) - 1))])
-        trajectory, step = origins[at]
-        picked.append(NamedState(name, trajectory, step, float(values[at])))
-    return tuple(picked)
+    places = [int(order[round(quantile * (len(values) - 1))]) for quantile in quantiles]
+    return [(*origins[at], float(values[at])) for at in places]
 
 
 def attention_map(

@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import logging
 import os
+import select
 import signal
 import socket
 import socketserver
@@ -20,13 +21,16 @@ import numpy.typing as npt
 import torch
 from sqlalchemy.exc import SQLAlchemyError
 
+from trainer.explain.attention import attention_map
+from trainer.explain.gradient import gradient_map
 from trainer.policy.networks import Policy, load_policy
+from trainer.progress import CallbackProgress, Progress
 from trainer.reward.model import RewardModel
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.throttle import learning_threads
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import OBSERVATION_SHAPE, Observations
+from tril.game.observation import OBSERVATION_SHAPE, Observation, Observations
 from tril.game.space_invaders import Action
 from tril.heartbeat import Heartbeat
 from tril.inference import (
@@ -178,7 +182,8 @@ class _Handler(socketserver.BaseRequestHandler):
         try:
             header, body = receive_message(self.request)
             is_understood = True
-            values = answers.to(header, body)
+            progress = CallbackProgress(self._stop_if_disconnected)
+            values = answers.to(header, body, progress)
             reply: dict[str, Any] = {"ok": True}
         except Disconnected:
             return False
@@ -190,6 +195,11 @@ class _Handler(socketserver.BaseRequestHandler):
         send_message(self.request, reply, values)
         # After a message that was not understood, nobody knows where the next one begins.
         return is_understood
+
+    def _stop_if_disconnected(self) -> None:
+        # A client sends nothing after its request, so what can be read is the end of the stream.
+        if select.select([self.request], [], [], 0)[0]:
+            raise Disconnected("The client gave up.")
 
 
 class Answers:
@@ -203,8 +213,13 @@ class Answers:
         self._models = models
         self._policies: dict[tuple[str, str], Policy] = {}
 
-    def to(self, header: dict[str, Any], body: bytearray) -> bytes:
+    def to(self, header: dict[str, Any], body: bytearray, progress: Progress) -> bytes:
         """Return the values that answer a request.
+
+        Args:
+            header: The request's header.
+            body: The request's bytes.
+            progress: Reported to by what takes long, so that it can be stopped.
 
         Raises:
             Invalid: The request is malformed.
@@ -213,10 +228,15 @@ class Answers:
         op, run_id = header.get("op"), header.get("run_id")
         if op == "ping":
             return b""
-        if op not in {"reward", "act"}:
-            raise Invalid(f"There is no operation {op!r}; choose ping, reward or act.")
+        if op not in {"reward", "scale", "attention", "act"}:
+            raise Invalid(
+                f"There is no operation {op!r}; choose ping, reward, scale, attention or act."
+            )
         if not isinstance(run_id, str):
             raise Invalid("The request lacks 'run_id'.")
+        if op == "scale":
+            model = self._models.reward_model(run_id)
+            return np.array([model.zero, model.one], np.float32).tobytes()
         if len(body) % OBSERVATION_BYTES:
             raise Invalid(
                 f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
@@ -224,6 +244,12 @@ class Answers:
         observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
         if op == "reward":
             return self._models.reward_model(run_id).score(observations).tobytes()
+        if op == "attention":
+            if len(observations) != 1:
+                raise Invalid(f"Expected one observation, got {len(observations)}.")
+            model = self._models.reward_model(run_id)
+            maps = _attention(model, header.get("method"), observations[0], progress)
+            return maps.sum(0).tobytes()
         return self._probabilities(run_id, header.get("policies"), observations).tobytes()
 
     def _probabilities(
@@ -243,6 +269,17 @@ class Answers:
         if (run_id, kind) not in self._policies:
             self._policies[run_id, kind] = self._models.policy(run_id, kind)
         return self._policies[run_id, kind]
+
+
+def _attention(
+    model: RewardModel, method: object, observation: Observation, progress: Progress
+) -> npt.NDArray[np.float32]:
+    match method:
+        case "gradient":
+            return gradient_map(model, observation)
+        case "occlusion":
+            return attention_map(model, observation, progress)
+    raise Invalid(f"There is no method {method!r}; choose gradient or occlusion.")
 
 
 def _error_reply(problem: Exception) -> dict[str, Any]:

@@ -175,8 +175,8 @@ class AttentionState(StrEnum):
         return places[self]
 
 
-class AttentionDetails(Stored):
-    """What the pictures of an attention map show, as their artifacts store it.
+class RewardState(Stored):
+    """A state of a demonstration.
 
     Attributes:
         reward: R of the state.
@@ -184,7 +184,22 @@ class AttentionDetails(Stored):
         step: The step after which it stands.
     """
 
-    state: AttentionState
     reward: float
     recording_id: int
     step: int
+
+
+class RewardPercentiles(Stored):
+    """The states of the demonstrations at percentiles of R, as their artifact stores them.
+
+    Attributes:
+        states: At the percentiles 0, 1, ..., 100.
+    """
+
+    states: list[RewardState]
+
+
+class AttentionDetails(RewardState):
+    """What the pictures of an attention map show, as their artifacts store it."""
+
+    state: AttentionState

@@ -309,6 +309,11 @@ class Recipe:
     dagger: DaggerRecipe = DaggerRecipe()
     gail: GailRecipe = GailRecipe()
 
+    @property
+    def warm_up_steps(self) -> int:
+        """Steps in which the imitator does not learn yet, because the critic warms up."""
+        return 0 if self.method == "dagger" else self.policy.critic_warm_up_steps
+
     def to_dict(self) -> dict[str, Any]:
         """Return the recipe as JSON-ready data; ``recipe_from_dict`` gives it back."""
         return asdict(self)

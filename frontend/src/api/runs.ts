@@ -1,6 +1,6 @@
 import { queryOptions } from "@tanstack/react-query";
 
-import { api, unwrap } from "./client";
+import { api, fetchBytes, unwrap } from "./client";
 import type { Run, RunNew } from "./types";
 
 function at(runId: string) {
@@ -25,6 +25,13 @@ export function runsQuery(behaviourId?: number) {
       ),
   });
 }
+
+/** The runs that are not over. */
+export const activeRunsQuery = queryOptions({
+  queryKey: ["runs", { active: true }],
+  queryFn: ({ signal }) =>
+    unwrap(api.GET("/api/runs", { params: { query: { active: true } }, signal })),
+});
 
 export function runQuery(runId: string) {
   return queryOptions({
@@ -71,4 +78,26 @@ export function resumeRun(runId: string): Promise<Run> {
 
 export function deleteRun(runId: string): Promise<unknown> {
   return unwrap(api.DELETE("/api/runs/{run_id}", at(runId)));
+}
+
+/** How attention is mapped: at once by the gradient, or by occlusion, as published. */
+export type AttentionMethod = "gradient" | "occlusion";
+
+/** What a run's reward model looks at in a state of a recording; 84 x 84 values, row by row. */
+export function attentionQuery(
+  runId: string,
+  recordingId: number,
+  step: number,
+  method: AttentionMethod,
+) {
+  const query = new URLSearchParams({ step: String(step), method });
+  const url = `/api/runs/${runId}/attention/${recordingId}?${query.toString()}`;
+  return queryOptions({
+    queryKey: ["attention", runId, recordingId, step, method],
+    queryFn: async ({ signal }) => new Float32Array(await fetchBytes(url, signal)),
+    staleTime: Infinity,
+    gcTime: 60_000,
+    retry: false,
+    structuralSharing: false,
+  });
 }

@@ -794,6 +794,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/runs/{run_id}/attention/{recording_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Attention
+         * @description Return what a training's reward model looks at in a state of a recording.
+         *
+         *     The map is non-negative, in the observation's 84x84 pixels, and summed over its four screens.
+         *     Its computation stops when the client disconnects.
+         */
+        get: operations["get_attention"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/runs/{run_id}/cancel": {
         parameters: {
             query?: never;
@@ -1615,7 +1638,8 @@ export interface components {
          * Recipe
          * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
-         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
+         *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it. A training of
+         *     ``warm_up_steps`` or fewer learns nothing.
          */
         Recipe: {
             /** Default Steps */
@@ -1638,6 +1662,8 @@ export interface components {
             values: {
                 [key: string]: unknown;
             };
+            /** Warm Up Steps */
+            warm_up_steps: number;
         };
         /**
          * Recording
@@ -1800,10 +1826,31 @@ export interface components {
             to_step: number;
         };
         /**
+         * RewardState
+         * @description A state of a demonstration.
+         *
+         *     Attributes:
+         *         reward: R of the state.
+         *         recording_id: The demonstration that it is from.
+         *         step: The step after which it stands.
+         */
+        RewardState: {
+            /** Recording Id */
+            recording_id: number;
+            /** Reward */
+            reward: number;
+            /** Step */
+            step: number;
+        };
+        /**
          * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, beginning with the start.
+         *
+         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
          */
         RewardTrace: {
+            /** Levels */
+            levels: number[];
             /** Recording Id */
             recording_id: number;
             /** Rewards */
@@ -1923,8 +1970,12 @@ export interface components {
          * RunResults
          * @description All results of a training; parts that are missing yet are None or empty.
          *
+         *     ``verdict`` is None until the training is over.
+         *
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
-         *     ``proposed`` are the recordings of the imitator's games that are proposed for the ranking.
+         *     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
+         *     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
+         *     are proposed for the ranking.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -1942,11 +1993,14 @@ export interface components {
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
             judged: components["schemas"]["JudgedGames"][];
+            /** Percentiles */
+            percentiles: components["schemas"]["RewardState"][];
             /** Proposed */
             proposed: number[];
             run: components["schemas"]["Run"];
             /** Summaries */
             summaries: components["schemas"]["PolicyGamesSummary"][];
+            verdict: components["schemas"]["Verdict"] | null;
         };
         /**
          * RunStage
@@ -2020,6 +2074,23 @@ export interface components {
              * @default 24
              */
             count: number;
+        };
+        /**
+         * Verdict
+         * @description What came of a training, in words, and where to take the next step, if it is on a page.
+         */
+        Verdict: {
+            /** Advice */
+            advice: string;
+            /** Next Step */
+            next_step: ("rank" | "teach" | "train" | "games") | null;
+            /** Sentence */
+            sentence: string;
+            /**
+             * Tone
+             * @enum {string}
+             */
+            tone: "good" | "fair" | "bad" | "none";
         };
         /**
          * Verification
@@ -5842,6 +5913,8 @@ export interface operations {
     list_runs: {
         parameters: {
             query?: {
+                /** @description Only those that are not over. */
+                active?: boolean;
                 behaviour_id?: number | null;
             };
             header?: never;
@@ -6161,6 +6234,95 @@ export interface operations {
             };
             /** @description The current state does not allow it. */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_attention: {
+        parameters: {
+            query: {
+                method: "gradient" | "occlusion";
+                step: number;
+            };
+            header?: never;
+            path: {
+                recording_id: number;
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description float32 (84, 84), little-endian. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

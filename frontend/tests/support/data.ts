@@ -99,6 +99,7 @@ export function recipe(change: Partial<Recipe> = {}): Recipe {
     name: "fast",
     summary: "Minutes on a laptop.",
     default_steps: 300_000,
+    warm_up_steps: 12_000,
     learning_rate: 0.0003,
     values: { name: "fast", reward: { updates: 200 }, policy: { n_envs: 24 } },
     steps_per_s: 500,
@@ -157,6 +158,7 @@ export function game(change: Partial<EvaluationGame> = {}): EvaluationGame {
 export function results(one: Run, change: Partial<RunResults> = {}): RunResults {
   return {
     run: one,
+    verdict: null,
     check: null,
     comparison: [],
     further_comparison: [],
@@ -167,6 +169,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     alarm: null,
     judged: [],
     attention: [],
+    percentiles: [],
     artifacts: [],
     ...change,
   };

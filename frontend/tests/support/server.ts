@@ -6,6 +6,7 @@ export interface Asked {
   readonly path: string;
   readonly query: URLSearchParams;
   readonly body: unknown;
+  readonly signal: AbortSignal;
 }
 
 export class Refusal {
@@ -37,11 +38,12 @@ export function serve(answers: Readonly<Record<string, Answer>>): Asked[] {
       path: url.pathname,
       query: url.searchParams,
       body: parsed(text),
+      signal: request.signal,
     };
     all.push(asked);
     const answer = answers[`${asked.method} ${asked.path}`];
     if (!answer) return json(404, { detail: `Nothing at ${asked.method} ${asked.path}.` });
-    const given = answer(asked);
+    const given = await answer(asked);
     if (given instanceof Refusal) return json(given.status, given.body);
     if (given instanceof ArrayBuffer) return new Response(given);
     return given === undefined ? new Response(null, { status: 204 }) : json(200, given);

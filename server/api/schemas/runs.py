@@ -11,8 +11,9 @@ from pydantic import Field, StrictBool
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.recordings import Recording
 from tril.analysis.extrapolation import JudgedGame, PlayerKind
-from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline
+from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, RewardState
 from tril.analysis.summary import Policy, PolicySummary, Winner
+from tril.analysis.verdict import NextStep, Tone
 from tril.stages import Stage
 from tril.store.models import RunStatus
 from tril.store.training.evaluations import ActionSelection
@@ -29,12 +30,14 @@ class RunStage(Schema):
 class Recipe(Schema):
     """A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
 
-    ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it.
+    ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it. A training of
+    ``warm_up_steps`` or fewer learns nothing.
     """
 
     name: str
     summary: str
     default_steps: int
+    warm_up_steps: int
     learning_rate: float
     values: dict[str, Any]
     stages: list[RunStage]
@@ -201,14 +204,28 @@ class RewardAlarm(Schema):
     message: str
 
 
+class Verdict(Schema):
+    """What came of a training, in words, and where to take the next step, if it is on a page."""
+
+    tone: Tone
+    sentence: str
+    advice: str
+    next_step: NextStep | None
+
+
 class RunResults(Schema):
     """All results of a training; parts that are missing yet are None or empty.
 
+    ``verdict`` is None until the training is over.
+
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
-    ``proposed`` are the recordings of the imitator's games that are proposed for the ranking.
+    ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
+    empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
+    are proposed for the ranking.
     """
 
     run: Run
+    verdict: Verdict | None
     check: RankingCheck | None
     comparison: list[ComparisonRow]
     further_comparison: list[ComparisonRow]
@@ -219,6 +236,7 @@ class RunResults(Schema):
     alarm: RewardAlarm | None
     judged: list[JudgedGames]
     attention: list[AttentionMap]
+    percentiles: list[RewardState]
     artifacts: list[Artifact]
 
 
@@ -234,11 +252,15 @@ class Artifact(Schema):
 
 
 class RewardTrace(Schema):
-    """R (raw output) of every observation of a recording, by step, beginning with the start."""
+    """R (raw output) of every observation of a recording, by step, beginning with the start.
+
+    ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
+    """
 
     run_id: str
     recording_id: int
     rewards: list[float]
+    levels: list[float]
 
 
 RunResults.model_rebuild()

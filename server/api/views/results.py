@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
+from typing import cast
 
 from sqlalchemy.orm import Session
 
@@ -20,14 +21,22 @@ from server.api.schemas.runs import (
     RankingCheck,
     RewardAlarm,
     RunResults,
+    Verdict,
 )
 from server.api.views.recordings import RecordingViews
 from server.api.views.runs import run_view
-from tril.analysis.outcome import AttentionState, CheckOutcome, CheckVerdict
+from tril.analysis.outcome import (
+    AttentionState,
+    CheckOutcome,
+    CheckVerdict,
+    RewardPercentiles,
+    RewardState,
+)
 from tril.analysis.summary import winner
+from tril.analysis.verdict import Ended, RunFigures, verdict
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
-from tril.store.models import ArtifactRow, EvaluationRow, RunRow
+from tril.store.models import ArtifactRow, EvaluationRow, RunRow, RunStatus
 from tril.store.training import artifacts, evaluations
 from tril.store.training.alarms import alarm_of
 from tril.store.training.returns import judged_games
@@ -49,20 +58,43 @@ def run_results(session: Session, run: RunRow) -> RunResults:
     further = sorted({row.start_number for row in games} - set(headline_starts))
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
     shown = {key: views.one(row) for key, row in demonstrations.items()}
+    best = shown.get(tiers[0][0]) if tiers else None
     return RunResults(
         run=run_view(session, run),
+        verdict=_verdict(session, run, best, is_alarmed=alarm is not None),
         check=_check(run.outcome.check, tiers, shown),
         comparison=_comparison(headline_starts, games, views),
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
         proposed=[row.recording_id for row in evaluations.proposed_games(games, headline_starts)],
         summaries=_summaries(games, behaviours.n_targets(session, run.behaviour_id)),
-        best_demonstration=shown.get(tiers[0][0]) if tiers else None,
+        best_demonstration=best,
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
         attention=_attention(files),
+        percentiles=_percentiles(files),
         artifacts=[artifact_view(row) for row in files],
     )
+
+
+def _verdict(
+    session: Session, run: RunRow, best: Recording | None, *, is_alarmed: bool
+) -> Verdict | None:
+    status = RunStatus(run.status)
+    if not status.is_over:
+        return None
+    recipe = recipe_from_dict(run.recipe)
+    figures = RunFigures(
+        ended=cast(Ended, str(status)),
+        steps=run.steps,
+        default_steps=recipe.default_steps,
+        warm_up_steps=recipe.warm_up_steps,
+        n_targets=behaviours.n_targets(session, run.behaviour_id),
+        best_targets=None if best is None else best.targets,
+        headline=run.outcome.headline,
+        is_alarmed=is_alarmed,
+    )
+    return Verdict.model_validate(verdict(figures))
 
 
 def _check(
@@ -136,6 +168,11 @@ def _summaries(games: list[EvaluationRow], n_targets: int | None) -> list[Policy
         PolicyGamesSummary(policy=policy, action_selection=how, summary=summary)
         for (policy, how), summary in evaluations.summaries(games, n_targets).items()
     ]
+
+
+def _percentiles(files: list[ArtifactRow]) -> list[RewardState]:
+    found = [row for row in files if row.kind == "reward_percentiles"]
+    return RewardPercentiles.model_validate(found[0].details).states if found else []
 
 
 def _attention(files: list[ArtifactRow]) -> list[AttentionMap]:

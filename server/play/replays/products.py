@@ -1,10 +1,11 @@
-"""What a replay of a recording yields: its frames, a thumbnail, its memory and how it ends."""
+"""What a replay of a recording yields: frames, a thumbnail, memory, observations, its end."""
 
 from __future__ import annotations
 
 import io
 import json
 import struct
+import zlib
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,7 +16,7 @@ from tril.analysis.linear_reward import Picture, final_picture
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Episode
-from tril.game.observation import SIZE
+from tril.game.observation import SIZE, STACK, Observations
 from tril.game.palette import palette_rgb
 from tril.recording import Recording, replay, trajectory
 
@@ -98,6 +99,23 @@ def memory_file(recording: Recording, console: Console | None = None) -> bytes:
 def final_picture_file(recording: Recording, console: Console | None = None) -> bytes:
     """Return a recording's final picture: uint8 (84, 84), row by row."""
     return final_picture(trajectory(recording, console).observations).tobytes()
+
+
+def observations_file(recording: Recording, console: Console | None = None) -> bytes:
+    """Return a recording's observations: the newest screen of each, uint8 (T + 1, 84, 84), zlib."""
+    newest = trajectory(recording, console).observations[:, -1]
+    return zlib.compress(np.ascontiguousarray(newest).tobytes(), level=1)
+
+
+def read_observations(content: bytes) -> Observations:
+    """Return the observations, uint8 (T + 1, 4, 84, 84), of a file.
+
+    The older screens of an observation are the newest ones of the observations before; those of the
+    start are all alike.
+    """
+    newest = np.frombuffer(zlib.decompress(content), np.uint8).reshape(-1, SIZE, SIZE)
+    steps = np.arange(len(newest))[:, None] + np.arange(1 - STACK, 1)
+    return np.asarray(newest[np.maximum(steps, 0)], np.uint8)
 
 
 def read_final_picture(content: bytes) -> Picture:

@@ -12,6 +12,7 @@ from server.play.replays.products import (
     final_picture_file,
     frames_file,
     memory_file,
+    observations_file,
     thumbnail_png,
 )
 from tril.demonstrator.varied_play import play_varied
@@ -27,6 +28,7 @@ class ReplayTask(StrEnum):
     THUMBNAIL = "png"
     MEMORY = "ram"
     FINAL_PICTURE = "final"
+    OBSERVATIONS = "obs"
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
     ReplayTask.THUMBNAIL: thumbnail_png,
     ReplayTask.MEMORY: memory_file,
     ReplayTask.FINAL_PICTURE: final_picture_file,
+    ReplayTask.OBSERVATIONS: observations_file,
 }
 
 

@@ -18,12 +18,15 @@ from tril.store.models import RecordingRow, RunStatus, Source
 from tril.store.training import artifacts, evaluations, leases, metrics, runs
 from tril.store.training.evaluations import EvaluationKey
 
+PERCENTILES = [{"reward": p / 10, "recording_id": 1, "step": p} for p in range(101)]
+
 
 def test_the_recipes_say_what_they_cost(reader: TestClient) -> None:
     recipes = reader.get("/api/recipes").json()
     assert [recipe["name"] for recipe in recipes] == list(RECIPES)
     for recipe in recipes:
         assert recipe["steps_per_s"] > 0
+        assert recipe["warm_up_steps"] == (12_000 if recipe["name"] in {"fast", "gail"} else 0)
         assert not recipe["steps_per_s_measured"]
         assert recipe["values"]["policy"]["learning_rate"] == recipe["learning_rate"]
 
@@ -53,6 +56,7 @@ def test_a_run_is_made_with_what_the_page_chose_and_waits(
     assert client.get(f"/api/runs/{run['id']}").json() == run
     assert client.get("/api/runs", params={"behaviour_id": 1}).json() == [run]
     assert client.get("/api/runs", params={"behaviour_id": 2}).json() == []
+    assert client.get("/api/runs", params={"active": True}).json() == [run]
     assert client.get("/api/behaviours/1").json()["n_runs"] == 1
 
 
@@ -121,6 +125,7 @@ def test_a_run_is_cancelled_resumed_and_deleted(client: TestClient) -> None:
     assert client.post(f"{path}/cancel").json()["status"] == "cancelled"
     assert client.post(f"{path}/resume").json()["status"] == "queued"
     assert client.post(f"{path}/cancel").json()["status"] == "cancelled"
+    assert client.get("/api/runs", params={"active": True}).json() == []
     assert client.delete(path).status_code == 204
     assert client.get(path).status_code == 404
     assert client.get("/api/runs").json() == []
@@ -192,6 +197,8 @@ def fill_with_results(workplace: Workplace) -> str:
             }
             name = f"attention-maximum{suffix}.png"
             artifacts.save(session, run_id, kind, name, "image/png", 3, details)
+        name, every = "reward-percentiles.json", {"states": PERCENTILES}
+        artifacts.save(session, run_id, "reward_percentiles", name, "application/json", 3, every)
         leases.end(session, lease, RunStatus.DONE)
     store = ArtifactStore(workplace.settings.artifact_root)
     store.put(artifacts.path_of(run_id, "attention-maximum.png"), b"png")
@@ -237,6 +244,7 @@ def test_results_are_shown_as_the_thesis_tables_them(
     assert by_policy["clone"]["strays"] == {"mean": 2, "low": 2, "high": 2, "n": 1}
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
     assert len(results["games"]) == 4
+    assert results["verdict"]["sentence"].startswith("The imitator hits 3 of 6 targets")
 
 
 def test_returns_are_shown_with_what_the_games_were_worth(
@@ -279,6 +287,7 @@ def test_attention_maps_are_shown_with_their_frames_and_can_be_fetched(
     assert (shown["state"], shown["step"]) == ("maximum", 9)
     picture = client.get(shown["map_url"])
     assert (picture.content, picture.headers["content-type"]) == (b"png", "image/png")
+    assert client.get(f"/api/runs/{run_id}/results").json()["percentiles"] == PERCENTILES
     missing = client.get(shown["frame_url"])
     assert missing.status_code == 404
     assert len({shown["map_url"], shown["frame_url"], shown["red_blue_url"]}) == 3
@@ -305,6 +314,8 @@ def test_a_run_that_has_found_nothing_yet_has_empty_results(
     results = client.get(f"/api/runs/{workplace.make_run()}/results").json()
     assert results["check"] is None
     assert results["comparison"] == results["games"] == results["attention"] == []
+    assert results["percentiles"] == []
+    assert results["verdict"] is None
     assert results["best_demonstration"]["id"] == workplace.ranked[0]
 
 

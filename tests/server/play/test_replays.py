@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from server.play.replays import ReplayProcess, ReplayTask, process
-from server.play.replays.products import frames_file, read_final_picture
+from server.play.replays.products import frames_file, read_final_picture, read_observations
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.analysis.linear_reward import final_picture
@@ -79,6 +79,17 @@ def test_a_final_picture_shows_how_a_game_ends(
     made = replays.submit(ReplayTask.FINAL_PICTURE, recording).result(PATIENCE_S)
     shown = final_picture(trajectory(recording).observations)
     assert np.array_equal(read_final_picture(made), shown)
+
+
+@pytest.mark.parametrize("n_frames", [1, 9, 240])
+def test_observations_are_those_of_the_trajectory(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]], n_frames: int
+) -> None:
+    recording = played[0].until(n_frames)
+    made = replays.submit(ReplayTask.OBSERVATIONS, recording).result(PATIENCE_S)
+    expected = trajectory(recording).observations
+    assert len(expected) == -(-n_frames // 4) + 1
+    assert np.array_equal(read_observations(made), expected)
 
 
 def test_a_game_of_varied_play_is_made_from_its_seed(replays: ReplayProcess) -> None:

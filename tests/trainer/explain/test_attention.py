@@ -13,7 +13,9 @@ from trainer.explain.attention import (
     changes_at,
     changing_positions,
     pick_states,
+    states_at,
 )
+from trainer.explain.gradient import gradient_map
 from trainer.explain.occlusion import PATCH
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, RewardNetwork
@@ -78,8 +80,28 @@ def test_patches_anywhere_change_what_occlusion_changes(n_members: int) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
 
 
+def test_the_gradients_map_is_the_change_per_pixel_where_r_is_linear(
+    game_observation: npt.NDArray[np.uint8],
+) -> None:
+    model = _model(2)
+    quick = gradient_map(model, game_observation)
+    assert quick.shape == game_observation.shape
+    assert not quick[game_observation == 0].any()
+    rng = np.random.default_rng(0)
+    dimmed = game_observation.astype(np.int16)
+    lit = np.argwhere(game_observation > 1)
+    places = tuple(lit[rng.integers(0, len(lit), 40)].T)
+    for place in zip(*places, strict=True):
+        one = dimmed.copy()
+        one[place] -= 1
+        change = abs(model.score(np.stack([one, dimmed]).astype(np.uint8)) @ [1.0, -1.0])
+        per_pixel = change * game_observation[place]
+        assert quick[place] == pytest.approx(per_pixel, abs=0.1 * float(quick.max()))
+
+
 def test_an_empty_screen_has_no_attention() -> None:
     assert not attention_map(_model(1), np.zeros((4, 84, 84), np.uint8)).any()
+    assert not gradient_map(_model(1), np.zeros((4, 84, 84), np.uint8)).any()
 
 
 def test_only_patches_that_change_something_are_tried() -> None:
@@ -106,5 +128,8 @@ def test_states_are_chosen_by_their_reward() -> None:
         "maximum",
     ]
     assert [state.reward for state in picked] == [0.0, 89.0, 94.0, 99.0]
+    every = states_at(rewards, [percentile / 100 for percentile in range(101)])
+    assert [reward for _, _, reward in every[:3]] == [0.0, 1.0, 2.0]
+    assert every[-1] == (1, 49, 99.0)
     for state in picked:
         assert rewards[state.trajectory][state.step] == state.reward

@@ -11,6 +11,7 @@ import struct
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,12 @@ import pytest
 
 from testsupport.processes import tril_process
 from testsupport.workplace import Workplace, make_workplace
+from trainer.explain.attention import attention_map
+from trainer.explain.gradient import gradient_map
 from trainer.policy.networks import Policy, load_policy, new_policy, save_policy
+from trainer.progress import Progress
 from trainer.reward.model import RewardModel, new_network
+from trainer.runtime import inference
 from trainer.runtime.inference import InferenceServer, Models
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
@@ -29,6 +34,8 @@ from tril.inference import (
     MAX_HEADER_BYTES,
     MAX_OBSERVATIONS,
     OBSERVATION_BYTES,
+    AttentionMethod,
+    GivenUp,
     InferenceClient,
     receive_message,
     send_message,
@@ -63,6 +70,12 @@ def client(workplace: Workplace) -> InferenceClient:
 
 def some_observations(n: int, seed: int = 0) -> Observations:
     return np.random.default_rng(seed).integers(0, 256, (n, 4, 84, 84), np.uint8)
+
+
+def sparse_observations(n: int) -> Observations:
+    observations = np.zeros((n, 4, 84, 84), np.uint8)
+    observations[:, :, 40:46, 30:36] = some_observations(n)[:, :, 40:46, 30:36]
+    return observations
 
 
 def a_reward_model(seed: int = 0) -> RewardModel:
@@ -105,6 +118,17 @@ def test_rewards_equal_the_models_own(
         client.ping()
         rewards = client.reward(run_id, observations)
     np.testing.assert_allclose(rewards, a_reward_model().score(observations), rtol=1e-5)
+
+
+def test_the_scale_is_that_of_the_models_level(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = workplace.make_run()
+    keep_model(workplace, store, run_id, tmp_path, replace(a_reward_model(), zero=-0.5, one=2.0))
+    with serving(workplace):
+        assert client.scale(run_id) == (-0.5, 2.0)
+        with pytest.raises(NotFound, match="no reward model yet"):
+            client.scale("unknown")
 
 
 def test_more_observations_than_fit_one_message_are_sent_in_parts(
@@ -258,6 +282,49 @@ def framed(header: object) -> bytes:
     return struct.pack("<I", len(text)) + text
 
 
+@pytest.mark.parametrize("method", ["gradient", "occlusion"])
+def test_attention_is_that_of_the_model_summed_over_screens(
+    workplace: Workplace,
+    store: ArtifactStore,
+    client: InferenceClient,
+    tmp_path: Path,
+    method: AttentionMethod,
+) -> None:
+    run_id = run_with_model(workplace, store, tmp_path)
+    (observation,) = sparse_observations(1)
+    with serving(workplace):
+        found = client.attention(run_id, observation, method, lambda: False)
+    expected = {"gradient": gradient_map, "occlusion": attention_map}[method]
+    np.testing.assert_allclose(found, expected(a_reward_model(), observation).sum(0), rtol=1e-4)
+    assert found.max() > 0
+
+
+def test_attention_that_nobody_waits_for_is_dropped_by_both_ends(
+    workplace: Workplace,
+    store: ArtifactStore,
+    client: InferenceClient,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run_id = run_with_model(workplace, store, tmp_path)
+    stopped = threading.Event()
+
+    def endless(model: object, observation: object, progress: Progress) -> None:
+        try:
+            while True:
+                progress.advance(0, 1)
+        except BaseException:
+            stopped.set()
+            raise
+
+    monkeypatch.setattr(inference, "attention_map", endless)
+    with serving(workplace):
+        with pytest.raises(GivenUp):
+            client.attention(run_id, some_observations(1)[0], "occlusion", lambda: True)
+        assert stopped.wait(20.0)
+        client.ping()
+
+
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
@@ -277,6 +344,7 @@ def framed(header: object) -> bytes:
             + bytes(OBSERVATION_BYTES),
             "no policy 'king'",
         ),
+        (framed({"op": "attention", "run_id": "x", "n_bytes": 0}), "Expected one observation"),
     ],
 )
 def test_bad_requests_are_refused_with_a_reason_and_harm_nothing(

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from trainer.explain.attention import NamedState, attention_map, pick_states
+from trainer.explain.attention import NamedState, attention_map, pick_states, states_at
 from trainer.progress import Progress, ScaledProgress
 from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
 from trainer.runtime.run_data import RunData
-from tril.analysis.outcome import AttentionDetails
+from tril.analysis.outcome import AttentionDetails, RewardPercentiles, RewardState
 from tril.game.console import Console
 from tril.game.episode import Episode
 from tril.game.space_invaders import FRAMES_PER_STEP
@@ -29,11 +30,31 @@ def draw_attention(data: RunData, progress: Progress) -> None:
     for trajectory in data.ranked_trajectories:
         rewards.append(data.reward_model.score(trajectory.observations))
         data.context.check_cancelled()
+    _keep_percentiles(data, rewards)
     states = pick_states(rewards)
     for index, state in enumerate(states):
         part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
         _draw_state(data, state, part)
     _sum_up(data)
+
+
+def _keep_percentiles(data: RunData, rewards: Sequence[npt.NDArray[np.float32]]) -> None:
+    """Keep the states at all percentiles of R, so that the page can lead to any of them."""
+    ranked = data.snapshot.ranked
+    found = states_at(rewards, [percentile / 100 for percentile in range(101)])
+    details = RewardPercentiles(
+        states=[
+            RewardState(reward=reward, recording_id=ranked[index], step=step)
+            for index, step, reward in found
+        ]
+    )
+    data.context.save_artifact(
+        "reward_percentiles",
+        "reward-percentiles.json",
+        "application/json",
+        details.model_dump_json().encode(),
+        details.model_dump(mode="json"),
+    )
 
 
 def _draw_state(data: RunData, state: NamedState, progress: Progress) -> None:

@@ -5,9 +5,11 @@ import { Link, NavLink, Outlet, ScrollRestoration, useLocation } from "react-rou
 import { connection } from "@/api/connection";
 import { listenToChanges } from "@/app/changes/change-stream";
 import { Invalidator } from "@/app/changes/invalidation";
+import { useActiveRuns } from "@/app/runs/use-active-runs";
 import { Unauthorised } from "@/app/Unauthorised";
 import { Button, IconButton } from "@/components/controls/Button";
 import { Alien } from "@/components/game/AlienGrid";
+import { TitleContext } from "@/components/PageTitle";
 
 import styles from "./Layout.module.css";
 import { PlayerMenu } from "./PlayerMenu";
@@ -20,8 +22,13 @@ export function Layout() {
   useChanges(authorised);
   useFocusOnNewPage();
   if (!authorised) return <Unauthorised />;
+  return <Frame reachable={reachable} />;
+}
+
+function Frame({ reachable }: { reachable: boolean }) {
+  const title = useActiveRuns();
   return (
-    <>
+    <TitleContext value={title}>
       <a className={styles.skip} href="#main">
         Skip to content
       </a>
@@ -46,7 +53,7 @@ export function Layout() {
         <Outlet />
       </main>
       <ScrollRestoration />
-    </>
+    </TitleContext>
   );
 }
 

@@ -9,6 +9,9 @@ import {
 } from "react";
 
 import type { Recording } from "@/api/types";
+import { AttentionLayer } from "@/components/attention/AttentionLayer";
+import { AttentionPanel } from "@/components/attention/AttentionPanel";
+import { useAttention } from "@/components/attention/use-attention";
 import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
@@ -19,13 +22,14 @@ import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { stepOf } from "@/lib/recordings";
 
 import styles from "./RecordingPlayer.module.css";
+import { RewardCurve, type ShownReward } from "./RewardCurve";
 import { Scrubber } from "./Scrubber";
 
 interface RecordingPlayerProps {
   frames: RecordedFrames;
   hits: Recording["hits"];
-  /** R of each observation, one per step; plotted over time. */
-  rewards?: readonly number[] | undefined;
+  /** The learned reward to plot over time. */
+  reward?: ShownReward | undefined;
   /** The frame to begin at, paused; without it the recording plays at once. */
   startFrame?: number | undefined;
   /** Height available for the screen, in CSS pixels. Must be a stable reference. */
@@ -36,12 +40,14 @@ interface RecordingPlayerProps {
 
 /** Plays a recording back with a scrubber, speeds and single frames, by mouse and keyboard. */
 export function RecordingPlayer(props: RecordingPlayerProps) {
-  const { frames, hits, rewards, startFrame, screenHeight, children } = props;
+  const { frames, hits, reward, startFrame, screenHeight, children } = props;
   const playback = useMemo(() => new Playback(frames.last, frames.header.frame_rate_hz), [frames]);
   const stage = useRef<HTMLDivElement>(null);
   const size = useFittingScreenSize(stage, screenHeight);
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   const player = useRef<HTMLDivElement>(null);
+  const attention = useAttention(reward, playback);
+  const [opacity, setOpacity] = useState(0.8);
 
   // The keyboard controls the player, not the buttons before it.
   useEffect(() => player.current?.focus({ preventScroll: true }), []);
@@ -72,9 +78,14 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
     >
       <div className={styles.stage} ref={stage}>
         <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+        {attention.map && attention.step !== null && (
+          <AttentionLayer map={attention.map} step={attention.step} size={size} opacity={opacity} />
+        )}
       </div>
-      <Scrubber playback={playback} last={frames.last} hits={hits} rewards={rewards} />
+      <Scrubber playback={playback} last={frames.last} hits={hits} />
+      {reward && <RewardCurve reward={reward} playback={playback} last={frames.last} hits={hits} />}
       <Controls playback={playback} last={frames.last} />
+      {reward && <AttentionPanel attention={attention} opacity={opacity} onOpacity={setOpacity} />}
       {children?.(playback)}
     </div>
   );

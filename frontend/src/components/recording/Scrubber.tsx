@@ -1,6 +1,6 @@
 import { memo, useSyncExternalStore } from "react";
 
-import { FRAME_RATE_HZ, FRAMES_PER_STEP, measured, seconds } from "@/lib/format";
+import { FRAME_RATE_HZ, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 
@@ -17,12 +17,10 @@ interface ScrubberProps {
   playback: Playback;
   last: number;
   hits: readonly Hit[];
-  /** R of each observation, one per step; plotted below on the same axis. */
-  rewards?: readonly number[] | undefined;
 }
 
-/** A slider over the frames, with marks at the hits and R plotted below. */
-export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
+/** A slider over the frames, with marks at the hits. */
+export function Scrubber({ playback, last, hits }: ScrubberProps) {
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   return (
     <div className={styles.scrubber}>
@@ -37,7 +35,6 @@ export function Scrubber({ playback, last, hits, rewards }: ScrubberProps) {
         value={frame}
         onChange={(event) => playback.seek(event.currentTarget.valueAsNumber)}
       />
-      {rewards && rewards.length > 1 && <RewardPlot rewards={rewards} frame={frame} last={last} />}
     </div>
   );
 }
@@ -73,66 +70,8 @@ function markClass({ on_target: onTarget }: Hit): string | undefined {
   return onTarget ? styles.onTarget : styles.offTarget;
 }
 
-function describeHit(hit: Hit): string {
+/** Describes a hit: "stray, row 3, column 4 at 0.3 s". */
+export function describeHit(hit: Hit): string {
   const what = hit.on_target === false ? "stray, " : "";
   return `${what}${cellName([hit.row, hit.column])} at ${seconds(hit.frame / FRAME_RATE_HZ)}`;
 }
-
-const HEIGHT = 56;
-
-function RewardPlot({
-  rewards,
-  frame,
-  last,
-}: {
-  rewards: readonly number[];
-  frame: number;
-  last: number;
-}) {
-  const step = Math.min(Math.floor(frame / FRAMES_PER_STEP), rewards.length - 1);
-  return (
-    <>
-      <svg
-        className={styles.plot}
-        viewBox={`0 0 ${Math.max(last, 1)} ${HEIGHT}`}
-        height={HEIGHT}
-        preserveAspectRatio="none"
-        role="img"
-        aria-label="R over time"
-      >
-        <RewardLine rewards={rewards} last={last} />
-        <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={HEIGHT} />
-      </svg>
-      <div className={styles.legend}>
-        <span>
-          R of the reward model, {measured(Math.min(...rewards))} to{" "}
-          {measured(Math.max(...rewards))}
-        </span>
-        <span>
-          {measured(rewards[step] ?? NaN)} at step {step}
-        </span>
-      </div>
-    </>
-  );
-}
-
-const RewardLine = memo(function RewardLine({
-  rewards,
-  last,
-}: {
-  rewards: readonly number[];
-  last: number;
-}) {
-  const low = Math.min(...rewards);
-  const high = Math.max(...rewards);
-  const y = (value: number) => HEIGHT - 2 - ((value - low) / (high - low || 1)) * (HEIGHT - 4);
-  const points = rewards.map(
-    (value, step) => `${Math.min(step * FRAMES_PER_STEP, last)} ${y(value).toFixed(2)}`,
-  );
-  return (
-    <>
-      {low < 0 && high > 0 && <line className={styles.zero} x1={0} x2={last} y1={y(0)} y2={y(0)} />}
-      <path className={styles.line} d={`M${points.join("L")}`} />
-    </>
-  );
-});

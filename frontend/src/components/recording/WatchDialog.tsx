@@ -2,12 +2,10 @@ import { useQuery } from "@tanstack/react-query";
 import type { ReactNode } from "react";
 import { Link } from "react-router";
 
-import { messageOf } from "@/api/client";
 import { framesQuery } from "@/api/recordings";
-import { rewardTraceQuery } from "@/api/runs";
 import type { Recording } from "@/api/types";
 import { Dialog } from "@/components/controls/Dialog";
-import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { Failed, Loading } from "@/components/feedback/States";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
 
 import { RecordingPlayer } from "./RecordingPlayer";
@@ -31,10 +29,6 @@ interface WatchDialogProps {
 export function WatchDialog(props: WatchDialogProps) {
   const { recording, nTargets, title, runId, startFrame, actions, onClose } = props;
   const frames = useQuery(framesQuery(recording));
-  const trace = useQuery({
-    ...rewardTraceQuery(runId ?? "", recording.id),
-    enabled: runId !== undefined,
-  });
   return (
     <Dialog title={title ?? recordingName(recording)} onClose={onClose} width="56rem">
       <div className={styles.watch}>
@@ -42,7 +36,7 @@ export function WatchDialog(props: WatchDialogProps) {
           <RecordingPlayer
             frames={frames.data}
             hits={recording.hits}
-            rewards={trace.data?.rewards}
+            reward={runId === undefined ? undefined : { runId, recordingId: recording.id }}
             startFrame={startFrame}
             screenHeight={screenHeight}
           />
@@ -50,11 +44,6 @@ export function WatchDialog(props: WatchDialogProps) {
           <Failed what="The recording" error={frames.error} onRetry={() => void frames.refetch()} />
         ) : (
           <Loading what="the recording" rows={1} height="20rem" />
-        )}
-        {trace.error && (
-          <Notice tone="calm" live>
-            <p>R over time can&rsquo;t be shown: {messageOf(trace.error)}</p>
-          </Notice>
         )}
         <p className={styles.facts}>
           <span>{describeScore(recording, nTargets)}</span>
@@ -68,5 +57,5 @@ export function WatchDialog(props: WatchDialogProps) {
 }
 
 /** The part of the window's height that the rest of the dialog needs. */
-const CHROME_PX = 300;
-const screenHeight = (windowHeight: number) => windowHeight - CHROME_PX;
+const CHROME_PX = 420;
+const screenHeight = (windowHeight: number) => Math.max(windowHeight - CHROME_PX, 210);

@@ -10,6 +10,7 @@ import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
+import { PageTitle } from "@/components/PageTitle";
 import { classes } from "@/lib/classes";
 import { isActive } from "@/lib/runs";
 
@@ -40,7 +41,7 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
   if (!behaviour) return <Loading what="the behaviour" rows={2} height="5rem" />;
   return (
     <>
-      <title>{`${behaviour.name} · Tril`}</title>
+      <PageTitle>{`${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
         <AlienGrid target={behaviour.target} label="" />
         <div className={styles.words}>

@@ -9,6 +9,7 @@ import { Button, ButtonLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
+import { PageTitle } from "@/components/PageTitle";
 import { bounds, count, fixed } from "@/lib/format";
 import { isActive, statusLine } from "@/lib/runs";
 
@@ -37,7 +38,7 @@ export function HomePage() {
   const first = all[0];
   return (
     <>
-      <title>Tril</title>
+      <PageTitle>Tril</PageTitle>
       {isNew && first && <Welcome first={first} all={all} />}
       <div className={styles.bar}>
         {isNew ? <h2>Behaviours to teach</h2> : <h1>Behaviours</h1>}

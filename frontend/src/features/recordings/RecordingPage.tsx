@@ -6,6 +6,7 @@ import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { PageTitle } from "@/components/PageTitle";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
 import { SourceBadge } from "@/components/recording/SourceBadge";
@@ -15,7 +16,8 @@ import { ValueTable } from "@/components/ValueTable";
 import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
-import { count, FRAME_RATE_HZ, moment, seconds } from "@/lib/format";
+import { useRewardRun } from "@/features/recordings/detail/use-reward-run";
+import { count, FRAME_RATE_HZ, FRAMES_PER_STEP, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
@@ -42,10 +44,11 @@ export function RecordingPage({
   const course = useQuery(courseQuery(recording.id));
   const [search] = useSearchParams();
   const { restore } = useRecordingActions(behaviour.id);
+  const { runId, control } = useRewardRun(behaviour);
   const name = recordingName(recording);
   return (
     <>
-      <title>{`${name} · ${behaviour.name} · Tril`}</title>
+      <PageTitle>{`${name} · ${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
         <h2>{name}</h2>
         <Actions recording={recording} behaviour={behaviour} />
@@ -63,11 +66,15 @@ export function RecordingPage({
           <RecordingPlayer
             frames={frames.data}
             hits={recording.hits}
+            reward={
+              runId === null ? undefined : { runId, recordingId: recording.id, menu: control }
+            }
             startFrame={frameOf(search)}
             screenHeight={screenHeight}
           >
             {(playback) => (
               <>
+                {runId === null && control}
                 {course.data && <ActionLanes playback={playback} actions={course.data.actions} />}
                 <Hits playback={playback} recording={recording} />
                 {course.data && <MemoryView playback={playback} course={course.data} />}
@@ -96,9 +103,10 @@ export function RecordingPage({
   );
 }
 
-/** Returns the frame that an address names, so that a moment can be linked to. */
+/** Returns the frame that an address names by frame or step, so that a moment can be linked to. */
 function frameOf(search: URLSearchParams): number {
-  const frame = Number(search.get("frame") ?? 0);
+  const step = search.get("step");
+  const frame = step === null ? Number(search.get("frame") ?? 0) : Number(step) * FRAMES_PER_STEP;
   return Number.isInteger(frame) && frame > 0 ? frame : 0;
 }
 

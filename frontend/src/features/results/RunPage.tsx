@@ -4,6 +4,7 @@ import { type ReactNode, useState } from "react";
 import { resultsQuery } from "@/api/runs";
 import type { Behaviour, Recording, Run, RunResults } from "@/api/types";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { PageTitle } from "@/components/PageTitle";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { Attention } from "@/features/results/attention/Attention";
 import { Curves } from "@/features/results/curves/Curves";
@@ -15,10 +16,12 @@ import { Extrapolation } from "@/features/results/reward/Extrapolation";
 import { RewardCheck } from "@/features/results/reward/RewardCheck";
 import { Alarms } from "@/features/results/run/Alarms";
 import { Files } from "@/features/results/run/Files";
+import { NotifySwitch } from "@/features/results/run/NotifySwitch";
 import { Parameters } from "@/features/results/run/Parameters";
 import { RunHead } from "@/features/results/run/RunHead";
 import { RunNotices } from "@/features/results/run/RunNotices";
 import { Stages } from "@/features/results/run/Stages";
+import { VerdictView } from "@/features/results/run/VerdictView";
 import { WatchLinks } from "@/features/results/run/WatchLinks";
 import { isActive, runName } from "@/lib/runs";
 
@@ -31,9 +34,18 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
   const [watched, setWatched] = useState<Watched | null>(null);
   return (
     <div className={styles.stack}>
-      <title>{`${runName(run)} · ${behaviour.name} · Tril`}</title>
+      <PageTitle>{`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
       <RunHead run={run} />
+      {results?.verdict && (
+        <VerdictView
+          verdict={results.verdict}
+          run={run}
+          behaviour={behaviour}
+          canTeach={results.proposed.length > 0}
+        />
+      )}
       <RunNotices run={run} />
+      {isActive(run) && <NotifySwitch />}
       {run.status !== "done" && <Stages run={run} />}
       {results ? (
         <Sections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />

@@ -88,6 +88,7 @@ export function TrainForm(props: TrainFormProps) {
         recipe={recipe}
         onChange={(text) => change({ steps: text })}
       />
+      {steps > 0 && steps <= recipe.warm_up_steps && <TooShort recipe={recipe} />}
       <MoreSettings values={values} errors={errors} recipe={recipe} onChange={change} />
       {start.error && (
         <Notice tone="bad" live>
@@ -123,6 +124,19 @@ function showInvalid(form: Element): void {
   const folded = field?.closest("details");
   if (folded) folded.open = true;
   field?.focus();
+}
+
+/** A run that ends before the imitator begins to learn. */
+function TooShort({ recipe }: { recipe: Recipe }) {
+  return (
+    <Notice live>
+      <p>
+        This is too short to learn anything: in the first {whole(recipe.warm_up_steps)} steps only
+        the critic learns, and the imitator plays as it began. The recipe proposes{" "}
+        {whole(recipe.default_steps)}.
+      </p>
+    </Notice>
+  );
 }
 
 /** The run that this one continues. */

@@ -19,6 +19,10 @@ class SilentEventSource extends EventTarget {
 }
 
 function open(path: string) {
+  return openWith(path).router;
+}
+
+function openWith(path: string) {
   const client = createQueryClient();
   client.setDefaultOptions({ queries: { retry: false } });
   const router = createMemoryRouter(routes, { initialEntries: [path] });
@@ -29,7 +33,7 @@ function open(path: string) {
       </ToastProvider>
     </QueryClientProvider>,
   );
-  return router;
+  return { client, router };
 }
 
 const CALM = {
@@ -53,6 +57,38 @@ describe("every page", () => {
     open("/");
     expect(await screen.findByRole("button", { name: /Player: Ada/ })).toBeVisible();
     expect(screen.getByText("Worker ready")).toBeVisible();
+  });
+
+  it("shows the progress of a run in its title, and announces the end with the verdict", async () => {
+    const shown: string[] = [];
+    class Shown {
+      static readonly permission = "granted";
+      constructor(title: string, options: NotificationOptions) {
+        shown.push(`${title}: ${options.body ?? ""}`);
+      }
+    }
+    vi.stubGlobal("Notification", Shown);
+    localStorage.setItem("tril-notify", "on");
+    const one = run({ id: "r1", progress: 0.347, behaviour_name: "Column 3" });
+    let active = [one];
+    serve({
+      ...CALM,
+      "GET /api/runs": ({ query }) => (query.has("active") ? active : []),
+      "GET /api/runs/r1/results": () =>
+        results(
+          { ...one, status: "done" },
+          { verdict: { tone: "good", sentence: "It plays well.", advice: "", next_step: null } },
+        ),
+    });
+    const { client, router } = openWith("/");
+    await waitFor(() => expect(document.title).toBe("34% · Column 3 – Tril"));
+    active = [];
+    await client.invalidateQueries({ queryKey: ["runs"] });
+    expect(await screen.findByText("Column 3: It plays well.")).toBeVisible();
+    expect(document.title).toBe("Tril");
+    expect(shown).toEqual(["Run of Column 3 ended: It plays well."]);
+    await userEvent.click(screen.getByRole("button", { name: "Look" }));
+    expect(router.state.location.pathname).toBe("/runs/r1");
   });
 
   it("shows the processes and the disk usage", async () => {

@@ -1,11 +1,11 @@
-import { screen, waitFor, within } from "@testing-library/react";
+import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
-import type { Recording, RecordingCourse } from "@/api/types";
+import type { Recording, RecordingCourse, Run } from "@/api/types";
 import { RecordingPage } from "@/features/recordings/RecordingPage";
 
-import { behaviour, recording } from "../../support/data";
+import { behaviour, recording, run } from "../../support/data";
 import { framesFile } from "../../support/frames";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
@@ -31,7 +31,23 @@ function memory(): ArrayBuffer {
   return bytes.buffer;
 }
 
-function page(change: Partial<Recording> = {}, of: Partial<RecordingCourse> = {}, path = "/") {
+const NEWEST = "aaaaaa00-0000-4000-8000-000000000000";
+const OLDER = "bbbbbb00-0000-4000-8000-000000000000";
+
+/** R of the seven states of the recording by two runs. */
+function trace(runId: string) {
+  const sign = runId === NEWEST ? 1 : -1;
+  const levels = Array.from({ length: 7 }, (_, step) => (sign * step) / 6);
+  return { run_id: runId, recording_id: 1, rewards: levels, levels };
+}
+
+function page(
+  change: Partial<Recording> = {},
+  of: Partial<RecordingCourse> = {},
+  path = "/",
+  runs: readonly Run[] = [],
+  exactMap: Promise<unknown> = Promise.resolve(),
+) {
   const shown = recording({
     n_frames: N_FRAMES,
     n_steps: 6,
@@ -43,6 +59,13 @@ function page(change: Partial<Recording> = {}, of: Partial<RecordingCourse> = {}
   });
   const asked = serve({
     "GET /api/recordings/1/frames": () => framesFile(N_FRAMES),
+    "GET /api/runs": () => runs,
+    [`GET /api/runs/${NEWEST}/reward/1`]: () => trace(NEWEST),
+    [`GET /api/runs/${OLDER}/reward/1`]: () => trace(OLDER),
+    [`GET /api/runs/${NEWEST}/attention/1`]: async ({ query }) => {
+      if (query.get("method") === "occlusion") await exactMap;
+      return new Float32Array(84 * 84).fill(1).buffer;
+    },
     "GET /api/recordings/1/course": () => course(of),
     "GET /api/recordings/1/memory": memory,
     "GET /api/recordings/1/clip.gif": () => new ArrayBuffer(8),
@@ -170,6 +193,97 @@ describe("the page of a recording", () => {
       "href",
       "/api/recordings/1/export",
     );
+  });
+
+  describe("with runs", () => {
+    const runs = [
+      run({ id: "cccccc00-0000-4000-8000-000000000000", status: "running" }),
+      run({ id: NEWEST, status: "done" }),
+      run({ id: OLDER, status: "done", recipe: "paper" }),
+    ];
+    const curve = () => screen.findByRole("slider", { name: "Position on the curve of R" });
+
+    it("plots the reward of the newest finished one, in step with the picture", async () => {
+      page({}, {}, "/?step=3", runs);
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50");
+      (await curve()).focus();
+      await userEvent.keyboard("{Shift>}{ArrowRight}{/Shift}");
+      expect((await position()).valueAsNumber).toBe(16);
+      expect(screen.getByText("Level 0.67 (R 0.67) at step 4")).toBeVisible();
+      await userEvent.keyboard("{Home}");
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 0, level 0.00");
+    });
+
+    it("moves the picture when the curve is dragged", async () => {
+      page({}, {}, "/", runs);
+      const plot = await curve();
+      const captured = new Set<number>();
+      plot.setPointerCapture = (id) => captured.add(id);
+      plot.hasPointerCapture = (id) => captured.has(id);
+      plot.getBoundingClientRect = () => new DOMRect(100, 0, 240, 96);
+      const slider = await position();
+      fireEvent.pointerMove(plot, { clientX: 220, pointerId: 1 });
+      expect(slider.valueAsNumber).toBe(0);
+      fireEvent.pointerDown(plot, { clientX: 160, pointerId: 1, button: 0 });
+      expect(slider.valueAsNumber).toBe(6);
+      fireEvent.pointerMove(plot, { clientX: 220, pointerId: 1 });
+      expect(slider.valueAsNumber).toBe(12);
+      fireEvent.pointerMove(plot, { clientX: 999, pointerId: 1 });
+      expect(slider.valueAsNumber).toBe(N_FRAMES);
+    });
+
+    it("chooses another one from the menu, and from the address", async () => {
+      page({}, {}, `/?step=3&run=${OLDER}`, runs);
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level −0.50");
+      const menu = screen.getByRole("combobox", { name: "Reward model of" });
+      expect(within(menu).getAllByRole("option")).toHaveLength(2);
+      await userEvent.selectOptions(menu, NEWEST);
+      await waitFor(async () =>
+        expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50"),
+      );
+    });
+
+    it("shows what the reward looks at, quickly and then exactly", async () => {
+      let compute: () => void = () => undefined;
+      const computed = new Promise<void>((resolve) => {
+        compute = resolve;
+      });
+      const asked = page({}, {}, "/?step=2", runs, computed);
+      await curve();
+      await userEvent.click(screen.getByRole("button", { name: "What the reward looks at" }));
+      expect(await screen.findByText(/Step 2, estimated by the gradient/)).toBeVisible();
+      expect(screen.getByRole("img", { name: "What the reward looks at in step 2" })).toBeVisible();
+      await userEvent.keyboard("{Shift>}{ArrowRight}{/Shift}");
+      expect(await screen.findByText(/Step 3, estimated by the gradient/)).toBeVisible();
+      compute();
+      expect(await screen.findByText(/Step 3, exact/)).toBeVisible();
+      const maps = asked.filter(({ path }) => path.includes("/attention/"));
+      expect(maps.map(({ query }) => `${query.get("step")} ${query.get("method")}`)).toEqual([
+        "2 gradient",
+        "2 occlusion",
+        "3 gradient",
+        "3 occlusion",
+      ]);
+      expect(maps.map(({ signal }) => signal.aborted)).toEqual([false, true, false, false]);
+      fireEvent.change(screen.getByRole("slider", { name: "Opacity" }), {
+        target: { value: "30" },
+      });
+      expect(screen.getByRole("img", { name: /looks at in step 3/ })).toHaveStyle({
+        opacity: "0.3",
+      });
+    });
+
+    it("says where there is no reward, and what to do", async () => {
+      page({}, {}, "/", runs.slice(0, 1));
+      expect(
+        await screen.findByText(/No run of Column 1 has finished yet, so there is no learned/),
+      ).toBeVisible();
+      expect(screen.getByRole("link", { name: "Look at its runs" })).toHaveAttribute(
+        "href",
+        "/behaviours/1/runs",
+      );
+      expect(screen.queryByRole("slider", { name: "Position on the curve of R" })).toBeNull();
+    });
   });
 
   it("offers no deletion of what belongs to a training", async () => {

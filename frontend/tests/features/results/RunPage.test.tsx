@@ -1,4 +1,4 @@
-import { screen, waitFor, within } from "@testing-library/react";
+import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
@@ -7,6 +7,7 @@ import { RunPage } from "@/features/results/RunPage";
 import { RunsPage } from "@/features/results/RunsPage";
 
 import { behaviour, game, recording, results, run, system } from "../../support/data";
+import { framesFile } from "../../support/frames";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
@@ -38,6 +39,24 @@ function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeo
   show(<RunPage run={one} behaviour={behaviour()} />);
   return asked;
 }
+
+describe("a run that is over", () => {
+  it("opens with its verdict and leads to what to do next", async () => {
+    const verdict = {
+      tone: "fair",
+      sentence: "The imitator hits 4 of 6 targets.",
+      advice: "Train for longer.",
+      next_step: "train",
+    } as const;
+    open(run({ status: "done" }), { verdict });
+    const said = within(await screen.findByRole("region", { name: "Verdict" }));
+    expect(said.getByText("The imitator hits 4 of 6 targets.")).toBeVisible();
+    expect(said.getByRole("link", { name: "Train again" })).toHaveAttribute(
+      "href",
+      "/behaviours/1/train",
+    );
+  });
+});
 
 describe("a run that goes", () => {
   it("says how far it is, stage by stage", async () => {
@@ -175,6 +194,11 @@ describe("the results", () => {
         red_blue_url: "/rb.png",
       },
     ],
+    percentiles: Array.from({ length: 101 }, (_, percentile) => ({
+      reward: percentile / 10,
+      recording_id: percentile < 90 ? 11 : 12,
+      step: percentile * 2,
+    })),
     artifacts: [
       {
         id: 1,
@@ -296,6 +320,27 @@ describe("the results", () => {
     await userEvent.click(screen.getByRole("radio", { name: "Red-blue" }));
     expect(map).toHaveAttribute("src", "/rb.png");
     expect(screen.getByRole("button", { name: "Watch Recording 12 from step 248" })).toBeVisible();
+  });
+
+  it("lead to the state at any percentile of R, and to those of the maps", async () => {
+    open(one, results, { "GET /api/recordings/12/frames": () => framesFile(8) });
+    const any = within(await screen.findByRole("region", { name: "Any percentile of R" }));
+    const slider = any.getByRole("slider", { name: "Any percentile of R" });
+    expect(slider).toHaveAttribute("aria-valuetext", "75th percentile, R 7.50");
+    fireEvent.change(slider, { target: { value: "93" } });
+    expect(slider).toHaveAttribute("aria-valuetext", "93rd percentile, R 9.30");
+    expect(any.getByText("Recording 12, step 186")).toBeVisible();
+    expect(
+      await any.findByRole("img", { name: "Screen at step 186 of Recording 12" }),
+    ).toBeVisible();
+    expect(any.getByRole("link", { name: "Open this moment" })).toHaveAttribute(
+      "href",
+      `/recordings/12?step=186&run=${one.id}`,
+    );
+    expect(screen.getByRole("link", { name: "Recording 12, step 248" })).toHaveAttribute(
+      "href",
+      `/recordings/12?step=248&run=${one.id}`,
+    );
   });
 
   it("can be downloaded", async () => {

@@ -1,4 +1,4 @@
-import { screen, waitFor } from "@testing-library/react";
+import { fireEvent, screen, waitFor } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
@@ -63,6 +63,16 @@ describe("training", () => {
       go_on_anyway: false,
       example: false,
     });
+  });
+
+  it("says when so few steps teach nothing", async () => {
+    open(RANKED);
+    const steps = await screen.findByLabelText("Steps");
+    expect(screen.queryByText(/too short to learn anything/)).toBeNull();
+    fireEvent.change(steps, { target: { value: "12,000" } });
+    expect(screen.getByText(/too short to learn anything: in the first 12,000/)).toBeVisible();
+    fireEvent.change(steps, { target: { value: "12,001" } });
+    expect(screen.queryByText(/too short to learn anything/)).toBeNull();
   });
 
   it("keeps what was typed when another recipe is chosen; the rest follows the recipe", async () => {

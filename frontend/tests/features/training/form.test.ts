@@ -6,6 +6,7 @@ const RECIPE = {
   name: "fast",
   summary: "Fast.",
   default_steps: 300_000,
+  warm_up_steps: 12_000,
   learning_rate: 0.0003,
   values: {},
   steps_per_s: 500,

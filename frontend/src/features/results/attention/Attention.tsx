@@ -1,4 +1,5 @@
 import { useMemo, useState } from "react";
+import { Link } from "react-router";
 
 import type { AttentionMap, Recording, RunResults } from "@/api/types";
 import type { Watched } from "@/features/results/watched";
@@ -6,6 +7,8 @@ import { FRAMES_PER_STEP, measured } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Attention.module.css";
+import { AnyPercentile } from "./AnyPercentile";
+import { momentPath } from "./moment";
 import { ScreenImage, SquareImage } from "./PixelImage";
 
 type ColourMap = "perceptual" | "red-blue";
@@ -60,10 +63,18 @@ export function Attention({ results, onWatch }: AttentionProps) {
             map={map}
             colours={colours}
             recording={recordings.get(map.recording_id)}
+            runId={results.run.id}
             onWatch={onWatch}
           />
         ))}
       </div>
+      {results.percentiles.length > 0 && (
+        <AnyPercentile
+          states={results.percentiles}
+          recordings={recordings}
+          runId={results.run.id}
+        />
+      )}
     </>
   );
 }
@@ -72,11 +83,13 @@ function MapFigure({
   map,
   colours,
   recording,
+  runId,
   onWatch,
 }: {
   map: AttentionMap;
   colours: ColourMap;
   recording: Recording | undefined;
+  runId: string;
   onWatch: (watched: Watched) => void;
 }) {
   const name = recordingName({ id: map.recording_id });
@@ -111,9 +124,9 @@ function MapFigure({
       <figcaption>
         <strong>{map.state}</strong>
         <span>R {measured(map.reward)}</span>
-        <span>
+        <Link to={momentPath(map, runId)}>
           {name}, step {map.step}
-        </span>
+        </Link>
       </figcaption>
     </figure>
   );

@@ -1,0 +1,185 @@
+import { useQuery } from "@tanstack/react-query";
+import { memo, type PointerEvent, type ReactNode, useSyncExternalStore } from "react";
+
+import { messageOf } from "@/api/client";
+import { rewardTraceQuery } from "@/api/runs";
+import type { Recording } from "@/api/types";
+import { Loading, Notice } from "@/components/feedback/States";
+import { classes } from "@/lib/classes";
+import { fixed, FRAMES_PER_STEP, measured } from "@/lib/format";
+import type { Playback } from "@/lib/game/playback";
+
+import styles from "./RewardCurve.module.css";
+import { describeHit } from "./Scrubber";
+
+export interface ShownReward {
+  /** The run whose reward model judges the recording. */
+  readonly runId: string;
+  readonly recordingId: number;
+  /** Rendered in the curve's heading, such as a menu of runs. */
+  readonly menu?: ReactNode;
+}
+
+interface RewardCurveProps {
+  reward: ShownReward;
+  playback: Playback;
+  last: number;
+  hits: Recording["hits"];
+}
+
+/** The level of the learned reward along a recording, in step with the picture. */
+export function RewardCurve({ reward, playback, last, hits }: RewardCurveProps) {
+  const { data, error } = useQuery(rewardTraceQuery(reward.runId, reward.recordingId));
+  return (
+    <section className={styles.reward} aria-label="Learned reward">
+      <div className={styles.head}>
+        <h3>Learned reward</h3>
+        {reward.menu}
+      </div>
+      {data ? (
+        <Curve
+          levels={data.levels}
+          rewards={data.rewards}
+          playback={playback}
+          last={last}
+          hits={hits}
+        />
+      ) : error ? (
+        <Notice tone="calm" live>
+          <p>R over time can&rsquo;t be shown: {messageOf(error)}</p>
+        </Notice>
+      ) : (
+        <Loading what="the learned reward" rows={1} height={`${HEIGHT}px`} />
+      )}
+    </section>
+  );
+}
+
+const HEIGHT = 96;
+/** Room above and below the curve, for the cursor's dot. */
+const PADDING = 6;
+
+interface CurveProps {
+  levels: readonly number[];
+  rewards: readonly number[];
+  playback: Playback;
+  last: number;
+  hits: Recording["hits"];
+}
+
+function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
+  const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
+  const step = stepAt(frame, levels.length);
+  const level = levels[step] ?? NaN;
+  const seek = (event: PointerEvent<HTMLDivElement>) => {
+    const box = event.currentTarget.getBoundingClientRect();
+    playback.pause();
+    playback.seek(((event.clientX - box.left) / Math.max(box.width, 1)) * last);
+  };
+  const y = scaleOf(levels);
+  return (
+    <>
+      <div
+        className={styles.plot}
+        style={{ height: HEIGHT }}
+        role="slider"
+        tabIndex={0}
+        aria-label="Position on the curve of R"
+        aria-valuemin={0}
+        aria-valuemax={last}
+        aria-valuenow={frame}
+        aria-valuetext={`step ${step}, level ${fixed(level, 2)}`}
+        onPointerDown={(event) => {
+          if (event.button !== 0) return;
+          event.currentTarget.setPointerCapture(event.pointerId);
+          seek(event);
+        }}
+        onPointerMove={(event) => {
+          if (event.currentTarget.hasPointerCapture(event.pointerId)) seek(event);
+        }}
+      >
+        <CurveLines levels={levels} last={last} hits={hits} />
+        <svg className={styles.layer} aria-hidden="true">
+          <g className={styles.cursor}>
+            <line x1={percentOf(frame, last)} x2={percentOf(frame, last)} y1="0" y2="100%" />
+            <circle cx={percentOf(frame, last)} cy={y(level)} r={4} />
+          </g>
+        </svg>
+      </div>
+      <p className={styles.legend}>
+        <span>
+          Level {fixed(level, 2)} (R {measured(rewards[step] ?? NaN)}) at step {step}
+        </span>
+        <span>0: how demonstrations begin, 1: how the best ones end</span>
+      </p>
+    </>
+  );
+}
+
+const CurveLines = memo(function CurveLines({
+  levels,
+  last,
+  hits,
+}: Pick<CurveProps, "levels" | "last" | "hits">) {
+  const y = scaleOf(levels);
+  const points = levels.map(
+    (level, step) => `${Math.min(step * FRAMES_PER_STEP, last)} ${y(level).toFixed(2)}`,
+  );
+  return (
+    <>
+      <svg
+        className={styles.layer}
+        viewBox={`0 0 ${Math.max(last, 1)} ${HEIGHT}`}
+        preserveAspectRatio="none"
+        aria-hidden="true"
+      >
+        {[0, 1].map((level) => (
+          <line key={level} className={styles.grid} x1={0} x2={last} y1={y(level)} y2={y(level)} />
+        ))}
+        <path className={styles.line} d={`M${points.join("L")}`} />
+      </svg>
+      {[0, 1].map((level) => (
+        <span key={level} className={styles.tick} style={{ top: y(level) }} aria-hidden="true">
+          {level}
+        </span>
+      ))}
+      <svg className={styles.layer} aria-hidden="true">
+        {hits.map((hit) => (
+          <svg
+            key={`${hit.frame}-${hit.row}-${hit.column}`}
+            x={percentOf(hit.frame, last)}
+            y={y(levels[stepAt(hit.frame, levels.length)] ?? 0)}
+            overflow="visible"
+          >
+            <path
+              className={classes(styles.hit, hit.on_target === false && styles.stray)}
+              d={hit.on_target === false ? CROSS : RING}
+            >
+              <title>{describeHit(hit)}</title>
+            </path>
+          </svg>
+        ))}
+      </svg>
+    </>
+  );
+});
+
+/** Rings for hits and crosses for strays, distinguishable without colour. */
+const RING = "M0-4.5A4.5 4.5 0 1 0 0 4.5 4.5 4.5 0 1 0 0-4.5";
+const CROSS = "M-4-4 4 4M4-4-4 4";
+
+/** Returns the vertical position of a level; 0 and 1 are always within the plot. */
+function scaleOf(levels: readonly number[]): (level: number) => number {
+  const low = Math.min(0, ...levels);
+  const high = Math.max(1, ...levels);
+  return (level) => HEIGHT - PADDING - ((level - low) / (high - low)) * (HEIGHT - 2 * PADDING);
+}
+
+/** Returns the step whose state a frame shows or follows. */
+function stepAt(frame: number, nLevels: number): number {
+  return Math.min(Math.floor(frame / FRAMES_PER_STEP), nLevels - 1);
+}
+
+function percentOf(frame: number, last: number): string {
+  return `${(frame / Math.max(last, 1)) * 100}%`;
+}

@@ -1,0 +1,87 @@
+import { useQuery } from "@tanstack/react-query";
+import { useEffect, useId, useState } from "react";
+
+import { framesQuery } from "@/api/recordings";
+import type { Recording, RewardState } from "@/api/types";
+import { ButtonLink } from "@/components/controls/Button";
+import { GameCanvas } from "@/components/game/GameCanvas";
+import { FRAMES_PER_STEP, measured, ordinal } from "@/lib/format";
+import type { ScreenPainter } from "@/lib/game/screen";
+import { useScreenSize } from "@/lib/game/use-screen-size";
+import { recordingName } from "@/lib/recordings";
+import { useSettled } from "@/lib/use-settled";
+
+import styles from "./AnyPercentile.module.css";
+import { momentPath } from "./moment";
+
+interface AnyPercentileProps {
+  /** At the percentiles 0, 1, ..., 100 of R. */
+  states: readonly RewardState[];
+  recordings: ReadonlyMap<number, Recording>;
+  runId: string;
+}
+
+const FIRST = 75;
+/** Recordings are replayed on demand, so not for each position that the slider passes. */
+const SETTLED_MS = 150;
+
+/** The state at any percentile of R among the states of the ranked recordings. */
+export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps) {
+  const id = useId();
+  const [percentile, setPercentile] = useState(FIRST);
+  const settled = useSettled(percentile, SETTLED_MS);
+  const state = states[percentile];
+  const shown = states[settled];
+  const recording = shown && recordings.get(shown.recording_id);
+  if (!state) return null;
+  const name = percentileName(percentile);
+  return (
+    <section className={styles.any} aria-label="Any percentile of R">
+      <div className={styles.choice}>
+        <label htmlFor={id}>Any percentile of R</label>
+        <input
+          id={id}
+          type="range"
+          min={0}
+          max={states.length - 1}
+          value={percentile}
+          aria-valuetext={`${name}, R ${measured(state.reward)}`}
+          onChange={(event) => setPercentile(event.currentTarget.valueAsNumber)}
+        />
+        <p className={styles.facts}>
+          <strong>{name}</strong>
+          <span>R {measured(state.reward)}</span>
+          <span>
+            {recordingName({ id: state.recording_id })}, step {state.step}
+          </span>
+        </p>
+        <ButtonLink to={momentPath(state, runId)}>Open this moment</ButtonLink>
+      </div>
+      {recording && shown && <Still recording={recording} step={shown.step} />}
+    </section>
+  );
+}
+
+function percentileName(percentile: number): string {
+  if (percentile === 0) return "minimum";
+  return percentile === 100 ? "maximum" : `${ordinal(percentile)} percentile`;
+}
+
+/** The screen after a step of a recording. */
+function Still({ recording, step }: { recording: Recording; step: number }) {
+  const size = useScreenSize(320, 210);
+  const { data: frames } = useQuery(framesQuery(recording));
+  const [painter, setPainter] = useState<ScreenPainter | null>(null);
+  useEffect(() => {
+    if (!painter || !frames) return;
+    painter.setPalette(frames.header.palette);
+    painter.draw(frames.show(Math.min(step * FRAMES_PER_STEP, frames.last)));
+  }, [frames, painter, step]);
+  return (
+    <GameCanvas
+      size={size}
+      label={`Screen at step ${step} of ${recordingName(recording)}`}
+      onPainter={setPainter}
+    />
+  );
+}

@@ -1,0 +1,28 @@
+import { useState } from "react";
+
+import { Checkbox } from "@/components/controls/Field";
+import { allowNotifications, areNotificationsOn, turnNotificationsOff } from "@/lib/notifications";
+
+const REFUSED =
+  "The browser refuses notifications of this page. Allow them in its settings for this address.";
+
+/** The switch of the browser's notifications of runs that end. */
+export function NotifySwitch() {
+  const [on, setOn] = useState(areNotificationsOn);
+  const [refused, setRefused] = useState(false);
+  if (!("Notification" in globalThis)) return null;
+  const change = async (wanted: boolean) => {
+    if (!wanted) turnNotificationsOff();
+    const allowed = wanted && (await allowNotifications());
+    setOn(allowed);
+    setRefused(wanted && !allowed);
+  };
+  return (
+    <Checkbox
+      label="Notify me when a run ends"
+      hint={refused ? REFUSED : "By the browser, while a page of Tril is open."}
+      checked={on}
+      onChange={(wanted) => void change(wanted)}
+    />
+  );
+}

@@ -1,0 +1,129 @@
+"""The verdict on runs, over made-up outcomes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tril.analysis.outcome import Headline
+from tril.analysis.summary import GameFigures, PolicySummary, summarise
+from tril.analysis.verdict import Ended, RunFigures, verdict
+
+
+def games(targets: list[int] | None, lost: float = 0.0, n: int = 20) -> PolicySummary:
+    """Summarise games that hit these targets in turn, of which a share is lost."""
+    return summarise(
+        [
+            GameFigures(
+                targets=None if targets is None else targets[i % len(targets)],
+                strays=None if targets is None else 0,
+                order_errors=0,
+                steps=300,
+                died=i < lost * n,
+                predicted_return=float(i),
+                n_targets=6,
+            )
+            for i in range(n)
+        ]
+    )
+
+
+def headline(imitator: PolicySummary | None, clone: PolicySummary | None) -> Headline:
+    return Headline(
+        tau=1.0, pair_accuracy=1.0, held_out_accuracy=None, imitator=imitator, clone=clone
+    )
+
+
+DONE = RunFigures(
+    ended="done",
+    steps=300_000,
+    default_steps=300_000,
+    warm_up_steps=12_000,
+    n_targets=6,
+    best_targets=6,
+    headline=headline(games([6, 6, 6, 5]), games([1, 2])),
+    is_alarmed=False,
+)
+
+
+def test_a_run_that_went_well_is_praised_with_its_figures() -> None:
+    said = verdict(DONE)
+    assert (said.tone, said.next_step) == ("good", "games")
+    assert said.sentence.startswith("The imitator hits 5.8 of 6 targets (95% interval 5.5 to 5.9,")
+    assert "20 games); the clone hits 1.5, the best demonstration 6." in said.sentence
+    assert said.sentence.endswith("It is clearly better than the clone. It is never lost.")
+
+
+def test_one_that_is_no_better_than_the_clone_needs_varied_games() -> None:
+    same = games([3, 4], lost=0.3)
+    said = verdict(replace(DONE, headline=headline(same, same)))
+    assert (said.tone, said.next_step) == ("bad", "rank")
+    assert "do not tell it apart from the clone" in said.sentence
+    assert "varied games" in said.advice
+
+
+def test_one_that_did_not_train_for_long_is_to_train_for_longer() -> None:
+    same = games([3, 4], lost=0.3)
+    said = verdict(replace(DONE, steps=50_000, headline=headline(same, same)))
+    assert said.next_step == "train"
+    assert "300,000 steps" in said.advice
+
+
+def test_one_that_loses_most_games_is_to_see_them_ranked() -> None:
+    lost = headline(games([5, 6], lost=0.6), games([1, 2]))
+    said = verdict(replace(DONE, headline=lost))
+    assert (said.tone, said.next_step) == ("bad", "teach")
+    assert said.sentence.endswith("It is lost in most games, 60%.")
+    assert "games that it loses" in said.advice
+
+
+def test_one_in_between_is_to_be_taught_more() -> None:
+    said = verdict(replace(DONE, headline=headline(games([4]), games([2]))))
+    assert (said.tone, said.next_step) == ("fair", "teach")
+    assert "hits 4 of 6 targets" in said.sentence
+
+
+def test_one_that_hacks_its_reward_is_not_praised() -> None:
+    said = verdict(replace(DONE, is_alarmed=True))
+    assert (said.tone, said.next_step) == ("bad", "teach")
+
+
+@pytest.mark.parametrize(("steps", "is_short"), [(1_000, True), (12_000, True), (12_001, False)])
+def test_one_within_the_critics_warm_up_is_too_short(steps: int, is_short: bool) -> None:
+    said = verdict(replace(DONE, steps=steps, headline=headline(games([2]), games([2]))))
+    assert ("too short to learn anything" in said.sentence) == is_short
+    assert said.next_step == "train"
+
+
+@pytest.mark.parametrize(
+    ("ended", "tone", "next_step", "words"),
+    [
+        ("stopped", "bad", "rank", "The check stopped this run"),
+        ("failed", "bad", None, "failed before its imitator had played"),
+        ("cancelled", "none", None, "cancelled before its imitator had played"),
+        ("done", "none", "games", "a start that its training had not seen"),
+    ],
+)
+def test_one_without_games_says_how_it_ended(
+    ended: Ended, tone: str, next_step: str | None, words: str
+) -> None:
+    said = verdict(replace(DONE, ended=ended, headline=None))
+    assert (said.tone, said.next_step) == (tone, next_step)
+    assert words in said.sentence
+
+
+def test_one_that_was_cancelled_after_its_games_is_judged_by_them() -> None:
+    assert verdict(replace(DONE, ended="cancelled")) == verdict(DONE)
+
+
+def test_without_target_cells_nothing_is_counted() -> None:
+    shown = headline(games(None, lost=0.25), games(None, lost=0.5))
+    said = verdict(replace(DONE, n_targets=None, best_targets=None, headline=shown))
+    assert (said.tone, said.next_step) == ("none", "teach")
+    assert said.sentence.startswith("The imitator is lost in 25% of its 20 games, the clone in 50%")
+
+
+def test_one_game_is_counted_in_the_singular() -> None:
+    said = verdict(replace(DONE, headline=headline(games([3], n=1), None)))
+    assert "3.0 to 3.0, 1 game); the best demonstration 6." in said.sentence

@@ -1,0 +1,223 @@
+"""What came of a run, in plain words, and what to do next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from tril.analysis.outcome import Headline
+from tril.analysis.summary import Interval, PolicySummary
+
+Ended = Literal["done", "stopped", "failed", "cancelled"]
+Tone = Literal["good", "fair", "bad", "none"]
+NextStep = Literal["rank", "teach", "train", "games"]
+"""Where the next step is taken: the rank page, the run's games to rank, the form of a new run, or
+the run's games to watch."""
+
+GOOD_SHARE = 0.9
+"""Share of the best demonstration's targets from which on an imitator has learned it."""
+MOST_LOST = 0.5
+"""Death rate above which most games are lost."""
+FEW_LOST = 0.25
+
+
+@dataclass(frozen=True)
+class RunFigures:
+    """The figures of a run that is over.
+
+    Attributes:
+        ended: How it ended.
+        steps: Steps of the imitator's training.
+        default_steps: What its recipe proposes.
+        warm_up_steps: Steps in which the imitator does not learn yet.
+        n_targets: Target cells of the behaviour; None without any.
+        best_targets: Targets that the best demonstration hits; None if that is not known.
+        headline: The greedy games from held-out starts; None before they were played.
+        is_alarmed: Whether the reward may be hacked.
+    """
+
+    ended: Ended
+    steps: int
+    default_steps: int
+    warm_up_steps: int
+    n_targets: int | None
+    best_targets: int | None
+    headline: Headline | None
+    is_alarmed: bool
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of a run.
+
+    Attributes:
+        tone: Whether it went well; "none" where that can't be told.
+        sentence: What happened, with its figures.
+        advice: What to do next.
+        next_step: Where.
+    """
+
+    tone: Tone
+    sentence: str
+    advice: str
+    next_step: NextStep | None
+
+
+def verdict(run: RunFigures) -> Verdict:
+    """Return what came of a run and what to do next."""
+    imitator = None if run.headline is None else run.headline.imitator
+    clone = None if run.headline is None else run.headline.clone
+    if imitator is None:
+        return _without_games(run)
+    if run.n_targets is None or imitator.targets is None:
+        return _without_targets(imitator, clone)
+    if is_too_short(run.steps, run.warm_up_steps):
+        return Verdict(
+            "bad",
+            f"{_hits(run, imitator.targets, clone)} The run was too short to learn anything: in"
+            f" its {run.steps:,} steps only the critic learned, which takes the first"
+            f" {run.warm_up_steps:,}, so the imitator still plays as it began.",
+            f"Train for longer, such as {run.default_steps:,} steps.",
+            "train",
+        )
+    better = _better(imitator.targets, clone)
+    sentence = f"{_hits(run, imitator.targets, clone)}{better} {_lost(imitator.death_rate)}"
+    return _advised(run, imitator, imitator.targets, clone, sentence)
+
+
+def is_too_short(steps: int, warm_up_steps: int) -> bool:
+    """Whether a run of so many steps ends before the imitator begins to learn."""
+    return 0 < steps <= warm_up_steps
+
+
+def _advised(
+    run: RunFigures,
+    imitator: PolicySummary,
+    targets: Interval,
+    clone: PolicySummary | None,
+    sentence: str,
+) -> Verdict:
+    best = run.best_targets or run.n_targets or 0
+    lost = imitator.death_rate.mean
+    is_no_better = (
+        clone is not None
+        and clone.targets is not None
+        and targets.mean <= clone.targets.mean
+        and lost >= clone.death_rate.mean
+    )
+    if run.is_alarmed:
+        return Verdict(
+            "bad",
+            sentence,
+            "Its reward rose while its games did not get better. Rank some of its games where they"
+            " belong, and train again.",
+            "teach",
+        )
+    if targets.mean >= GOOD_SHARE * best and lost <= FEW_LOST:
+        advice = "It plays about as well as the best demonstration. Watch some of its games."
+        return Verdict("good", sentence, advice, "games")
+    tone: Tone = "bad" if is_no_better or lost > MOST_LOST else "fair"
+    if lost > MOST_LOST:
+        advice = (
+            "Rank some of the games that it loses low among the others, and train further from it."
+        )
+        return Verdict(tone, sentence, advice, "teach")
+    if run.steps < run.default_steps:
+        advice = f"Train for longer: the recipe proposes {run.default_steps:,} steps."
+        return Verdict(tone, sentence, advice, "train")
+    if is_no_better:
+        advice = (
+            "The reward taught it nothing that the clone can't do. Add varied games to the ranking,"
+            " so that it sees what is bad, and train again."
+        )
+        return Verdict(tone, sentence, advice, "rank")
+    advice = "Teach it more: rank some of its own games among the others, and train further."
+    return Verdict(tone, sentence, advice, "teach")
+
+
+def _without_games(run: RunFigures) -> Verdict:
+    match run.ended:
+        case "stopped":
+            return Verdict(
+                "bad",
+                "The check stopped this run before its imitator was trained: the reward model has"
+                " not understood the ranking.",
+                "Add games that show more clearly what is better, such as varied games, or correct"
+                " the order, and train again.",
+                "rank",
+            )
+        case "failed":
+            return Verdict(
+                "bad",
+                "This run failed before its imitator had played.",
+                "Resume it: it goes on from its last checkpoint. If it fails again, the message"
+                " says why.",
+                None,
+            )
+        case "cancelled":
+            return Verdict(
+                "none",
+                "This run was cancelled before its imitator had played.",
+                "Resume it: it goes on from its last checkpoint.",
+                None,
+            )
+        case "done":
+            return Verdict(
+                "none",
+                "No game of this run began from a start that its training had not seen, so nothing"
+                " tells how well the imitator plays.",
+                "Watch its games.",
+                "games",
+            )
+
+
+def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Verdict:
+    against = "" if clone is None else f", the clone in {_percent(clone.death_rate.mean)}"
+    n = imitator.death_rate.n
+    return Verdict(
+        "none",
+        f"The imitator is lost in {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}."
+        " This behaviour has no target cells, so how well it plays can't be counted.",
+        "Watch some of its games, and rank those that show something new.",
+        "teach",
+    )
+
+
+def _hits(run: RunFigures, targets: Interval, clone: PolicySummary | None) -> str:
+    sure = f"95% interval {targets.low:.1f} to {targets.high:.1f}, {_games(targets.n)}"
+    others = []
+    if clone is not None and clone.targets is not None:
+        others.append(f"the clone hits {_mean(clone.targets.mean)}")
+    if run.best_targets is not None:
+        others.append(f"the best demonstration {run.best_targets}")
+    rest = f"; {', '.join(others)}" if others else ""
+    return f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets ({sure}){rest}."
+
+
+def _better(targets: Interval, clone: PolicySummary | None) -> str:
+    if clone is None or clone.targets is None:
+        return ""
+    if targets.low > clone.targets.high:
+        return " It is clearly better than the clone."
+    if targets.high < clone.targets.low:
+        return " It is clearly worse than the clone."
+    return " The games do not tell it apart from the clone."
+
+
+def _lost(death_rate: Interval) -> str:
+    if death_rate.mean == 0:
+        return "It is never lost."
+    often = "most" if death_rate.mean > MOST_LOST else "some"
+    return f"It is lost in {often} games, {_percent(death_rate.mean)}."
+
+
+def _mean(value: float) -> str:
+    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"
+
+
+def _percent(share: float) -> str:
+    return f"{share:.0%}"
+
+
+def _games(n: int) -> str:
+    return f"{n} game" + ("s" if n != 1 else "")
