@@ -20,6 +20,9 @@ from tril.store.models import Source
 
 PHONE = ViewportSize(width=360, height=780)
 FIRST_STEP = re.compile(r"^step \d+ of 300$")
+NOT_BEGUN = "step 0 of 300"
+PATIENCE_MS = 60_000
+"""The first decision waits until the networks are loaded."""
 
 
 @pytest.fixture
@@ -50,7 +53,7 @@ def test_an_imitator_is_watched_stepped_and_taken_over(
         page.get_by_role("link", name="Watch the imitator play").click()
         lane = page.get_by_role("article", name="Game 1: Imitator, greedy")
         expect(page.get_by_role("button", name="Pause")).to_be_visible()
-        expect(page.get_by_text(FIRST_STEP)).not_to_have_text("step 0 of 300")
+        expect(page.get_by_text(FIRST_STEP)).not_to_have_text(NOT_BEGUN, timeout=PATIENCE_MS)
         expect(lane.get_by_text("Reward R")).not_to_contain_text("–")
 
         page.keyboard.press("Space")
@@ -93,7 +96,7 @@ def test_several_policies_are_watched_side_by_side_on_a_phone(
         expect(page.get_by_role("article")).to_have_count(2)
         page.get_by_role("button", name="Another beside them").click()
         expect(page.get_by_role("article")).to_have_count(3)
-        expect(page.get_by_text(FIRST_STEP)).not_to_have_text("step 0 of 300")
+        expect(page.get_by_text(FIRST_STEP)).not_to_have_text(NOT_BEGUN, timeout=PATIENCE_MS)
         width = page.evaluate("document.documentElement.scrollWidth")
         assert width <= PHONE["width"], "nothing is cut off at the side"
         page.get_by_role("button", name="Next start").click()
