@@ -106,7 +106,7 @@ async def _on_http_exception(_request: Request, error: Exception) -> Response:
 
 async def _on_validation_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found = [
+    found: list[dict[str, Any]] = [
         {"where": [str(part) for part in item["loc"]], "what": in_plain_words(item)}
         for item in error.errors()
     ]

@@ -249,7 +249,8 @@ class Answers:
                 raise Invalid(f"Expected one observation, got {len(observations)}.")
             model = self._models.reward_model(run_id)
             maps = _attention(model, header.get("method"), observations[0], progress)
-            return maps.sum(0).tobytes()
+            whole: bytes = maps.sum(0).tobytes()
+            return whole
         return self._probabilities(run_id, header.get("policies"), observations).tobytes()
 
     def _probabilities(

@@ -32,7 +32,7 @@ function useEndings(runs: readonly Run[] | undefined): void {
     for (const { id } of ended) {
       // Deleted runs have no results; of what a person cancelled, nothing needs to be said.
       client
-        .fetchQuery({ ...resultsQuery(id), staleTime: 0, retry: false })
+        .query({ ...resultsQuery(id), staleTime: 0, retry: false })
         .then(({ run, verdict }) => {
           if (!verdict || run.status === "cancelled") return;
           const look = () => void navigate(`/runs/${id}`);

@@ -58,7 +58,7 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
     mutationFn: (change: BehaviourNew) =>
       updateBehaviour(
         behaviour.id,
-        fixed === null ? change : { name: change.name, description: change.description ?? "" },
+        fixed === null ? change : { name: change.name, description: change.description },
       ),
     onSuccess: async () => {
       draft.drop();

@@ -61,12 +61,12 @@ describe("every page", () => {
 
   it("shows the progress of a run in its title, and announces the end with the verdict", async () => {
     const shown: string[] = [];
-    class Shown {
-      static readonly permission = "granted";
-      constructor(title: string, options: NotificationOptions) {
+    const Shown = Object.assign(
+      function Shown(title: string, options: NotificationOptions) {
         shown.push(`${title}: ${options.body ?? ""}`);
-      }
-    }
+      },
+      { permission: "granted" },
+    );
     vi.stubGlobal("Notification", Shown);
     localStorage.setItem("tril-notify", "on");
     const one = run({ id: "r1", progress: 0.347, behaviour_name: "Column 3" });

@@ -16,7 +16,7 @@ export function Clock({
 }: {
   handle: RefObject<ClockHandle | null>;
   /** Another element that shows the seconds left. */
-  also: RefObject<HTMLElement | null>;
+  also?: RefObject<HTMLElement | null>;
 }) {
   const left = useRef<HTMLSpanElement>(null);
   const step = useRef<HTMLSpanElement>(null);
@@ -26,7 +26,7 @@ export function Clock({
       if (!left.current || !step.current || !bar.current) return;
       const seconds = ((maxFrames - frame) / FRAME_RATE_HZ).toFixed(1);
       left.current.textContent = seconds;
-      if (also.current) also.current.textContent = seconds;
+      if (also?.current) also.current.textContent = seconds;
       step.current.textContent = stepWords(frame);
       bar.current.style.transform = `scaleX(${1 - frame / maxFrames})`;
     },

@@ -57,7 +57,7 @@ export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps)
         </p>
         <ButtonLink to={momentPath(state, runId)}>Open this moment</ButtonLink>
       </div>
-      {recording && shown && <Still recording={recording} step={shown.step} />}
+      {recording && <Still recording={recording} step={shown.step} />}
     </section>
   );
 }
