@@ -3,6 +3,8 @@ import "@testing-library/jest-dom/vitest";
 import { cleanup, configure } from "@testing-library/react";
 import { afterEach, vi } from "vitest";
 
+import { forgetDrafts } from "@/components/controls/drafts";
+
 // Pages load in parts, which takes jsdom longer than the usual second where the machine has other
 // work. A test waits this long only when it fails.
 configure({ asyncUtilTimeout: 10_000 });
@@ -52,6 +54,7 @@ HTMLCanvasElement.prototype.getContext = function getContext() {
 } as unknown as HTMLCanvasElement["getContext"];
 
 afterEach(() => {
+  forgetDrafts();
   cleanup();
   vi.unstubAllGlobals();
   sessionStorage.clear();

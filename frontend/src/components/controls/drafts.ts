@@ -22,3 +22,8 @@ export function useDraft<T>(key: string, initial: T): Draft<T> {
     drop: () => drafts.delete(key),
   };
 }
+
+/** Forgets all of them, as leaving the page does. */
+export function forgetDrafts(): void {
+  drafts.clear();
+}

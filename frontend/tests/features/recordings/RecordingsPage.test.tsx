@@ -100,7 +100,7 @@ describe("the library", () => {
       recording({ id: 4, slowest_percent: 100, single_steps: 0 }),
     ]);
     const first = within(await screen.findByRole("article", { name: "Recording 5" }));
-    expect(first.getByText("slow motion, 25 %; 12 frames one by one")).toBeVisible();
+    expect(first.getByText("slow motion, 25%; 12 frames one by one")).toBeVisible();
     const second = within(screen.getByRole("article", { name: "Recording 4" }));
     expect(second.queryByText(/slow motion|one by one/)).toBeNull();
   });

@@ -230,7 +230,7 @@ describe("the results", () => {
       ],
     });
     await userEvent.click(await screen.findByText("With sticky actions"));
-    expect(screen.getByText(/repeated with a probability of 25 %/)).toBeVisible();
+    expect(screen.getByText(/repeated with a probability of 25%/)).toBeVisible();
     const table = within(
       screen.getByRole("table", { name: "Imitator and clone, with sticky actions" }),
     );
@@ -492,7 +492,7 @@ describe("the list of runs", () => {
     expect(done).toHaveTextContent("4.73.9 to 5.4");
     expect(done).toHaveTextContent("17 min");
     const going = screen.getByRole("row", { name: /Run ffff00/ });
-    expect(going).toHaveTextContent("Imitator, 60 %, about 2 min left");
+    expect(going).toHaveTextContent("Imitator, 60%, about 2 min left");
     expect(going).toHaveTextContent("scripted example");
   });
 

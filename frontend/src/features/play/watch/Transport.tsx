@@ -48,7 +48,7 @@ export function Transport(props: TransportProps) {
               aria-pressed={percent === state?.speed}
               onClick={() => props.onSpeed(percent)}
             >
-              {percent} %
+              {percent}%
             </Button>
           ))}
         </div>

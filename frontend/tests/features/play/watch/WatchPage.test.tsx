@@ -39,14 +39,14 @@ describe("the page that watches", () => {
     await userEvent.click(screen.getByRole("button", { name: /^Pause/ }));
     tell({ type: "paused", why: "" });
     await userEvent.click(screen.getByRole("button", { name: /^One step/ }));
-    await userEvent.click(screen.getByRole("button", { name: "25 %" }));
+    await userEvent.click(screen.getByRole("button", { name: "25%" }));
     expect(WatchSocket.newest.commands).toEqual([
       { type: "play" },
       { type: "pause" },
       { type: "step" },
       { type: "speed", percent: 25 },
     ]);
-    expect(screen.getByRole("button", { name: "25 %" })).toHaveAttribute("aria-pressed", "true");
+    expect(screen.getByRole("button", { name: "25%" })).toHaveAttribute("aria-pressed", "true");
   });
 
   it("obeys the keys, but not while a list of choices has the focus", async () => {
@@ -79,7 +79,7 @@ describe("the page that watches", () => {
     tell({ type: "hit", lane: 0, row: 0, column: 0, frame: 99, on_target: true });
     const lane = screen.getByRole("article", { name: "Game 1: Imitator, greedy" });
     const shares = within(lane).getAllByRole("listitem");
-    expect(shares.find((row) => row.hasAttribute("data-chosen"))).toHaveTextContent("fire70 %");
+    expect(shares.find((row) => row.hasAttribute("data-chosen"))).toHaveTextContent("fire70%");
     expect(lane).toHaveTextContent("Reward R −0.25");
     expect(lane).toHaveTextContent("Targets hit1 of 2");
     tell({
@@ -130,7 +130,7 @@ describe("the page that watches", () => {
     const { router } = watch();
     tell(WATCH_HELLO);
     tell({ type: "playing" });
-    await userEvent.keyboard("[Period]");
+    await userEvent.keyboard("[KeyT]");
     expect(WatchSocket.newest.commands.at(-1)).toEqual({ type: "take_over", lane: 0 });
     tell({ type: "taken", lane: 0, game_id: "abc", behaviour_id: 1 });
     await waitFor(() => expect(router.state.location.pathname).toBe("/behaviours/1/play"));
