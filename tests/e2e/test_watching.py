@@ -63,7 +63,7 @@ def test_an_imitator_is_watched_stepped_and_taken_over(
         before = step_of(page)
         page.keyboard.press("Period")
         expect(page.get_by_text(f"step {before + 1} of 300")).to_be_visible()
-        chosen = lane.get_by_role("listitem").filter(has_text=re.compile(r"\d+ %"))
+        chosen = lane.get_by_role("listitem").filter(has_text=re.compile(r"\d+%"))
         expect(chosen).to_have_count(6)
 
         page.keyboard.press("t")

@@ -54,7 +54,8 @@ def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
     """
     if recipe.method == "dagger":
         raise Invalid("DAgger has no games of PPO that could begin at the start it is judged on.")
-    recipe = with_values(recipe, {"policy.own_starts": (start_number,)})
+    own = {"policy.own_starts": (start_number,), "policy.opening_share": 0.0}
+    recipe = with_values(recipe, own)
     return replace(recipe, evaluation=EvaluationRecipe((start_number,), ()))
 
 

@@ -224,7 +224,9 @@ class CloningRecipe:
     @model_validator(mode="after")
     def _check_size(self) -> CloningRecipe:
         if self.pretrained and self.network != "small":
-            raise ValueError("a pretrained clone has the network 'small'")
+            raise ValueError(
+                "a pretrained clone has the network 'small': choose it, or set pretrained=false"
+            )
         return self
 
 

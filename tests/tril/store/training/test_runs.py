@@ -128,7 +128,8 @@ def test_a_parent_that_can_not_be_continued_is_refused_with_what_to_do(
     for values in ({"method": "dagger"}, {"policy.warm_start": False, "policy.kl_coef": 0.0}):
         with pytest.raises(Invalid, match="does not train by PPO with a warm start"):
             workplace.make_run(with_values(TINY, values), parent_run_id=parent)
-    nature = with_values(TINY, {"policy.network": "nature", "cloning.network": "nature"})
+    other = {"policy.network": "nature", "cloning.network": "nature", "cloning.pretrained": False}
+    nature = with_values(TINY, other)
     with pytest.raises(Invalid, match="has the network 'small', but the recipe tiny trains"):
         workplace.make_run(nature, parent_run_id=parent)
     with workplace.database.writing() as session:
