@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -12,6 +13,7 @@ from server.api.views.runs import run_view, stage_views
 from server.dependencies import MAX_ID, ReadSession, RunId, WriteSession, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
+from tril.errors import Conflict
 from tril.recipes import RECIPES, recipe_named, with_values
 from tril.store import behaviours, players
 from tril.store.models import NOT_OVER
@@ -79,6 +81,9 @@ def create_run(request: Request, new: RunNew) -> Run:
         shown = run_view(session, row)
     # After the commit, because the worker looks for the run's row.
     services.jobs.enqueue(shown.id)
+    if new.cancel_parent and shown.parent_run_id is not None:
+        with contextlib.suppress(Conflict):  # It is over.
+            services.jobs.cancel(shown.parent_run_id)
     return shown
 
 

@@ -248,7 +248,7 @@ class _Training:
             self._device,
         )
         policy.set_training_mode(False)
-        found = evaluate_snapshot(Policy(policy), self._shaping, recipe, on_step)
+        found, _ = evaluate_snapshot(Policy(policy), self._shaping, recipe, on_step)
         save_policy(policy, self._policy_file(steps))
         self.snapshots.append(SnapshotScore(steps, found))
         return result

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from trainer.nn.precision import Precision
-from trainer.policy.evaluation import play
-from trainer.policy.networks import Policy
+from trainer.policy.evaluation import EvaluatedGame, play
+from trainer.policy.networks import Policy, ScreenPolicy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import CallbackProgress
 from trainer.reward.model import RewardModel
@@ -69,6 +69,21 @@ class SnapshotScore:
 
 
 @dataclass(frozen=True)
+class Snapshot:
+    """The policy at one point of its training, and the games that it was judged by.
+
+    Attributes:
+        policy: The policy, which learns on after this.
+        steps: Training steps until then.
+        games: Its greedy games from training starts, see evaluate_snapshot.
+    """
+
+    policy: ScreenPolicy
+    steps: int
+    games: Sequence[EvaluatedGame]
+
+
+@dataclass(frozen=True)
 class ImitatorResult:
     """The outcome of a training.
 
@@ -90,8 +105,8 @@ def best_snapshot(snapshots: Sequence[SnapshotScore]) -> SnapshotScore:
 
 def evaluate_snapshot(
     policy: Policy, shaping: RewardShaping, recipe: Recipe, on_step: Callable[[], None]
-) -> float:
-    """Return the mean shaped return of a policy's greedy games from training starts.
+) -> tuple[float, list[EvaluatedGame]]:
+    """Return the mean shaped return of a policy's greedy games from training starts, and the games.
 
     Actions stick and openings come first as in training.
 
@@ -113,7 +128,7 @@ def evaluate_snapshot(
     returns = [
         shaping.shaped_return(game.rewards, game.end) for game in games if game.rewards is not None
     ]
-    return float(np.mean(returns))
+    return float(np.mean(returns)), games
 
 
 def snapshot_starts(recipe: Recipe) -> list[Start | Opening]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from trainer.policy.discriminator import Discriminator
 from trainer.policy.imitation import (
     ImitationTask,
     ImitatorResult,
+    Snapshot,
     SnapshotScore,
     best_snapshot,
     episode_metrics,
@@ -56,6 +57,7 @@ def train_imitator(
     n_processes: int | None = None,
     precision: Precision = Precision.FLOAT32,
     device: torch.device = CPU,
+    on_snapshot: Callable[[Snapshot], None] = lambda _: None,
 ) -> ImitatorResult:
     """Train an imitator by PPO and save its best snapshot.
 
@@ -71,6 +73,7 @@ def train_imitator(
         n_processes: See VectorGame; affects the speed only.
         precision: Precision of the policy's layers while it learns.
         device: Device to learn and to compute rewards on.
+        on_snapshot: Called with every snapshot that is taken.
 
     Raises:
         Invalid: A warm start has no policy of the imitator's network to begin with, or GAIL no
@@ -105,7 +108,9 @@ def train_imitator(
             device,
         )
         reporter.ppo = ppo
-        callback = _TrainingCallback(task, ppo, env, checkpoint_folder, reporter, discriminator)
+        callback = _TrainingCallback(
+            task, ppo, env, checkpoint_folder, reporter, discriminator, on_snapshot
+        )
         callback.restore_or_start()
         ppo.learn(
             max(0, task.steps - ppo.num_timesteps),
@@ -217,8 +222,10 @@ class _TrainingCallback(BaseCallback):
         folder: Path,
         reporter: _Reporter,
         discriminator: Discriminator | None,
+        on_snapshot: Callable[[Snapshot], None],
     ) -> None:
         super().__init__()
+        self._on_snapshot = on_snapshot
         self._discriminator = discriminator
         self._task = task
         self._ppo = ppo
@@ -282,10 +289,11 @@ class _TrainingCallback(BaseCallback):
         policy, steps = self._ppo.policy, self._ppo.num_timesteps
         policy.set_training_mode(False)
         shaping, on_step = self._env.reward_shaping, self._reporter.on_step
-        found = evaluate_snapshot(Policy(policy), shaping, self._task.recipe, on_step)
+        found, games = evaluate_snapshot(Policy(policy), shaping, self._task.recipe, on_step)
         self.snapshots.append(SnapshotScore(steps, found))
         if best_snapshot(self.snapshots).steps == steps:
             save_policy(policy, self._folder / _BEST)
+        self._on_snapshot(Snapshot(policy, steps, games))
 
     def _save(self) -> None:
         extra: dict[str, Any] = {

@@ -141,9 +141,16 @@ class RunData:
         self.context.save_artifact("reward_model", path.name, NETWORK, path.read_bytes())
         self._reward_model = model
 
-    def keep_policy(self, kind: str, path: Path) -> None:
-        """Put the file of the "imitator" or the "clone" into the artifact store."""
-        self.context.save_artifact(kind, path.name, NETWORK, path.read_bytes())
+    def keep_policy(self, kind: str, path: Path, steps: int | None = None) -> None:
+        """Put the file of the "imitator" or the "clone" into the artifact store.
+
+        Args:
+            kind: Which of them.
+            path: Its file.
+            steps: Training steps behind an imitator that still learns; None for one that is ready.
+        """
+        details = {} if steps is None else {"steps": steps}
+        self.context.save_artifact(kind, path.name, NETWORK, path.read_bytes(), details)
 
     @property
     def reward_model(self) -> RewardModel:

@@ -1934,11 +1934,17 @@ export interface components {
          * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
          *     ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
-         *     training in place of the clone.
+         *     training in place of the clone; ``cancel_parent`` cancels that training if it is not over, so that
+         *     this one takes its place.
          */
         RunNew: {
             /** Behaviour Id */
             behaviour_id: number;
+            /**
+             * Cancel Parent
+             * @default false
+             */
+            cancel_parent: boolean;
             /**
              * Example
              * @default false
@@ -1975,7 +1981,7 @@ export interface components {
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          *     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
          *     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
-         *     are proposed for the ranking.
+         *     are proposed for the ranking. ``training_games`` are those of its newest snapshot.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -2000,6 +2006,7 @@ export interface components {
             run: components["schemas"]["Run"];
             /** Summaries */
             summaries: components["schemas"]["PolicyGamesSummary"][];
+            training_games: components["schemas"]["TrainingGames"] | null;
             verdict: components["schemas"]["Verdict"] | null;
         };
         /**
@@ -2063,6 +2070,16 @@ export interface components {
             storage: components["schemas"]["Storage"];
             /** Version */
             version: string;
+        };
+        /**
+         * TrainingGames
+         * @description Games of an imitator that still learns: greedy, from training starts, after ``steps`` steps.
+         */
+        TrainingGames: {
+            /** Games */
+            games: components["schemas"]["Recording"][];
+            /** Steps */
+            steps: number;
         };
         /**
          * VariedGamesWish

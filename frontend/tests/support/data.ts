@@ -164,6 +164,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     further_comparison: [],
     games: [],
     proposed: [],
+    training_games: null,
     summaries: [],
     best_demonstration: null,
     alarm: null,

@@ -50,7 +50,8 @@ class RunNew(Schema):
     """A training to start. ``example`` first makes and ranks missing scripted demonstrations.
 
     ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
-    training in place of the clone.
+    training in place of the clone; with ``cancel_parent``, that training is cancelled if it is not
+    over.
     """
 
     behaviour_id: Id
@@ -61,6 +62,7 @@ class RunNew(Schema):
     go_on_anyway: StrictBool = False
     example: StrictBool = False
     parent_run_id: UUID | None = None
+    cancel_parent: StrictBool = False
 
 
 class Run(Schema):
@@ -213,6 +215,13 @@ class Verdict(Schema):
     next_step: NextStep | None
 
 
+class TrainingGames(Schema):
+    """Greedy games from training starts that an imitator played after so many training steps."""
+
+    steps: int
+    games: list[Recording]
+
+
 class RunResults(Schema):
     """All results of a training; parts that are missing yet are None or empty.
 
@@ -221,7 +230,7 @@ class RunResults(Schema):
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
-    are proposed for the ranking.
+    are proposed for the ranking. ``training_games`` are those of its newest snapshot.
     """
 
     run: Run
@@ -231,6 +240,7 @@ class RunResults(Schema):
     further_comparison: list[ComparisonRow]
     games: list[EvaluationGame]
     proposed: list[int]
+    training_games: TrainingGames | None
     summaries: list[PolicyGamesSummary]
     best_demonstration: Recording | None
     alarm: RewardAlarm | None

@@ -21,6 +21,7 @@ from server.api.schemas.runs import (
     RankingCheck,
     RewardAlarm,
     RunResults,
+    TrainingGames,
     Verdict,
 )
 from server.api.views.recordings import RecordingViews
@@ -37,7 +38,7 @@ from tril.analysis.verdict import Ended, RunFigures, verdict
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow, RunStatus
-from tril.store.training import artifacts, evaluations
+from tril.store.training import artifacts, evaluations, training_games
 from tril.store.training.alarms import alarm_of
 from tril.store.training.returns import judged_games
 
@@ -67,6 +68,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
         proposed=[row.recording_id for row in evaluations.proposed_games(games, headline_starts)],
+        training_games=_training_games(session, run.id, views),
         summaries=_summaries(games, behaviours.n_targets(session, run.behaviour_id)),
         best_demonstration=best,
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
@@ -75,6 +77,11 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         percentiles=_percentiles(files),
         artifacts=[artifact_view(row) for row in files],
     )
+
+
+def _training_games(session: Session, run_id: str, views: RecordingViews) -> TrainingGames | None:
+    steps, rows = training_games.latest(session, run_id)
+    return TrainingGames(steps=steps, games=[views.one(row) for row in rows]) if rows else None
 
 
 def _verdict(

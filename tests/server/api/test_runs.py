@@ -117,6 +117,20 @@ def test_a_run_continues_from_another_ones_imitator(
     assert client.post("/api/runs", json=new | {"parent_run_id": "x"}).status_code == 422
 
 
+def test_a_run_takes_the_place_of_the_one_that_it_continues(
+    client: TestClient, workplace: Workplace
+) -> None:
+    parent = workplace.make_run()
+    with workplace.database.writing() as session:
+        artifacts.save(session, parent, "imitator", "imitator.zip", "application/zip", 1)
+    new = {"behaviour_id": 1, "parent_run_id": parent}
+    assert client.post("/api/runs", json=new).status_code == 201
+    assert client.get(f"/api/runs/{parent}").json()["status"] == "queued"
+    for _ in range(2):  # The second time it is over already.
+        assert client.post("/api/runs", json=new | {"cancel_parent": True}).status_code == 201
+        assert client.get(f"/api/runs/{parent}").json()["status"] == "cancelled"
+
+
 def test_a_run_is_cancelled_resumed_and_deleted(client: TestClient) -> None:
     run = client.post("/api/runs", json={"behaviour_id": 1}).json()
     path = f"/api/runs/{run['id']}"

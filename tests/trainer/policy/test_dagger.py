@@ -181,7 +181,7 @@ def test_every_iteration_is_judged_and_the_best_policy_is_saved(
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
     shaping = RewardShaping.of(task.model, task.recipe.policy)
-    found = evaluate_snapshot(load_policy(finished.path), shaping, task.recipe, lambda: None)
+    found, _ = evaluate_snapshot(load_policy(finished.path), shaping, task.recipe, lambda: None)
     assert found == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
 
 

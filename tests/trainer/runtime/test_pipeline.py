@@ -11,6 +11,7 @@ import torch
 
 from tests.trainings import checked
 from testsupport.workplace import TINY, Workplace
+from trainer.policy.imitation import Snapshot
 from trainer.policy.networks import load_network
 from trainer.reporting.run_entry import describe_example
 from trainer.runtime.pipeline import (
@@ -22,18 +23,21 @@ from trainer.runtime.pipeline import (
     failure_message,
     own_scratch_folder,
 )
-from trainer.runtime.stages import STAGE_WORK, demonstrations
+from trainer.runtime.run_data import RunData
+from trainer.runtime.stages import STAGE_WORK, demonstrations, learning
 from trainer.runtime.stages.evaluation import starts_seen
+from trainer.runtime.stages.snapshots import keep_snapshot
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore
+from tril.game.console import Console
 from tril.game.starts import evaluation_start
 from tril.recipes import with_values
 from tril.stages import Stage
-from tril.store import behaviours, rankings, recordings
+from tril.store import behaviours, borrowed, rankings, recordings
 from tril.store.models import RunStatus, Source
-from tril.store.training import artifacts, leases, runs
+from tril.store.training import artifacts, leases, runs, training_games
 
 NAME = "worker-0"
 
@@ -198,6 +202,46 @@ def test_a_continued_run_begins_with_its_parents_imitator_and_still_has_a_clone(
         assert all(same) == is_start, kind
     clones = [policy_of(workplace, run_id, "clone") for run_id in (parent, child)]
     assert not all(torch.equal(clones[0][name], clones[1][name]) for name in clones[0])
+
+
+def test_an_imitator_can_be_seen_ranked_and_continued_while_it_learns(
+    workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    values = {
+        "policy.snapshot_steps": (64, 128),
+        "policy.snapshot_episodes": 3,
+        "reward.perturbed_share": 0.0,
+    }
+    run_id = workplace.make_run(with_values(TINY, values), steps=192)
+    to_the_imitator = only(pipeline, *list(Stage)[: list(Stage).index(Stage.EVALUATION)])
+    found = []
+
+    def keep_twice(data: RunData, snapshot: Snapshot, path: Path, console: Console) -> None:
+        for _ in range(2):
+            keep_snapshot(data, snapshot, path, console)
+        with workplace.database.reading() as session:
+            details = artifacts.of_kind(session, run_id, "imitator").details
+            found.append((details, training_games.latest(session, run_id)))
+        if snapshot.steps == 128:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(learning, "keep_snapshot", keep_twice)
+    with pytest.raises(KeyboardInterrupt):
+        pipeline.train(run_id, to_the_imitator)
+    assert [(details, steps) for details, (steps, _) in found] == [
+        ({"steps": 64}, 64),
+        ({"steps": 128}, 128),
+    ]
+    for steps, (_, (_, games)) in zip((64, 128), found, strict=True):
+        assert len(games) == 3
+        assert {(game.source, game.run_id) for game in games} == {(Source.POLICY, run_id)}
+        assert {game.conditions["steps"] for game in games} == {steps}
+        assert {game.conditions["sticky_action_probability"] for game in games} == {0.25}
+    with workplace.database.writing() as session:
+        games = found[-1][1][1]
+        borrowed.borrow(session, workplace.behaviour_id, [game.id for game in games])
+        child = runs.create(session, 1, TINY, 64, 0, parent_run_id=run_id)
+        assert child.parent_run_id == run_id
 
 
 def test_what_a_parent_has_learned_from_is_not_held_out_from_its_children(

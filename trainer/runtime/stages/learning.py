@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from functools import partial
 
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
@@ -15,7 +16,9 @@ from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.runtime.run_data import RunData
+from trainer.runtime.stages.snapshots import keep_snapshot
 from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome
+from tril.game.console import Console
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> None:
@@ -103,6 +106,7 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
                 n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
                 precision=Precision.of(context.settings.learning_precision, context.device),
                 device=context.device,
+                on_snapshot=partial(keep_snapshot, data, path=path, console=Console()),
             )
     data.keep_policy("imitator", path)
     return RunOutcome(

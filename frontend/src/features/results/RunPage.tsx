@@ -41,7 +41,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
           verdict={results.verdict}
           run={run}
           behaviour={behaviour}
-          canTeach={results.proposed.length > 0}
+          canTeach={results.proposed.length > 0 || results.training_games !== null}
         />
       )}
       <RunNotices run={run} />
@@ -134,12 +134,13 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
       title: "The same game, played by each",
       body: <Comparison results={results} behaviour={behaviour} onWatch={onWatch} />,
     },
-    !active &&
-      results.artifacts.some(({ kind }) => kind === "imitator") && {
-        id: "teach",
-        title: "Teach it more",
-        body: <TeachMore results={results} behaviour={behaviour} onWatch={onWatch} />,
-      },
+    (active
+      ? results.training_games !== null
+      : results.artifacts.some(({ kind }) => kind === "imitator")) && {
+      id: "teach",
+      title: active ? "Teach it while it learns" : "Teach it more",
+      body: <TeachMore results={results} behaviour={behaviour} onWatch={onWatch} />,
+    },
     results.check && {
       id: "check",
       title: "Reward and ranking",

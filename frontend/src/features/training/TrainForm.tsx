@@ -3,13 +3,13 @@ import { type SubmitEvent, useState } from "react";
 import { Link, useNavigate } from "react-router";
 
 import { messageOf } from "@/api/client";
-import { createRun } from "@/api/runs";
+import { createRun, runQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import { whole } from "@/lib/format";
-import { describeEstimate, runName } from "@/lib/runs";
+import { describeEstimate, isActive, runName } from "@/lib/runs";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
@@ -23,17 +23,21 @@ interface TrainFormProps {
   first: Recipe;
   /** The run whose imitator is trained further. */
   parentId: string | null;
+  /** As the address gives them; null for the recipe's. */
+  proposedSteps: string | null;
   onParentRemoved: () => void;
 }
 
 /** The recipe and settings of a run. */
 export function TrainForm(props: TrainFormProps) {
-  const { behaviour, recipes, first, parentId, onParentRemoved } = props;
+  const { behaviour, recipes, first, parentId, proposedSteps, onParentRemoved } = props;
   const client = useQueryClient();
   const navigate = useNavigate();
   const [chosen, setChosen] = useState(first.name);
   /** What the user has edited; kept when the recipe changes. */
-  const [edits, setEdits] = useState<Partial<FormValues>>({});
+  const [edits, setEdits] = useState<Partial<FormValues>>(() => firstEdits(proposedSteps));
+  const { data: parent } = useQuery({ ...runQuery(parentId ?? ""), enabled: parentId !== null });
+  const cancelParent = parent !== undefined && isActive(parent);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
   const values = { ...defaultsOf(recipe), ...edits };
   const missing = missingFor(behaviour);
@@ -54,7 +58,7 @@ export function TrainForm(props: TrainFormProps) {
 
   function submit(event: SubmitEvent) {
     event.preventDefault();
-    const run = runOf(values, behaviour.id, example, parentId);
+    const run = runOf(values, behaviour.id, example, parentId, cancelParent);
     if (run) start.mutate(run);
     else showInvalid(event.currentTarget);
   }
@@ -63,7 +67,9 @@ export function TrainForm(props: TrainFormProps) {
   return (
     <form className={styles.form} onSubmit={submit} noValidate>
       <Readiness behaviour={behaviour} missing={missing} example={example} />
-      {parentId !== null && <Parent runId={parentId} onRemove={onParentRemoved} />}
+      {parentId !== null && (
+        <Parent runId={parentId} active={cancelParent} onRemove={onParentRemoved} />
+      )}
       <fieldset>
         <legend className={styles.legend}>Recipe</legend>
         <div className={styles.recipes}>
@@ -118,6 +124,11 @@ export function TrainForm(props: TrainFormProps) {
   );
 }
 
+function firstEdits(proposedSteps: string | null): Partial<FormValues> {
+  const steps = readWhole(proposedSteps ?? "");
+  return steps > 0 ? { steps: whole(steps) } : {};
+}
+
 /** Focuses the first invalid field, also if it is folded away. */
 function showInvalid(form: Element): void {
   const field = form.querySelector<HTMLElement>("[aria-invalid]");
@@ -140,13 +151,16 @@ function TooShort({ recipe }: { recipe: Recipe }) {
 }
 
 /** The run that this one continues. */
-function Parent({ runId, onRemove }: { runId: string; onRemove: () => void }) {
+function Parent(props: { runId: string; active: boolean; onRemove: () => void }) {
+  const { runId, active, onRemove } = props;
   const name = runName({ id: runId });
   return (
     <Notice tone="calm" icon="redo">
       <p>
         Continues <Link to={`/runs/${runId}`}>{name}</Link>: PPO begins with its imitator instead of
         the clone.
+        {active &&
+          " That run still trains: it is cancelled when this one starts, and can be resumed."}
       </p>
       <Button kind="quiet" icon="close" onClick={onRemove}>
         Begin with the clone

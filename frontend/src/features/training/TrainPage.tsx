@@ -23,6 +23,7 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
         recipes={recipes}
         first={recipes[0]}
         parentId={search.get("continue")}
+        proposedSteps={search.get("steps")}
         onParentRemoved={() => setSearch({}, { replace: true })}
       />
       <aside className={styles.side} aria-label="What a run does">

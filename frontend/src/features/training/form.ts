@@ -61,6 +61,7 @@ export function runOf(
   behaviourId: number,
   example: boolean,
   parentId: string | null,
+  cancelParent: boolean,
 ): RunNew | null {
   if (Object.keys(errorsIn(values)).length > 0) return null;
   return {
@@ -72,5 +73,6 @@ export function runOf(
     go_on_anyway: values.goOnAnyway,
     example,
     parent_run_id: parentId,
+    cancel_parent: cancelParent,
   };
 }

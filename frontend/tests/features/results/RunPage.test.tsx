@@ -382,10 +382,10 @@ describe("teaching more", () => {
   };
 
   /** Serves a ranking's games that requests change; one of them can be ranked already. */
-  function openTaught(change: Partial<RunResults> = {}, ranked = false) {
+  function openTaught(change: Partial<RunResults> = {}, ranked = false, of = one) {
     let held: Recording[] = ranked ? [{ ...good, borrowed: true, ranked }] : [];
     const asked = serve({
-      [`GET /api/runs/${one.id}/results`]: () => results(one, { ...taught, ...change }),
+      [`GET /api/runs/${one.id}/results`]: () => results(of, { ...taught, ...change }),
       [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 0, series: {} }),
       "GET /api/behaviours/1/borrowed": () => held,
       "POST /api/behaviours/1/ranking/games": ({ body }) => {
@@ -398,7 +398,7 @@ describe("teaching more", () => {
         return undefined;
       },
     });
-    return { asked, ...show(<RunPage run={one} behaviour={behaviour()} />) };
+    return { asked, ...show(<RunPage run={of} behaviour={behaviour()} />) };
   }
 
   const games = async () => within(await screen.findByRole("list", { name: "Games to rank" }));
@@ -456,6 +456,20 @@ describe("teaching more", () => {
     openTaught({ artifacts: [] });
     expect(await screen.findByRole("heading", { name: "Parameters" })).toBeVisible();
     expect(screen.queryByRole("heading", { name: "Teach it more" })).not.toBeInTheDocument();
+  });
+
+  it("proposes games of a training that still goes on, and to go on with the new order", async () => {
+    const learning = run({ ...one, status: "running", steps: 300_000 });
+    const training_games = { steps: 100_000, games: [good, bad] };
+    openTaught({ proposed: [], games: [], comparison: [], training_games }, false, learning);
+    expect(await screen.findByRole("heading", { name: "Teach it while it learns" })).toBeVisible();
+    const shown = (await games()).getAllByRole("listitem").map((item) => item.textContent);
+    expect(shown[1]).toContain("after 100,000 steps");
+    expect(screen.getByRole("link", { name: "Go on with the new order" })).toHaveAttribute(
+      "href",
+      `/behaviours/1/train?continue=${one.id}&steps=200000`,
+    );
+    expect(screen.getByRole("button", { name: "Add 2 games and rank them" })).toBeVisible();
   });
 
   it("says which run another one continues", async () => {

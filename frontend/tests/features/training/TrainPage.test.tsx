@@ -107,6 +107,26 @@ describe("training", () => {
     expect(sent()).toMatchObject([{ parent_run_id: parent }, { parent_run_id: null }]);
   });
 
+  it("takes the place of a run that still trains, with the steps that are left", async () => {
+    const parent = run({ id: "3f2a9c00-0000-4000-8000-000000000000", status: "running" });
+    const answers = {
+      [`GET /api/runs/${parent.id}`]: () => parent,
+      "POST /api/runs": () => new Refusal(409, { detail: "It is gone." }),
+    };
+    const { asked } = open(RANKED, answers, `/?continue=${parent.id}&steps=200000`);
+    expect(await screen.findByLabelText("Steps")).toHaveValue("200,000");
+    expect(await screen.findByText(/it is cancelled when this one starts/)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    const sent = () => asked.find(({ method }) => method === "POST")?.body;
+    await waitFor(() =>
+      expect(sent()).toMatchObject({
+        parent_run_id: parent.id,
+        cancel_parent: true,
+        steps: 200_000,
+      }),
+    );
+  });
+
   it("names a number that won't do", async () => {
     open(RANKED);
     const steps = await screen.findByLabelText("Steps");

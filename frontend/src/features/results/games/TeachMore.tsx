@@ -2,14 +2,15 @@ import { useQuery } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
 import { borrowedQuery } from "@/api/borrowed";
-import type { Behaviour, EvaluationGame, RunResults } from "@/api/types";
+import type { Behaviour, Recording, RunResults } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import type { Watched } from "@/features/results/watched";
-import { count } from "@/lib/format";
+import { count, whole } from "@/lib/format";
 import { describeEnd, describeScore, hitCells } from "@/lib/recordings";
+import { isActive } from "@/lib/runs";
 
 import { AddToRanking } from "./AddToRanking";
 import styles from "./TeachMore.module.css";
@@ -22,24 +23,41 @@ interface TeachMoreProps {
 
 const SCREEN = { width: 320, height: 210 } as const;
 
+interface Proposal {
+  readonly recording: Recording;
+  /** How it was played, in words. */
+  readonly how: string;
+}
+
+/** Returns evaluation games of the imitator, or those of its training while there are none. */
+function proposalsIn({ proposed, games, training_games: training }: RunResults): Proposal[] {
+  const evaluated = proposed.flatMap((id) => {
+    const game = games.find(({ recording }) => recording.id === id);
+    if (!game) return [];
+    const how = `${game.action_selection} actions, start ${game.start_number}`;
+    return [{ recording: game.recording, how }];
+  });
+  if (evaluated.length > 0 || !training) return evaluated;
+  const how = `after ${whole(training.steps)} steps`;
+  return training.games.map((recording) => ({ recording, how }));
+}
+
 /** Proposes games of the imitator for the ranking, and to train the imitator further. */
 export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
-  const games = results.proposed.flatMap(
-    (id) => results.games.find(({ recording }) => recording.id === id) ?? [],
-  );
-  const at = `/behaviours/${behaviour.id}`;
+  const games = proposalsIn(results);
+  const active = isActive(results.run);
   const further = (
-    <ButtonLink to={`${at}/train?${new URLSearchParams({ continue: results.run.id }).toString()}`}>
-      Train further from this imitator
+    <ButtonLink to={furtherFrom(results, active)}>
+      {active ? "Go on with the new order" : "Train further from this imitator"}
     </ButtonLink>
   );
   if (games.length === 0) return <div className={styles.buttons}>{further}</div>;
   return (
     <>
       <p className={styles.note}>
-        These games of the imitator differ most. Rank them among the others, the good ones high and
-        the bad ones low, and train again: the reward learns what it has not understood. A run that
-        learns from a game leaves the game&rsquo;s start out of its averages.
+        {active
+          ? "These games of the imitator differ most among those that it plays from time to time. Rank them among the others, the good ones high and the bad ones low, and go on with the new order: the reward is learned anew, and PPO goes on from the imitator as it is."
+          : "These games of the imitator differ most. Rank them among the others, the good ones high and the bad ones low, and train again: the reward learns what it has not understood. A run that learns from a game leaves the game’s start out of its averages."}
       </p>
       <ul className={styles.games} aria-label="Games to rank">
         {games.map((game) => (
@@ -59,16 +77,23 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
   );
 }
 
+/** Returns the address of the form for a run that continues this one, with the steps that are left. */
+function furtherFrom({ run, training_games: training }: RunResults, active: boolean): string {
+  const search = new URLSearchParams({ continue: run.id });
+  const left = run.steps - (training?.steps ?? 0);
+  if (active && left > 0) search.set("steps", String(left));
+  return `/behaviours/${run.behaviour_id}/train?${search.toString()}`;
+}
+
 function ProposedGame({
-  game: { recording, action_selection: selection, start_number: start },
+  game: { recording, how },
   behaviour,
   onWatch,
 }: {
-  game: EvaluationGame;
+  game: Proposal;
   behaviour: Behaviour;
   onWatch: (watched: Watched) => void;
 }) {
-  const how = `${selection} actions, start ${start}`;
   return (
     <li className={styles.game}>
       <button
@@ -93,7 +118,7 @@ function ProposedGame({
 }
 
 /** Adds all games to the unranked ones and leads there. */
-function AddAll({ games, behaviourId }: { games: readonly EvaluationGame[]; behaviourId: number }) {
+function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourId: number }) {
   const { data: borrowed } = useQuery(borrowedQuery(behaviourId));
   const { add, isPending } = useBorrowing(behaviourId);
   const navigate = useNavigate();
