@@ -14,6 +14,8 @@ interface Hint {
   readonly id: string;
   readonly done: boolean;
   readonly text: string;
+  /** Whether a run can be started without it. */
+  readonly optional?: true;
 }
 
 /** Returns what training needs and whether it is there. */
@@ -41,14 +43,35 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
       : {
           id: "number",
           done: false,
+          optional: true,
           text: `${nRanked} ranked. About ${GOOD_NUMBER}, from perfect to hopeless, work well.`,
         },
+    ...(nRanked >= GOOD_NUMBER ? missingKinds(tiers, recordings) : []),
   ];
+}
+
+/** Returns the kinds of games that a ranking of enough games lacks, and what to do about it. */
+function missingKinds(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
+  const ranked = new Set(tiers.flat());
+  const games = recordings.filter(({ id }) => ranked.has(id));
+  const missing = { done: false, optional: true } as const;
+  const kinds: Hint[] = [];
+  if (games.every(({ borrowed, source }) => !borrowed && source !== "varied")) {
+    const text = "All ranked games are of one kind. Add varied games, which are bad in other ways.";
+    kinds.push({ ...missing, id: "varied", text });
+  }
+  const scored = games.filter(({ targets }) => targets !== null);
+  if (scored.length > 0 && !scored.some(({ targets, strays }) => targets && strays)) {
+    const text =
+      "No ranked game hits a target and a stray. Play one that does: it shows what a stray costs.";
+    kinds.push({ ...missing, id: "mixed", text });
+  }
+  return kinds;
 }
 
 /** Whether a run can be started. */
 function canTrain(tiers: Tiers, recordings: readonly Recording[]): boolean {
-  return hintsFor(tiers, recordings).every((hint) => hint.done || hint.id === "number");
+  return hintsFor(tiers, recordings).every(({ done, optional }) => done || optional);
 }
 
 /** What training needs, and the link to it once that is there. */

@@ -435,6 +435,22 @@ describe("what training needs", () => {
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
 
+  it("says which kinds of games a ranking of enough games lacks", async () => {
+    const more = Array.from({ length: 12 }, (_, at) => recording({ id: 10 + at }));
+    const mixed = recording({ id: 22, strays: 2 });
+    const varied = recording({ id: 23, source: "varied", strays: 1, targets: 0 });
+    const tiers = more.map(({ id }) => [id]);
+    await open({ tiers, unranked: [22, 23] }, undefined, [...more, mixed, varied]);
+    const hints = within(screen.getByRole("region", { name: "What training needs" }));
+    expect(hints.getByText(/All ranked games are of one kind/)).toBeVisible();
+    expect(hints.getByText(/No ranked game hits a target and a stray/)).toBeVisible();
+    expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
+    await press("Rank as worst: Recording 23");
+    expect(hints.queryByText(/of one kind/)).toBeNull();
+    await press("Rank as worst: Recording 22");
+    expect(hints.queryByText(/a target and a stray/)).toBeNull();
+  });
+
   it("begins with a game", async () => {
     serve({
       "GET /api/behaviours/1/ranking": () => ranking(),
