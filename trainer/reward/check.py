@@ -141,7 +141,7 @@ def check_ranking(
     """
     seed = (training_seed, _CHECK_STREAM)
     tiers, pairs = dataset.tiers, dataset.pairs
-    rewards = {i: model.score(dataset.trajectories[i].observations) for i in dataset.ranked}
+    rewards = {i: dataset.score(model, i) for i in dataset.ranked}
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in rewards.items()}
     levels = {i: final_level(model.level(values)) for i, values in rewards.items()}
     tau = kendall_tau(tiers, levels)

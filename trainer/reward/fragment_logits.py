@@ -6,7 +6,7 @@ means (Bradley-Terry on returns, as in T-REX, section 4).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -20,7 +20,6 @@ from trainer.nn.screens import channels_last_screens
 from trainer.reward.fragments import Fragmenter, Indices
 from trainer.reward.model import RewardNetwork
 from trainer.reward.preference_dataset import PreferenceDataset
-from tril.game.observation import Observations
 
 Seed = tuple[int, ...]
 """Seeds all random numbers of one network's training; a stream's number follows it."""
@@ -47,6 +46,9 @@ class _Logits:
         self.recipe = dataset.recipe
         self._seed = seed
         self._device = device_of(network)
+
+    def prepare(self, on_trajectory: Callable[[], None]) -> None:
+        """Compute what all updates share; ``on_trajectory`` is called after each trajectory."""
 
     def _rng(self, *stream: int) -> np.random.Generator:
         return np.random.default_rng([*self._seed, *stream])
@@ -111,8 +113,16 @@ class PrefixSumLogits(_Logits):
 
     A trajectory is scored at every ``observation_stride``-th step from a random offset.
     Neighbouring observations share three of their four screens, so that the stride loses little
-    information and saves most of the time.
+    information and saves most of the time. What the layers of a pretrained network read is computed
+    once for all updates, since only its output learns.
     """
+
+    def prepare(self, on_trajectory: Callable[[], None]) -> None:
+        """Read the screens of all trajectories if the layers that do so don't learn."""
+        if self.recipe.pretrained:
+            for trajectory in self.dataset.trajectories:
+                _ = trajectory.memory_bits
+                on_trajectory()
 
     def __call__(self, update: int) -> Tensor:
         """Return the logits of an update, counted from 0: float32 (pairs_per_update,)."""
@@ -135,24 +145,26 @@ class PrefixSumLogits(_Logits):
             logits.append(better - _returns(sums, drawn.worse, drawn.worse_start, drawn.length))
         return torch.cat(logits)
 
-    def _strided(self, index: int, offset: int) -> tuple[Observations, int]:
-        """Return a trajectory's observations at steps offset + k * stride, and the first such k."""
+    def _strided(self, index: int, offset: int) -> tuple[Tensor, int]:
+        """Return a trajectory's inputs at steps offset + k * stride, and the first such k."""
         stride, trajectory = self.recipe.observation_stride, self.dataset.trajectories[index]
         first = max(0, -(-(trajectory.first_step - offset) // stride))
         begin = offset + first * stride - trajectory.first_step
         # A trajectory that ends before counts with its last observation.
         begin = min(begin, len(trajectory.observations) - 1)
-        return trajectory.observations[begin::stride], first
+        if self.recipe.pretrained:
+            return trajectory.memory_bits[begin::stride], first
+        return channels_last_screens(trajectory.observations[begin::stride]), first
 
-    def _prefix_sums(self, taken: Sequence[Observations], begins: Sequence[int]) -> Tensor:
+    def _prefix_sums(self, taken: tuple[Tensor, ...], begins: Sequence[int]) -> Tensor:
         """Return the sums of R over each trajectory's first k strided steps.
 
         Returns:
             float32 (trajectories, K + 1), for k from 0 to the largest K.
         """
-        inputs = torch.cat([channels_last_screens(one) for one in taken]).to(self._device)
-        parts = torch.split(inputs, forward_batch(self._device))
-        rewards = torch.cat([self.network(part) for part in parts])
+        parts = torch.split(torch.cat(taken).to(self._device), forward_batch(self._device))
+        score = self.network.from_features if self.recipe.pretrained else self.network
+        rewards = torch.cat([score(part) for part in parts])
         sizes = [len(one) for one in taken]
         width = max(begin + size for begin, size in zip(begins, sizes, strict=True))
         sums = torch.zeros(len(taken), width + 1, device=self._device)

@@ -62,8 +62,16 @@ class RewardNetwork(nn.Module):
 
     def forward(self, observations: Tensor) -> Tensor:
         """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
+        return self.from_features(self.read(observations))
+
+    def read(self, observations: Tensor) -> Tensor:
+        """Return what R is linear in, see ``features``, of observations, uint8 (N, 4, 84, 84)."""
         inputs = observations.to(torch.float32, memory_format=torch.channels_last)
-        return self.after_first(self.first(inputs))
+        return self.features(self.layers[1](F.leaky_relu(self.first(inputs))))
+
+    def from_features(self, features: Tensor) -> Tensor:
+        """Return R, float32 (N,), from what it is linear in."""
+        return self.output(features).squeeze(1)  # type: ignore[no-any-return]
 
     def first(self, inputs: Tensor) -> Tensor:
         """Return the first layer before its activation, float32 (N, 16, 26, 26).
@@ -80,7 +88,7 @@ class RewardNetwork(nn.Module):
 
     def after_second(self, second: Tensor) -> Tensor:
         """Return R, float32 (N,), from the second layer before its activation."""
-        return self.output(self.features(second)).squeeze(1)  # type: ignore[no-any-return]
+        return self.from_features(self.features(second))
 
     def features(self, second: Tensor) -> Tensor:
         """Return what R is linear in, from the second layer before its activation.
@@ -172,6 +180,13 @@ class RewardModel:
                 outputs = [member.after_first(member.first(inputs)) for member in self.members]
                 result[part] = self.combine(outputs).cpu().numpy()
         return result
+
+    def score_features(self, features: Tensor) -> npt.NDArray[np.float32]:
+        """Return R, float32 (N,), from what a pretrained network reads, see RewardNetwork.read."""
+        with torch.inference_mode():
+            inputs = features.to(device_of(self.members[0]))
+            outputs = [member.from_features(inputs) for member in self.members]
+            return self.combine(outputs).cpu().numpy()
 
     def combine(self, outputs: Sequence[Tensor]) -> Tensor:
         """Return R from the outputs of all members, tensors of the same shape."""

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
+from torch import Tensor
 
 from trainer.reward.fragments import Fragmenter, FragmentStarts, preference_pairs
+from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration
+from trainer.reward.pretraining import read_memory
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -35,6 +39,11 @@ class ObservedTrajectory:
 
     observations: npt.NDArray[np.uint8]
     first_step: int = 0
+
+    @cached_property
+    def memory_bits(self) -> Tensor:
+        """What a pretrained network reads off the observations, see read_memory."""
+        return read_memory(self.observations)
 
 
 @dataclass(frozen=True)
@@ -142,6 +151,13 @@ class PreferenceDataset:
     def _unranked_perfect(self) -> tuple[int, ...]:
         ranked = set(self.ranked)
         return tuple(index for index in self.perfect if index not in ranked)
+
+    def score(self, model: RewardModel, index: int) -> npt.NDArray[np.float32]:
+        """Return R of a trajectory's observations, float32 (N,), by a model of this recipe."""
+        observed = self.trajectories[index]
+        if self.recipe.pretrained:
+            return model.score_features(observed.memory_bits)
+        return model.score(observed.observations)
 
     def without(self, held_out: Collection[int]) -> PreferenceDataset:
         """Return the dataset without some trajectories and without their perturbed copies."""

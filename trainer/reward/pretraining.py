@@ -17,6 +17,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +26,12 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from trainer.nn.checkpoints import load_tensors, save_tensors
+from trainer.nn.devices import CPU, forward_batch
 from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_games
+from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from trainer.reward.model import RewardNetwork, network_of
+from tril.game.observation import Observations
 
 WEIGHTS = Path(__file__).with_name("pretrained.safetensors")
 
@@ -71,6 +75,26 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
     for name, weight in network.named_parameters():
         weight.requires_grad_(name.startswith("output"))
     return network
+
+
+def read_memory(observations: Observations) -> Tensor:
+    """Return what every pretrained network's R is linear in: they differ in their outputs alone.
+
+    Args:
+        observations: uint8 (N, 4, 84, 84).
+
+    Returns:
+        float32 (N, n_memory_bits), probabilities.
+    """
+    network = _shipped_network()
+    batches = torch.split(channels_last_screens(observations), forward_batch(CPU))
+    with torch.no_grad():
+        return torch.cat([network.read(batch) for batch in batches])
+
+
+@cache
+def _shipped_network() -> RewardNetwork:
+    return pretrained_network(np.random.default_rng(0))
 
 
 def main() -> None:

@@ -115,6 +115,7 @@ class RewardTrainer:
         saved_at = time.monotonic()
         if done:
             progress.advance(done, self._updates)
+        self._logits.prepare(lambda: progress.advance(done, self._updates))
         interval = max(1, self._updates // _CURVE_POINTS)
         for update in range(done + 1, self._updates + 1):
             self._update(update)
@@ -201,4 +202,4 @@ def calibrate(
 def _rewards(
     model: RewardModel, dataset: PreferenceDataset, indices: Iterable[int]
 ) -> dict[int, npt.NDArray[np.float32]]:
-    return {index: model.score(dataset.trajectories[index].observations) for index in indices}
+    return {index: dataset.score(model, index) for index in indices}

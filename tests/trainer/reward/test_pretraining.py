@@ -19,6 +19,7 @@ from trainer.reward.pretraining import (
     WEIGHTS,
     pretrain,
     pretrained_network,
+    read_memory,
 )
 from trainer.reward.reward_trainer import train_reward_model
 from tril.game.console import Console
@@ -50,6 +51,16 @@ def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
     n_aliens = screens.bits[:, FIRST_ALIENS : FIRST_ALIENS + 48].sum(1)
     for game in range(N_GAMES):
         assert (np.diff(n_aliens[screens.games == game].astype(int)) <= 0).all()
+
+
+def test_r_from_what_was_read_is_r_from_the_screens(screens: Screens) -> None:
+    network = pretrained_network(np.random.default_rng(3))
+    model = RewardModel((network,), (0.5,), (2.0,))
+    bits = read_memory(screens.observations[:150])
+    assert bits.shape == (150, network.output.in_features)
+    assert ((bits >= 0) & (bits <= 1)).all()
+    wanted = model.score(screens.observations[:150])
+    assert model.score_features(bits) == pytest.approx(wanted, abs=1e-5)
 
 
 def test_bits_that_hardly_vary_or_change_often_are_left_out(screens: Screens) -> None:
