@@ -11,7 +11,8 @@ training is interrupted: some of the imitator's own games are inserted into the 
 in ten is wrong), and the reward is learned anew. The imitator is judged on the 32 evaluation
 starts with their openings, greedily and with sticky actions, and without openings.
 
-Prints the figures and appends them to a ledger, a line of JSON a training. 200,000 steps take a
+Prints the figures and appends them to a ledger, a line of JSON a training, with the digest of the
+recipe. 200,000 steps take a
 quarter of an hour on one of two cores.
 """
 
@@ -36,12 +37,13 @@ from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import Policy, load_policy, save_policy
 from trainer.progress import NullProgress
+from trainer.reporting.digests import recipe_digest
 from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import BUILT_IN, Behaviour, Cell, score
+from tril.behaviours import BUILT_IN, Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours
 from tril.demonstrator.random_play import play_randomly
@@ -123,6 +125,12 @@ class Ranked:
         self.tiers.insert(sum(bool(mean > worth[0]) for mean in means), [index])
 
 
+def _score(behaviour: Behaviour, hits: Sequence[Any]) -> Score:
+    found = score(behaviour, _cells(hits))
+    assert found is not None
+    return found
+
+
 def _cells(hits: Sequence[Any]) -> tuple[Cell, ...]:
     return tuple((hit.row, hit.column) for hit in hits)
 
@@ -160,13 +168,25 @@ class UnseenGames:
         for kind in ("scripted", "person-150"):
             for one in make_example(behaviour, rng, n_perfect=1, kind=kind_named(kind)):
                 self._own.add(one.recording, console)
+        self._clean = [
+            index
+            for index, seen in enumerate(self._own.trajectories)
+            if not _score(behaviour, seen.hits).strays
+        ]
         for _ in range(N_UNSEEN_VARIED):
             self._varied.add(play_varied(rng, console).recording, console)
 
     def taus(self, model: RewardModel) -> dict[str, float | None]:
-        """Return Kendall's tau of final levels with the games' worth, by kind of games."""
+        """Return Kendall's tau of final levels with the games' worth, by kind of games.
+
+        The clean ones are the own games without a stray, which their targets tell apart.
+        """
+        own = self._own.levels(model)
         return {
-            "tau_own": _tau(self._own.merits, self._own.levels(model)),
+            "tau_own": _tau(self._own.merits, own),
+            "tau_clean": _tau(
+                [self._own.merits[i] for i in self._clean], [own[i] for i in self._clean]
+            ),
             "tau_varied": _tau(self._varied.merits, self._varied.levels(model)),
         }
 
@@ -181,8 +201,7 @@ def _tau(worths: Sequence[Merit], levels: Sequence[float]) -> float | None:
 
 
 def _figures(behaviour: Behaviour, game: EvaluatedGame) -> dict[str, float]:
-    found = score(behaviour, _cells(game.hits))
-    assert found is not None
+    found = _score(behaviour, game.hits)
     assert behaviour.target is not None
     died = game.end in DEATHS
     flawless = found.targets == len(behaviour.target) and not found.strays and not died
@@ -313,8 +332,8 @@ class Lesson:
             self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
 
 
-def main() -> None:
-    """Train, judge and print."""
+def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """Return the command line's arguments, or those of other words."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-b", "--behaviour", default="column-3")
     parser.add_argument("--demonstrations", default="person-250", help="see tril demo --help")
@@ -331,10 +350,16 @@ def main() -> None:
     )
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--ledger", type=Path, help="file that a line is appended to")
-    arguments = parser.parse_args()
+    return parser.parse_args(words)
+
+
+def main() -> None:
+    """Train, judge and print."""
+    arguments = arguments_of()
     torch.set_num_threads(arguments.threads)
     with tempfile.TemporaryDirectory() as folder:
-        found = Lesson(arguments).train(Path(folder))
+        lesson = Lesson(arguments)
+        found = {"digest": recipe_digest(lesson.recipe)} | lesson.train(Path(folder))
     asked = {k: v for k, v in vars(arguments).items() if k not in {"ledger", "threads", "check"}}
     line = json.dumps(asked | found)
     print(line)

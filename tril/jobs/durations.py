@@ -15,6 +15,8 @@ MEAN_STEPS = 250
 """Steps of a typical demonstration or evaluation game."""
 
 REWARD_OBSERVATIONS_PER_S = 4_500.0
+REWARD_READINGS_PER_S = 6_000.0
+"""Observations that a pretrained reward model's layers read, each once."""
 REWARD_UPDATE_S = 0.003
 """Overhead of an update of the reward model, besides its observations."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
@@ -35,7 +37,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
     return {
         Stage.DEMONSTRATIONS: DEMONSTRATIONS_S,
         Stage.TRAJECTORIES: TRAJECTORIES_S,
-        Stage.REWARD: 1.0 + reward.ensemble * _learning_seconds(reward),
+        Stage.REWARD: 1.0 + _reading_seconds(reward) + reward.ensemble * _learning_seconds(reward),
         Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_fold),
         Stage.CLONE: 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
         Stage.IMITATOR: 2.0 + _imitator_seconds(recipe, steps),
@@ -59,8 +61,19 @@ def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     )
 
 
+def _reading_seconds(reward: RewardRecipe) -> float:
+    """Return the seconds in which pretrained layers read the demonstrations and their copies."""
+    if not reward.pretrained:
+        return 0.0
+    # A copy begins in the middle of its original on average.
+    per_demonstration = 2.0 + (reward.perturbed_copies / 2 if reward.perturbed_share else 0.0)
+    return N_DEMONSTRATIONS * MEAN_STEPS * per_demonstration / REWARD_READINGS_PER_S
+
+
 def _learning_seconds(reward: RewardRecipe) -> float:
     """Return the seconds that the training of one reward network takes."""
+    if reward.pretrained:
+        return reward.updates * REWARD_UPDATE_S
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     return reward.updates * update_s
 
