@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 
-from testsupport.workplace import TINY, Workplace
-from trainer.policy.networks import new_policy, save_policy
+from testsupport.watching import finished_run
+from testsupport.workplace import Workplace
 from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reward.model import RewardModel, new_network
 from tril.analysis.outcome import (
@@ -27,24 +26,18 @@ from tril.exchange.run_archive import PICTURES, picture_name
 from tril.files.artifact_store import ArtifactStore
 from tril.stages import stages_of
 from tril.store import behaviours, recordings
-from tril.store.models import EvaluationRow, RunStatus, Source
-from tril.store.training import artifacts, evaluations, leases, metrics, runs
+from tril.store.models import EvaluationRow, Source
+from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES, EvaluationKey
 
 CHECK = {"tau": 1.0, "pair_accuracy": 0.9, "held_out_accuracy": None}
 
 
-def make_finished_run(workplace: Workplace, folder: Path) -> str:
-    """Make a run of a data folder's behaviour, done, with untrained networks; return its id.
-
-    Args:
-        workplace: The data folder.
-        folder: For the networks' files until they are stored.
-    """
-    run_id = workplace.make_run(TINY)
-    lease = workplace.lease(run_id)
-    folder.mkdir(parents=True, exist_ok=True)
-    _keep_networks(workplace, run_id, folder)
+def make_finished_run(workplace: Workplace) -> str:
+    """Make a run of a data folder's behaviour, done, with untrained networks; return its id."""
+    networks = tuple(new_network(np.random.default_rng(seed)) for seed in (0, 1))
+    model = RewardModel(networks, (0.5, 0.1), (2.0, 3.0), zero=-1.0, one=2.0)
+    run_id = finished_run(workplace, model=model)
     _keep_attention(workplace, run_id)
     _keep_games(workplace, run_id)
     with workplace.database.writing() as session:
@@ -53,28 +46,8 @@ def make_finished_run(workplace: Workplace, folder: Path) -> str:
         row = runs.get(session, run_id)
         row.outcome = _outcome(workplace, evaluations.listing(session, run_id))
         row.versions = {"python": "3.11", "torch": "2"}
-        for stage in stages_of(example=False):
-            leases.finish_stage(session, lease, stage, 1.5)
-        leases.end(session, lease, RunStatus.DONE)
+        row.finished_stages = {str(stage): 1.5 for stage in stages_of(example=False)}
     return run_id
-
-
-def _keep_networks(workplace: Workplace, run_id: str, folder: Path) -> None:
-    for seed, kind in enumerate(POLICIES):
-        path = folder / f"{kind}.zip"
-        save_policy(new_policy("small", 0.0, np.random.default_rng(seed)), path)
-        _keep(workplace, run_id, kind, path)
-    path = folder / "reward-model.safetensors"
-    networks = tuple(new_network(np.random.default_rng(seed)) for seed in (0, 1))
-    RewardModel(networks, (0.5, 0.1), (2.0, 3.0), zero=-1.0, one=2.0).save(path)
-    _keep(workplace, run_id, "reward_model", path)
-
-
-def _keep(workplace: Workplace, run_id: str, kind: str, path: Path) -> None:
-    store = ArtifactStore(workplace.settings.artifact_root)
-    size = store.put(artifacts.path_of(run_id, path.name), path.read_bytes())
-    with workplace.database.writing() as session:
-        artifacts.save(session, run_id, kind, path.name, "application/octet-stream", size)
 
 
 def _keep_attention(workplace: Workplace, run_id: str) -> None:

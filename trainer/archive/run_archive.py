@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from trainer.archive.commands import commands
 from trainer.archive.games import best_and_worst
 from trainer.archive.tables import curves_table, evaluation_table
@@ -100,9 +102,15 @@ def check_networks(archive: RunArchive) -> None:
             path = Path(name) / NETWORKS[kind].rpartition("/")[2]
             path.write_bytes(content)
             try:
-                load_network(path) if kind in POLICIES else RewardModel.load(path)
+                if kind in POLICIES:
+                    load_network(path)
+                    continue
+                model = RewardModel.load(path)
+                usable = bool(np.isfinite([model.zero, model.one]).all()) and model.zero < model.one
             except (TypeError, ValueError) as error:
                 raise Invalid(f"{path.name} cannot be read: {error}") from error
+            if not usable:
+                raise Invalid(f"{path.name} has levels that are no scale.")
 
 
 def _data(exported: ExportedRun) -> Iterator[tuple[str, bytes]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,6 +48,7 @@ PICTURES = {"attention_map": "", "attention_red_blue": "-red-blue", "attention_f
 
 MAX_MEMBERS = 500
 _MB = 2**20
+MAX_ARCHIVE_BYTES = 128 * _MB
 MAX_JSON_BYTES = 16 * _MB
 MAX_NETWORK_BYTES = 64 * _MB
 MAX_PICTURE_BYTES = _MB
@@ -97,9 +99,11 @@ def read_archive(file: Path | BinaryIO) -> RunArchive:
         RunRefused: It is not one, or something in it is wrong or too large.
     """
     try:
+        if isinstance(file, Path) and file.stat().st_size > MAX_ARCHIVE_BYTES:
+            raise RunRefused(f"The file is too large: at most {MAX_ARCHIVE_BYTES // _MB} MiB.")
         with zipfile.ZipFile(file) as archive:
             return _read(_members(archive), archive)
-    except (zipfile.BadZipFile, NotImplementedError, EOFError, OSError) as error:
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError) as error:
         raise RunRefused(f"The file is not a run that Tril exported: {error}.") from None
 
 
@@ -183,6 +187,6 @@ def _picture(name: str, content: bytes) -> bytes:
                 raise RunRefused(f"{name} is too large: {picture.size} pixels.")
             target = io.BytesIO()
             picture.convert("RGB").save(target, format="png", optimize=True)
-    except (OSError, ValueError, SyntaxError) as error:
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise RunRefused(f"{name} is no picture: {error}.") from None
     return target.getvalue()

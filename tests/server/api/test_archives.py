@@ -11,7 +11,7 @@ from starlette.testclient import TestClient
 
 from server.archives import ArchiveMaker
 from testsupport.finished_runs import make_finished_run
-from testsupport.workplace import Workplace
+from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import write_archive
 from tril.errors import Unavailable
 from tril.exchange import example
@@ -22,9 +22,9 @@ from tril.store.training import runs
 
 
 def test_a_finished_run_is_downloaded_as_one_zip_which_is_made_once(
-    client: TestClient, workplace: Workplace, tmp_path: Path
+    client: TestClient, workplace: Workplace
 ) -> None:
-    run_id = make_finished_run(workplace, tmp_path / "networks")
+    run_id = make_finished_run(workplace)
     answer = client.get(f"/api/runs/{run_id}/archive.zip")
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"] == "application/zip"
@@ -66,10 +66,8 @@ def test_an_archive_that_takes_too_long_or_fails_is_given_up(
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """Let a run that was finished elsewhere ship; return its id."""
-    from testsupport.workplace import make_workplace
-
     there = make_workplace(tmp_path / "there")
-    run_id = make_finished_run(there, tmp_path / "networks")
+    run_id = make_finished_run(there)
     path = tmp_path / "example.zip"
     store = ArtifactStore(there.settings.artifact_root)
     write_archive(there.database, store, run_id, path, lambda _: b"", compact=True)

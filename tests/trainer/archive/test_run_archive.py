@@ -104,7 +104,7 @@ def tiny_clip(_recording: Recording) -> bytes:
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workplace, str]]:
     folder = tmp_path_factory.mktemp("archive")
     made = make_workplace(folder / "data")
-    yield made, make_finished_run(made, folder / "networks")
+    yield made, make_finished_run(made)
     made.database.close()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import pickle
+import shutil
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -40,7 +41,7 @@ Members = dict[str, bytes]
 def exported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workplace, str, Path]]:
     folder = tmp_path_factory.mktemp("exported")
     made = make_workplace(folder / "data")
-    run_id = make_finished_run(made, folder / "networks")
+    run_id = make_finished_run(made)
     path = folder / "run.zip"
     store = ArtifactStore(made.settings.artifact_root)
     write_archive(made.database, store, run_id, path, lambda _: b"", compact=True)
@@ -48,10 +49,20 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workpla
     made.database.close()
 
 
-@pytest.fixture
-def elsewhere(tmp_path: Path) -> Iterator[Database]:
-    database = create_database(f"sqlite:///{tmp_path / 'tril.sqlite'}")
+@pytest.fixture(scope="module")
+def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an empty database, which tests copy instead of migrating one each."""
+    path = tmp_path_factory.mktemp("migrated") / "tril.sqlite"
+    database = create_database(f"sqlite:///{path}")
     upgrade(database)
+    database.close()
+    return path
+
+
+@pytest.fixture
+def elsewhere(migrated: Path, tmp_path: Path) -> Iterator[Database]:
+    """Return an empty data folder's database."""
+    database = create_database(f"sqlite:///{shutil.copy(migrated, tmp_path)}")
     yield database
     database.close()
 
@@ -162,7 +173,7 @@ def test_its_policies_do_the_same(
         expected = load_policy(file).probabilities(inputs)
     with artifacts.local_file(elsewhere, store, run_id, "imitator") as file:
         # Of half precision.
-        np.testing.assert_allclose(load_policy(file).probabilities(inputs), expected, atol=2e-3)
+        np.testing.assert_allclose(load_policy(file).probabilities(inputs), expected, atol=0.05)
 
 
 def test_a_run_is_imported_once_and_restored_after_it_was_deleted(
@@ -250,6 +261,11 @@ def of_integers(weights: dict[str, np.ndarray]) -> None:
     weights["0.output.bias"] = np.array([1], np.int64)
 
 
+def without_scale(members: Members) -> None:
+    name = NETWORKS["reward_model"]
+    members[name] = members[name].replace(rb"\"one\": 2.0", rb"\"one\":-1.0")
+
+
 def large_picture(members: Members) -> None:
     target = io.BytesIO()
     Image.new("RGB", (5000, 5000)).save(target, "PNG")
@@ -297,6 +313,8 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
         "is no picture",
     ),
     "a huge picture": (large_picture, "too large"),
+    "a reward without a scale": (without_scale, "no scale"),
+    "a damaged member": (lambda m: m.update({RUN_FILE: m[RUN_FILE][:-9]}), "can't be read"),
     "too many members": (
         lambda m: m.update({f"more/{n}": b"" for n in range(600)}),
         "too many members",
@@ -351,6 +369,15 @@ def test_a_member_that_is_too_large_is_not_unpacked(
     monkeypatch.setattr(zipfile.ZipFile, "read", lambda *_: pytest.fail("It was unpacked."))
     with pytest.raises(Invalid, match="too large: at most 16 MiB"):
         read_archive(zipped(members))
+
+
+def test_a_file_whose_bytes_were_changed_is_refused(exported: tuple[Workplace, str, Path]) -> None:
+    content = bytearray(exported[2].read_bytes())
+    with zipfile.ZipFile(exported[2]) as archive:
+        begin = archive.getinfo(NETWORKS["clone"]).header_offset
+    content[begin + 1000 : begin + 2000] = bytes(1000)
+    with pytest.raises(Invalid, match="not a run that Tril exported"):
+        read_archive(io.BytesIO(content))
 
 
 def test_two_members_of_one_name_are_refused(exported: tuple[Workplace, str, Path]) -> None:
