@@ -90,7 +90,7 @@ def _api() -> APIRouter:
         api.include_router(resource.router, dependencies=[requests])
     api.include_router(imports.router, dependencies=[uploads])
     api.include_router(rankings.borrowed_router, dependencies=[requests])
-    for router in (replays.router, rankings.playing_router):
+    for router in (replays.router, rankings.playing_router, artifacts.archive_router):
         api.include_router(router, dependencies=[replaying])
     for unlimited in (health, events, stream, watch_stream):
         api.include_router(unlimited.router)

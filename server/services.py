@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
+from server.archives import ArchiveMaker
 from server.change_stream import ChangeStream
 from server.concurrency import ConcurrencyLimit
 from server.play.consoles import ConsolePool
@@ -44,6 +45,7 @@ class Services:
         consoles: Pool of loaded consoles.
         replays: The process that replays recordings and plays at random.
         replay_cache: Frames, thumbnails, memory and clips of recordings.
+        archives: Makes runs into zip files.
         limits: Limits of open games.
         games: The games that are played in this process.
         watching: The games that are watched in this process.
@@ -53,7 +55,7 @@ class Services:
             the pool's connections (15) and anyio's threads (40). Otherwise all threads wait for
             connections whose holders wait for a thread, in which FastAPI validates their answer.
         write_limit: Limits requests that write, so that reads do not wait for a busy database.
-        replay_limit: Limits requests that replay recordings, make clips or query a network. They
+        replay_limit: Limits requests that make clips or archives, replay or query a network. They
             hold a connection only briefly, but a thread for seconds.
         upload_limit: Limits uploads, whose body is not read before they have a slot.
     """
@@ -67,6 +69,7 @@ class Services:
     consoles: ConsolePool
     replays: ReplayProcess
     replay_cache: ReplayCache
+    archives: ArchiveMaker
     limits: GameLimits
     games: PlayHub
     watching: WatchHub
@@ -106,6 +109,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     replays = ReplayProcess()
     limits = GameLimits.from_settings(settings, rules.max_games)
     jobs = Jobs(database, settings)
+    cache = Cache(settings.cache_folder, settings.cache_limit_bytes)
     play = PlayHub(database, consoles, replays, name, rules, limits)
     services = Services(
         settings=settings,
@@ -116,7 +120,8 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         inference=InferenceClient(settings.inference_socket),
         consoles=consoles,
         replays=replays,
-        replay_cache=ReplayCache(Cache(settings.cache_folder, settings.cache_limit_bytes), replays),
+        replay_cache=ReplayCache(cache, replays),
+        archives=ArchiveMaker(settings, cache),
         limits=limits,
         games=play,
         watching=WatchHub(database, consoles, play, settings.inference_socket, rules, limits),

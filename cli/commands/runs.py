@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -14,6 +15,9 @@ from cli.workspace import Workspace, find_behaviour, open_workspace
 from tril.analysis.summary import PolicySummary
 from tril.demonstrator import SCRIPTED
 from tril.errors import Invalid
+from tril.exchange.run_archive import read_archive
+from tril.exchange.run_transfer import import_run
+from tril.files.artifact_store import ArtifactStore
 from tril.jobs import estimate, overall_progress
 from tril.recipes import RECIPES, Recipe, recipe_named, with_values
 from tril.store import behaviours, players
@@ -174,6 +178,58 @@ def resume(run_id: str) -> None:
     with open_workspace() as workspace, workspace.jobs() as jobs:
         jobs.resume(run_id)
         console.print("Resumed.")
+
+
+@app.command("export")
+def export(
+    run_id: str,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Zip file to write.")],
+    compact: Annotated[
+        bool,
+        typer.Option(
+            "--compact",
+            help="Leave out all that an import does not read, and round policies to 16 bits.",
+        ),
+    ] = False,
+) -> None:
+    """Write a finished run as one zip: report, networks that load without Tril, games, tables."""
+    from server.clips.render import render
+    from server.clips.request import ClipKind
+    from trainer.archive.run_archive import write_archive
+
+    with open_workspace() as workspace:
+        store = ArtifactStore(workspace.settings.artifact_root)
+        write_archive(
+            workspace.database,
+            store,
+            run_id,
+            output,
+            lambda recording: render(recording, ClipKind.WEBP),
+            compact=compact,
+        )
+    errors.print(f"Wrote {output} ({output.stat().st_size / 1e6:.1f} MB).")
+
+
+@app.command("import")
+def import_file(
+    file: Annotated[Path, typer.Argument(help="What `tril runs export` wrote.")],
+    name: Annotated[
+        str | None, typer.Option(help="Name of a new behaviour for it. Default: the file's.")
+    ] = None,
+) -> None:
+    """Add a run that was exported, with its games and ranking; each game is replayed first."""
+    from trainer.archive.run_archive import check_networks
+
+    with open_workspace() as workspace:
+        archive = read_archive(file)
+        check_networks(archive)
+        store = ArtifactStore(workspace.settings.artifact_root)
+        added = import_run(workspace.database, store, archive, name=name)
+        with workspace.database.reading() as session:
+            of = behaviours.get(session, added.behaviour_id)
+        said = "is here already" if added.was_there else "was imported"
+        errors.print(f"The run {said}; it teaches {of.name} ({of.slug}).")
+        console.print(added.run_id)
 
 
 def run_entry(row: RunRow) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Uploads of recordings."""
+"""Uploads of recordings, and the finished run that ships with Tril."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from fastapi import APIRouter, HTTPException, Query, Request
 from starlette.concurrency import run_in_threadpool
 
 from server.api.schemas.recordings import ImportResult
+from server.api.schemas.runs import Run
+from server.api.views.runs import run_view
 from server.dependencies import BehaviourId, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
+from tril.exchange.example import open_example
 from tril.exchange.recording_transfer import RecordingImportResult, import_recordings
 from tril.store import behaviours, players
+from tril.store.training import runs
 
 router = APIRouter(tags=["recordings"])
 
@@ -65,3 +69,15 @@ async def import_recordings_file(
 
     imported = await run_in_threadpool(add)
     return ImportResult.of(imported, imported=imported.recording_ids)
+
+
+@router.post("/example", responses=NOT_FOUND | CONFLICT)
+def open_finished_example(request: Request) -> Run:
+    """Import the finished training that ships with Tril, once, and return it.
+
+    It is restored if it was deleted.
+    """
+    services = services_of(request)
+    opened = open_example(services.database, services.artifacts)
+    with services.database.reading() as session:
+        return run_view(session, runs.get(session, opened.run_id))

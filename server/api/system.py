@@ -9,6 +9,7 @@ from fastapi import APIRouter, Request
 from server.api.schemas.system import ProcessStatus, Storage, System
 from server.dependencies import ReadSession, services_of
 from tril import __version__
+from tril.exchange.example import has_example
 from tril.store import processes
 
 router = APIRouter(tags=["system"])
@@ -25,4 +26,5 @@ def get_system(request: Request, session: ReadSession) -> System:
         disk_free_bytes=shutil.disk_usage(settings.data).free,
         data_bytes=use.total_bytes,
         storage=Storage.of(use, cache_limit_bytes=settings.cache_limit_bytes),
+        has_example=has_example(),
     )

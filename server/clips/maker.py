@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import logging
-import os
-import subprocess
 import sys
-import threading
 
 from server.clips.request import ClipKind, write_request
+from server.turns import Turns, run_program
 from tril.errors import Invalid, Unavailable
 from tril.recording import Recording
 
@@ -20,7 +18,6 @@ REFUSED = 3
 TIMEOUT_S = 120.0
 """A full game takes about 3 s on an idle core."""
 MAX_WAITING = 4
-"""Most requests that wait: each holds a thread of the server."""
 
 
 class ClipMaker:
@@ -33,8 +30,7 @@ class ClipMaker:
 
     def __init__(self, timeout_s: float = TIMEOUT_S, max_waiting: int = MAX_WAITING) -> None:
         self._timeout_s = timeout_s
-        self._lock = threading.Lock()
-        self._places = threading.BoundedSemaphore(1 + max_waiting)
+        self._turns = Turns("clips", max_waiting)
 
     def make(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a file of this kind.
@@ -43,29 +39,12 @@ class ClipMaker:
             Unavailable: Too many requests wait, or this one failed or took too long.
             Invalid: The recording does not replay.
         """
-        if not self._places.acquire(blocking=False):
-            raise Unavailable("Several clips are being made already. Try again in a minute.")
-        try:
-            with self._lock:
-                return self._run(write_request(recording, kind))
-        finally:
-            self._places.release()
+        with self._turns.turn():
+            return self._run(write_request(recording, kind))
 
     def _run(self, request: bytes) -> bytes:
-        try:
-            done = subprocess.run(
-                [sys.executable, "-m", "server.clips"],
-                input=request,
-                capture_output=True,
-                timeout=self._timeout_s,
-                check=False,
-                # A thread for each core would slow down games.
-                env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
-            )
-        except subprocess.TimeoutExpired as error:
-            raise Unavailable(
-                "Making the clip took too long, because the machine is busy. Try again later."
-            ) from error
+        command = [sys.executable, "-m", "server.clips"]
+        done = run_program(command, self._timeout_s, "clip", request)
         if done.returncode == REFUSED:
             raise Invalid(done.stderr.decode(errors="replace"))
         if done.returncode != 0 or not done.stdout:

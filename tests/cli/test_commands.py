@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
+from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
 from tril.store.training import artifacts
 
@@ -151,3 +153,40 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
     assert "choose one of scripted, human, person-150, person-250, person-350, six," in output
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_a_run_is_exported_and_imported_where_it_is_not(
+    workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_id = make_finished_run(workplace)
+    file = tmp_path / "run.zip"
+    monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+    assert "Wrote" in _run("runs", "export", run_id, "-o", str(file))
+    assert "is here already" in _run("runs", "import", str(file))
+    unfinished = _run("runs", "export", workplace.make_run(), "-o", str(file), status=1)
+    assert "It can be taken away once it is done" in " ".join(unfinished.split())
+
+    monkeypatch.setenv("TRIL_DATA", str(tmp_path / "elsewhere"))
+    output = _run("runs", "import", str(file), "--name", "Another")
+    assert "was imported; it teaches Another (another)." in output
+    (listed,) = json.loads(_run("runs", "list", "--json"))
+    assert (listed["id"], listed["status"], listed["progress"]) == (run_id, "done", 1.0)
+    (taught,) = (
+        one for one in json.loads(_run("behaviours", "list", "--json")) if one["name"] == "Another"
+    )
+    assert (taught["recordings"], taught["ranked"], taught["perfect"], taught["runs"]) == (
+        4,
+        4,
+        1,
+        1,
+    )
+    again = tmp_path / "again.zip"
+    _run("runs", "export", run_id, "-o", str(again))
+    with zipfile.ZipFile(again) as archive:
+        # An imported run has no files of stable-baselines3; they are made from its weights.
+        assert {"policy/imitator.zip", "report.html"} <= set(archive.namelist())
+    assert "is here already" in _run("runs", "import", str(again))
+    assert "not a run that Tril exported" in " ".join(
+        _run("runs", "import", str(DATA), status=1).split()
+    )

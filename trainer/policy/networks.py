@@ -1,4 +1,4 @@
-"""Policy networks, and their files for plain stable-baselines3.
+"""Policy networks, and their files: for plain stable-baselines3, and plain weights.
 
 Both sizes are stable-baselines3's NatureCNN (Mnih et al. 2015), the small one with fewer channels.
 Training runs them on uint8 input in channels-last order. A saved policy is stable-baselines3's own
@@ -9,7 +9,9 @@ are zero, which gives the same outputs.
 from __future__ import annotations
 
 import io
+import json
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from pickle import UnpicklingError
@@ -19,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 from gymnasium import spaces
+from safetensors import SafetensorError
 from stable_baselines3 import PPO
 from stable_baselines3.common.policies import ActorCriticCnnPolicy
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
@@ -54,6 +57,9 @@ class NetworkSize:
 
 PRETRAINED = Path(__file__).with_name("pretrained.safetensors")
 """The policy that ships with Tril."""
+
+WEIGHTS_FORMAT = "tril-policy"
+WEIGHTS_VERSION = 1
 
 SIZES = {"nature": NetworkSize((32, 64, 64), 512), "small": NetworkSize((16, 32, 32), 256)}
 
@@ -133,19 +139,27 @@ def pretrained_policy(learning_rate: float, device: torch.device = CPU) -> Scree
     """Return the policy of size "small" that ships with Tril, see trainer.policy.pretraining."""
     policy = _screen_policy(policy_arguments("small"), learning_rate)
     tensors, _ = load_tensors(PRETRAINED)
-    policy.load_state_dict({n: tensors[_shared(n)].float() for n in policy.state_dict()})
+    _load_shared(policy, tensors)
     return channels_last(policy.to(device))
 
 
 def save_pretrained(policy: ScreenPolicy, path: Path, figures: str) -> None:
     """Write a policy's weights in half precision, as ``pretrained_policy`` reads them."""
-    weights = {_shared(name): one.half() for name, one in policy.state_dict().items()}
+    weights = {name: one.half() for name, one in _shared_weights(policy).items()}
     save_tensors(path, weights, {"figures": figures})
 
 
 def _shared(name: str) -> str:
     """Return the one name of a weight that actor and critic share under two more."""
     return name.removeprefix("pi_").removeprefix("vf_")
+
+
+def _shared_weights(policy: ScreenPolicy) -> dict[str, Tensor]:
+    return {_shared(name): one for name, one in policy.state_dict().items()}
+
+
+def _load_shared(policy: ScreenPolicy, weights: Mapping[str, Tensor]) -> None:
+    policy.load_state_dict({n: weights[_shared(n)].float() for n in policy.state_dict()})
 
 
 def _screen_policy(arguments: dict[str, Any], learning_rate: float = 0.0) -> ScreenPolicy:
@@ -221,17 +235,50 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
     write_whole(path, content.getvalue())
 
 
+def save_weights(policy: ScreenPolicy, path: Path, *, half: bool = False) -> None:
+    """Save a policy's weights as safetensors, with what it takes to rebuild its network.
+
+    Args:
+        policy: The policy.
+        path: The file, replaced as a whole.
+        half: Whether the weights are rounded to half precision; otherwise they are float32.
+    """
+    layers = [one for one in policy.features_extractor.modules() if isinstance(one, nn.Conv2d)]
+    config = {
+        "channels": [layer.out_channels for layer in layers],
+        "features": policy.features_extractor.features_dim,
+        "observation_shape": OBSERVATION_SHAPE,
+        "actions": [action.name for action in Action],
+    }
+    weights = _shared_weights(policy)
+    save_tensors(
+        path,
+        {name: one.half() if half else one.float() for name, one in weights.items()},
+        {
+            "format": WEIGHTS_FORMAT,
+            "version": str(WEIGHTS_VERSION),
+            "config": json.dumps(config),
+        },
+    )
+
+
 def load_policy(path: Path) -> Policy:
-    """Load a policy that ``save_policy`` saved, for inference; raises as ``load_network``."""
+    """Load a policy that was saved in either format, for inference; raises as ``load_network``."""
     return Policy(load_network(path))
 
 
 def load_network(path: Path) -> ScreenPolicy:
-    """Load the network of a policy that ``save_policy`` saved, without executing its pickles.
+    """Load the network of a policy that was saved, without executing pickles.
+
+    Args:
+        path: What ``save_weights`` wrote if it ends with .safetensors, else what ``save_policy``
+            did.
 
     Raises:
         Invalid: The file is no such policy.
     """
+    if path.suffix == ".safetensors":
+        return _network_of_weights(path)
     try:
         with zipfile.ZipFile(path) as archive:
             weights = io.BytesIO(archive.read("policy.pth"))
@@ -250,6 +297,33 @@ def load_network(path: Path) -> ScreenPolicy:
     return network
 
 
+def _network_of_weights(path: Path) -> ScreenPolicy:
+    try:
+        weights, metadata = load_tensors(path)
+        kind = (metadata.get("format"), metadata.get("version"))
+        if kind != (WEIGHTS_FORMAT, str(WEIGHTS_VERSION)):
+            raise Invalid(f"{path.name} has no weights of a policy that this version can read.")
+        config = json.loads(metadata["config"])
+        size = NetworkSize(tuple(config["channels"]), config["features"])
+        if size not in SIZES.values():
+            raise Invalid(f"{path.name} is of a network of an unknown size.")
+        network = _sized(size)
+        if extra := weights.keys() - _shared_weights(network).keys():
+            raise Invalid(f"{path.name} has unknown weights: {', '.join(sorted(extra)[:4])}.")
+        _load_shared(network, weights)
+    except (SafetensorError, json.JSONDecodeError, KeyError, TypeError, RuntimeError) as error:
+        raise Invalid(f"{path.name} cannot be read as a policy: {error}") from error
+    network.set_training_mode(False)
+    return network
+
+
+def _sized(size: NetworkSize) -> ScreenPolicy:
+    arguments = policy_arguments("nature")
+    arguments["features_extractor_kwargs"] = {"size": size}
+    with torch.random.fork_rng(devices=[]):
+        return channels_last(_screen_policy(arguments))
+
+
 def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
     """Return a network of the smallest size that holds all weights other than zero."""
     features = weights["features_extractor.linear.0.weight"].shape[0]
@@ -259,8 +333,5 @@ def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
             for layer, channels in zip((0, 2, 4), size.channels, strict=True)
         ]
         if size.features == features and not any(part.any() for part in rest):
-            arguments = policy_arguments("nature")
-            arguments["features_extractor_kwargs"] = {"size": size}
-            with torch.random.fork_rng(devices=[]):
-                return channels_last(_screen_policy(arguments))
+            return _sized(size)
     raise Invalid("The policy's network has an unknown size.")

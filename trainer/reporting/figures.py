@@ -1,4 +1,4 @@
-"""Pictures of what was learned, as PNG bytes. Pixels are enlarged by whole numbers only."""
+"""Pictures of what was learned. Pixels are enlarged by whole numbers only."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -41,6 +41,18 @@ MARKS = {"imitator": "o", "clone": "D", "person": "^", "demonstrator": "s", "var
 
 _BAND = "#f2f0ea"
 _INK, _FAINT, _STRAY = "#20242b", "#c9ced6", "#b3261e"
+
+
+class PictureForm(NamedTuple):
+    """The format of a figure, as matplotlib names it, and its dots per inch."""
+
+    format: str
+    dpi: int
+
+
+SCREEN = PictureForm("png", 160)
+PRINT = PictureForm("png", 300)
+VECTOR = PictureForm("svg", 72)
 
 ColourMap = Literal["perceptual", "red-blue"]
 _COLOUR_MAPS: dict[ColourMap, str] = {"perceptual": "inferno", "red-blue": "RdBu_r"}
@@ -99,7 +111,9 @@ class AliensRow:
     hits: tuple[tuple[Cell, ...] | None, ...]
 
 
-def aliens_figure(rows: Sequence[AliensRow], columns: Sequence[tuple[str, str]]) -> bytes:
+def aliens_figure(
+    rows: Sequence[AliensRow], columns: Sequence[tuple[str, str]], form: PictureForm = SCREEN
+) -> bytes:
     """Draw the aliens left after each game (thesis, section 5.2 and table 6.1).
 
     Filled squares are aliens left, rings are targets hit, crosses are strays.
@@ -107,6 +121,7 @@ def aliens_figure(rows: Sequence[AliensRow], columns: Sequence[tuple[str, str]])
     Args:
         rows: The games.
         columns: Of each who played (a key of COLOURS), and its heading.
+        form: Format of the figure.
     """
     figure, axes = _grid_of_axes(
         1.5 * len(columns) + 0.9, 1.5 * len(rows) + 0.6, len(rows), len(columns)
@@ -119,14 +134,15 @@ def aliens_figure(rows: Sequence[AliensRow], columns: Sequence[tuple[str, str]])
                 axis.set_title(title, fontsize=9, color=COLOURS[player], pad=8)
             if number == 0:
                 axis.set_ylabel(row.name, fontsize=9, labelpad=8)
-    return _rendered(figure)
+    return _rendered(figure, form)
 
 
-def returns_figure(panels: Sequence[tuple[str, Entry]]) -> bytes:
+def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCREEN) -> bytes:
     """Draw predicted return against rank (thesis, appendix C).
 
     Args:
         panels: Of each its title and the result that it shows.
+        form: Format of the figure.
     """
     n_columns = min(PANELS_PER_ROW, len(panels))
     n_rows = -(-len(panels) // PANELS_PER_ROW)
@@ -149,7 +165,7 @@ def returns_figure(panels: Sequence[tuple[str, Entry]]) -> bytes:
         row[0].set_ylabel("predicted return", fontsize=8)
     for axis in axes[-1]:
         axis.set_xlabel("rank (1 is the best)", fontsize=8)
-    return _rendered(figure)
+    return _rendered(figure, form)
 
 
 @dataclass(frozen=True)
@@ -163,7 +179,9 @@ class ReturnsGroup:
     games: Sequence[JudgedGame | SkilledGame]
 
 
-def extrapolation_figure(groups: Sequence[JudgedGames], quantity: str) -> bytes:
+def extrapolation_figure(
+    groups: Sequence[JudgedGames], quantity: str, form: PictureForm = SCREEN
+) -> bytes:
     """Draw predicted return against true quantity for the games of a run, see returns_scatter."""
     kinds = {True: "demonstrations", False: "unseen games"}
     return returns_scatter(
@@ -178,6 +196,7 @@ def extrapolation_figure(groups: Sequence[JudgedGames], quantity: str) -> bytes:
             for one in groups
         ],
         quantity,
+        form=form,
     )
 
 
@@ -193,7 +212,11 @@ def experiment_figure(found: Extrapolation) -> bytes:
 
 
 def returns_scatter(
-    groups: Sequence[ReturnsGroup], quantity: str, *, set_apart: bool = True
+    groups: Sequence[ReturnsGroup],
+    quantity: str,
+    *,
+    set_apart: bool = True,
+    form: PictureForm = SCREEN,
 ) -> bytes:
     """Draw predicted return against true quantity (T-REX, Brown et al. 2019, figure 3).
 
@@ -204,6 +227,7 @@ def returns_scatter(
         groups: The games, at least one in each group.
         quantity: What the true quantity counts.
         set_apart: Whether marks that share a quantity are set apart by their groups.
+        form: Format of the figure.
     """
     figure, ((axis,),) = _grid_of_axes(6.0, 4.0, 1, 1)
     shown = [game for group in groups if group.demonstrated for game in group.games]
@@ -229,17 +253,20 @@ def returns_scatter(
     axis.xaxis.set_major_locator(MaxNLocator(integer=True))
     _calm(axis)
     axis.legend(fontsize=8, frameon=False)
-    return _rendered(figure)
+    return _rendered(figure, form)
 
 
 def curves_figure(
-    curves: Sequence[tuple[str, str, Sequence[tuple[int, float]]]], x_label: str
+    curves: Sequence[tuple[str, str, Sequence[tuple[int, float]]]],
+    x_label: str,
+    form: PictureForm = SCREEN,
 ) -> bytes:
     """Draw curves below each other, sharing their horizontal axis.
 
     Args:
         curves: Of each its label, a colour and its points (step, value).
         x_label: What the steps count.
+        form: Format of the figure.
     """
     figure, axes = _grid_of_axes(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)
     for (axis,), (label, colour, points) in zip(axes, curves, strict=True):
@@ -249,7 +276,7 @@ def curves_figure(
         axis.set_ylabel(label, fontsize=9, color=_INK)
         _calm(axis)
     axes[-1][0].set_xlabel(x_label, color=_INK)
-    return _rendered(figure)
+    return _rendered(figure, form)
 
 
 def _draw_aliens(
@@ -298,10 +325,15 @@ def _calm(axis: Axes) -> None:
     axis.grid(visible=True, color=_FAINT, linewidth=0.5, alpha=0.6)
 
 
-def _rendered(figure: Figure) -> bytes:
-    """Return the figure as PNG bytes."""
+def _rendered(figure: Figure, form: PictureForm) -> bytes:
     target = BytesIO()
-    figure.savefig(target, format="png", dpi=160, facecolor="white")
+    # Without the time at which it was drawn.
+    metadata = {"Date": None} if form is VECTOR else None
+    # The same figure gives the same file, whatever fonts its reader has.
+    with matplotlib.rc_context({"svg.hashsalt": "tril", "svg.fonttype": "path"}):
+        figure.savefig(
+            target, format=form.format, dpi=form.dpi, facecolor="white", metadata=metadata
+        )
     return target.getvalue()
 
 

@@ -1,10 +1,10 @@
-"""Pages of Markdown from the templates beside this module."""
+"""Pages of Markdown and HTML from the templates beside this module."""
 
 from __future__ import annotations
 
 from functools import cache
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from tril.analysis.summary import Interval
 
@@ -24,7 +24,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader("trainer.reporting"),
         undefined=StrictUndefined,
-        autoescape=False,
+        autoescape=select_autoescape(["html.j2"]),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,

@@ -1,12 +1,17 @@
-"""A run's page: Markdown with pictures, in a folder."""
+"""A run's page: Markdown with pictures, in a folder; and what it shows, for other pages."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any, Protocol
 
 from trainer.reporting.figures import (
     COLOURS,
+    SCREEN,
     AliensRow,
+    PictureForm,
     aliens_figure,
     curves_figure,
     extrapolation_figure,
@@ -26,6 +31,7 @@ from tril.store.models import RecordingRow
 from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.alarms import alarm_of
 from tril.store.training.returns import PLAYERS, judged_games
+from tril.store.training.verdicts import verdict_of
 
 CURVES = {
     "predicted_return": "predicted return",
@@ -33,6 +39,28 @@ CURVES = {
     "strays": "strays",
     "death_rate": "death rate",
 }
+
+
+class Figure(Protocol):
+    """Draws a figure in a format."""
+
+    def __call__(self, *, form: PictureForm) -> bytes:
+        """Return the figure's file."""
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """What the pages of a run show.
+
+    Attributes:
+        view: Variables of their templates, without the pictures.
+        figures: By name, in the order in which they are shown.
+        attention: The files of the attention maps by name.
+    """
+
+    view: dict[str, Any]
+    figures: dict[str, Figure]
+    attention: dict[str, bytes]
 
 
 def write_report(database: Database, store: ArtifactStore, run_id: str, folder: Path) -> Path:
@@ -51,6 +79,18 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
         NotFound: No such run, or its behaviour was deleted.
         Invalid: Its recipe is one of another version.
     """
+    report = read_report(database, store, run_id)
+    pictures = {f"{name}.png": draw(form=SCREEN) for name, draw in report.figures.items()}
+    text = render("run.md.j2", **report.view, pictures=pictures)
+    for name, content in (pictures | report.attention).items():
+        write_whole(folder / name, content)
+    page = folder / "README.md"
+    write_whole(page, text.encode())
+    return page
+
+
+def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunReport:
+    """Read what the pages of a run show; raises as ``write_report``."""
     with database.reading() as session:
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
@@ -59,55 +99,53 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
         demonstrations = recordings.by_ids(session, ranked)
         judged = judged_games(session, run, evaluations.listing(session, run_id))
         alarm = alarm_of(session, run)
+        verdict = verdict_of(session, run, alarm)
         curves = metrics.series(session, run_id)[1].get("imitator", {})
         files = artifacts.listing(session, run_id)
     group = ResultGroup(behaviour, (result,))
     duels = group.duels(recipe_from_dict(run.recipe).evaluation.start_numbers)
-    pictures = {"aliens.png": _aliens(duels, demonstrations.get(ranked[0]) if ranked else None)}
+    best = demonstrations.get(ranked[0]) if ranked else None
+    figures: dict[str, Figure] = {"aliens": partial(_aliens, duels, best)}
     if result.check:
-        pictures["returns.png"] = returns_figure([(behaviour.name, result)])
+        figures["returns"] = partial(returns_figure, [(behaviour.name, result)])
     if judged:
-        pictures["extrapolation.png"] = extrapolation_figure(judged, "targets hit, less strays")
+        quantity = "targets hit, less strays"
+        figures["extrapolation"] = partial(extrapolation_figure, judged, quantity)
     # A training in which no game ended has no curves.
     shown = [(label, COLOURS["imitator"], curves[n]) for n, label in CURVES.items() if n in curves]
     if shown:
-        pictures["curves.png"] = curves_figure(shown, "steps of training games")
-    text = render(
-        "run.md.j2",
-        behaviour=behaviour,
-        result=result,
-        sources=sorted({row.source for row in demonstrations.values()}),
-        example=describe_example(run.outcome),
-        parent_run_id=run.parent_run_id,
-        warning=run.outcome.check.warning if run.outcome.check else "",
-        duels=duels,
-        group=group,
-        policies=evaluations.POLICIES,
-        action_selections=evaluations.ACTION_SELECTIONS,
-        judged=judged,
-        alarm=alarm,
-        pictures=pictures,
-        attention={
+        figures["curves"] = partial(curves_figure, shown, "steps of training games")
+    view = {
+        "behaviour": behaviour,
+        "result": result,
+        "sources": sorted({row.source for row in demonstrations.values()}),
+        "example": describe_example(run.outcome),
+        "parent_run_id": run.parent_run_id,
+        "verdict": verdict,
+        "warning": run.outcome.check.warning if run.outcome.check else "",
+        "duels": duels,
+        "group": group,
+        "policies": evaluations.POLICIES,
+        "action_selections": evaluations.ACTION_SELECTIONS,
+        "judged": judged,
+        "alarm": alarm,
+        "attention": {
             (row.kind, row.details["state"]): row
             for row in files
             if row.kind in ("attention_map", "attention_frame")
         },
-        states=list(AttentionState),
-        score=score,
-        sticky_action_probability=STICKY_ACTION_PROBABILITY,
-    )
-    pictures |= {r.name: store.get(r.path) for r in files if r.kind.startswith("attention_")}
-    for name, content in pictures.items():
-        write_whole(folder / name, content)
-    page = folder / "README.md"
-    write_whole(page, text.encode())
-    return page
+        "states": list(AttentionState),
+        "score": score,
+        "sticky_action_probability": STICKY_ACTION_PROBABILITY,
+    }
+    attention = {r.name: store.get(r.path) for r in files if r.kind.startswith("attention_")}
+    return RunReport(view, figures, attention)
 
 
-def _aliens(duels: list[Duel], best: RecordingRow | None) -> bytes:
+def _aliens(duels: list[Duel], best: RecordingRow | None, *, form: PictureForm) -> bytes:
     columns = [("imitator", "Imitator"), ("clone", "Clone")]
     if best is not None:
         columns.append((PLAYERS[best.source], "Best demonstration"))
     shown = () if best is None else (cells(best),)
     rows = [AliensRow(f"start {one.start}", one.behaviour, (*one.hits, *shown)) for one in duels]
-    return aliens_figure(rows, columns)
+    return aliens_figure(rows, columns, form)

@@ -312,6 +312,11 @@ class RunRow(Base):
     finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
     deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
+    @property
+    def is_imported(self) -> bool:
+        """Whether it was trained elsewhere: it is done, and no worker here has ever had it."""
+        return self.status == RunStatus.DONE and self.epoch == 0
+
 
 class MetricRow(Base):
     """One point of a run's curves: ``values`` by series name at ``step`` of ``stage``.

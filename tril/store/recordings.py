@@ -9,7 +9,7 @@ from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.game.episode import Ending, Hit, Start
+from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.recording import Recording, Replay
 from tril.store import rankings
 from tril.store.changes import note_change
@@ -32,6 +32,12 @@ def as_recording(row: RecordingRow) -> Recording:
 def hits_of(row: RecordingRow) -> tuple[Hit, ...]:
     """Return a recording's hits in order of time."""
     return tuple(Hit(row_, column, frame) for row_, column, frame in row.hits)
+
+
+def replay_of(row: RecordingRow) -> Replay:
+    """Return what happened in a recording, as its row says."""
+    end = None if row.end is None else EndReason(row.end)
+    return Replay(hits_of(row), end, row.n_frames, row.shots, tuple(row.ram_hashes))
 
 
 def fill(row: RecordingRow, recording: Recording, played: Replay) -> None:

@@ -68,6 +68,16 @@ export function createRun(body: RunNew): Promise<Run> {
   return unwrap(api.POST("/api/runs", { body }));
 }
 
+/** Imports the finished run that ships with Tril, once, and returns it. */
+export function openExample(): Promise<Run> {
+  return unwrap(api.POST("/api/example"));
+}
+
+/** Fetches a finished run as a zip; the server takes some seconds to make it the first time. */
+export async function fetchArchive(runId: string): Promise<Blob> {
+  return new Blob([await fetchBytes(`/api/runs/${runId}/archive.zip`)]);
+}
+
 export function cancelRun(runId: string): Promise<Run> {
   return unwrap(api.POST("/api/runs/{run_id}/cancel", at(runId)));
 }

@@ -410,6 +410,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/example": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Open Finished Example
+         * @description Import the finished training that ships with Tril, once, and return it.
+         *
+         *     It is restored if it was deleted.
+         */
+        post: operations["open_finished_example"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/games": {
         parameters: {
             query?: never;
@@ -789,6 +811,26 @@ export interface paths {
          * @description Delete a training that has ended.
          */
         delete: operations["delete_run"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/runs/{run_id}/archive.zip": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Run Archive
+         * @description Return a finished training as one zip; making it takes some seconds the first time.
+         */
+        get: operations["get_run_archive"];
+        put?: never;
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -1867,6 +1909,8 @@ export interface components {
         /**
          * Run
          * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
+         *
+         *     ``imported``: it was trained elsewhere, such as the example that ships with Tril.
          */
         Run: {
             /** Behaviour Id */
@@ -1887,6 +1931,8 @@ export interface components {
             headline: components["schemas"]["Headline"] | null;
             /** Id */
             id: string;
+            /** Imported */
+            imported: boolean;
             /** Learning Rate */
             learning_rate: number;
             /** Message */
@@ -1934,8 +1980,8 @@ export interface components {
          * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
          *     ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
-         *     training in place of the clone; ``cancel_parent`` cancels that training if it is not over, so that
-         *     this one takes its place.
+         *     training in place of the clone; with ``cancel_parent``, that training is cancelled if it is not
+         *     over.
          */
         RunNew: {
             /** Behaviour Id */
@@ -2059,12 +2105,16 @@ export interface components {
         /**
          * System
          * @description State of the installation. ``data_bytes`` is the sum of the parts of ``storage``.
+         *
+         *     ``has_example`` tells whether a finished training ships with it.
          */
         System: {
             /** Data Bytes */
             data_bytes: number;
             /** Disk Free Bytes */
             disk_free_bytes: number;
+            /** Has Example */
+            has_example: boolean;
             /** Processes */
             processes: components["schemas"]["ProcessStatus"][];
             storage: components["schemas"]["Storage"];
@@ -2073,7 +2123,7 @@ export interface components {
         };
         /**
          * TrainingGames
-         * @description Games of an imitator that still learns: greedy, from training starts, after ``steps`` steps.
+         * @description Greedy games from training starts that an imitator played after so many training steps.
          */
         TrainingGames: {
             /** Games */
@@ -4275,6 +4325,98 @@ export interface operations {
             };
         };
     };
+    open_finished_example: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Run"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     create_game: {
         parameters: {
             query?: never;
@@ -6212,6 +6354,100 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_run_archive: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description docs/run-archive.md */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": unknown;
+                };
             };
             /** @description The request can't be read. */
             400: {

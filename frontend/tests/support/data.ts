@@ -117,6 +117,7 @@ export function run(change: Partial<Run> = {}): Run {
     behaviour_name: "Column 1",
     parent_run_id: null,
     example: false,
+    imported: false,
     recipe: "fast",
     recipe_values: {},
     steps: 20_000,
@@ -189,5 +190,6 @@ export function system(workerAlive: boolean): System {
       cache_limit_bytes: 5e8,
       other_bytes: 0,
     },
+    has_example: false,
   };
 }

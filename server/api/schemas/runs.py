@@ -66,13 +66,17 @@ class RunNew(Schema):
 
 
 class Run(Schema):
-    """A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order."""
+    """A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
+
+    ``imported``: it was trained elsewhere, such as the example that ships with Tril.
+    """
 
     id: str
     behaviour_id: int
     behaviour_name: str
     parent_run_id: str | None
     example: bool
+    imported: bool
     recipe: str
     recipe_values: dict[str, Any]
     steps: int

@@ -34,10 +34,14 @@ class Storage(Schema):
 
 
 class System(Schema):
-    """State of the installation. ``data_bytes`` is the sum of the parts of ``storage``."""
+    """State of the installation. ``data_bytes`` is the sum of the parts of ``storage``.
+
+    ``has_example`` tells whether a finished training ships with it.
+    """
 
     version: str
     processes: list[ProcessStatus]
     disk_free_bytes: int
     data_bytes: int
     storage: Storage
+    has_example: bool

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
-from typing import cast
 
 from sqlalchemy.orm import Session
 
@@ -34,13 +33,13 @@ from tril.analysis.outcome import (
     RewardState,
 )
 from tril.analysis.summary import winner
-from tril.analysis.verdict import Ended, RunFigures, verdict
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
-from tril.store.models import ArtifactRow, EvaluationRow, RunRow, RunStatus
+from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.store.training import artifacts, evaluations, training_games
 from tril.store.training.alarms import alarm_of
 from tril.store.training.returns import judged_games
+from tril.store.training.verdicts import verdict_of
 
 
 def artifact_view(row: ArtifactRow) -> Artifact:
@@ -60,9 +59,10 @@ def run_results(session: Session, run: RunRow) -> RunResults:
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
     shown = {key: views.one(row) for key, row in demonstrations.items()}
     best = shown.get(tiers[0][0]) if tiers else None
+    said = verdict_of(session, run, alarm)
     return RunResults(
         run=run_view(session, run),
-        verdict=_verdict(session, run, best, is_alarmed=alarm is not None),
+        verdict=None if said is None else Verdict.model_validate(said),
         check=_check(run.outcome.check, tiers, shown),
         comparison=_comparison(headline_starts, games, views),
         further_comparison=_comparison(further, games, views),
@@ -82,26 +82,6 @@ def run_results(session: Session, run: RunRow) -> RunResults:
 def _training_games(session: Session, run_id: str, views: RecordingViews) -> TrainingGames | None:
     steps, rows = training_games.latest(session, run_id)
     return TrainingGames(steps=steps, games=[views.one(row) for row in rows]) if rows else None
-
-
-def _verdict(
-    session: Session, run: RunRow, best: Recording | None, *, is_alarmed: bool
-) -> Verdict | None:
-    status = RunStatus(run.status)
-    if not status.is_over:
-        return None
-    recipe = recipe_from_dict(run.recipe)
-    figures = RunFigures(
-        ended=cast(Ended, str(status)),
-        steps=run.steps,
-        default_steps=recipe.default_steps,
-        warm_up_steps=recipe.warm_up_steps,
-        n_targets=behaviours.n_targets(session, run.behaviour_id),
-        best_targets=None if best is None else best.targets,
-        headline=run.outcome.headline,
-        is_alarmed=is_alarmed,
-    )
-    return Verdict.model_validate(verdict(figures))
 
 
 def _check(

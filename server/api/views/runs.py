@@ -18,6 +18,7 @@ def run_view(session: Session, row: RunRow) -> Run:
     return Run.of(
         row,
         behaviour_name=behaviour.name,
+        imported=row.is_imported,
         recipe=row.recipe_name,
         recipe_values=row.recipe,
         learning_rate=row.recipe["policy"]["learning_rate"],

@@ -9,15 +9,18 @@ import torch
 from stable_baselines3.common.policies import ActorCriticCnnPolicy
 
 from tests.trainer.samples import observations
+from trainer.nn.checkpoints import save_tensors
 from trainer.policy.networks import (
     ACTION_SPACE,
     OBSERVATION_SPACE,
     SIZES,
     Policy,
     ScreenPolicy,
+    load_network,
     load_policy,
     new_policy,
     save_policy,
+    save_weights,
 )
 from tril.errors import Invalid
 
@@ -111,5 +114,68 @@ def test_files_that_are_no_policy_are_refused(tmp_path: Path) -> None:
         load_policy(path)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("policy.pth", b"garbage")
+    with pytest.raises(Invalid, match="cannot be read as a policy"):
+        load_policy(path)
+
+
+@pytest.mark.parametrize("network", SIZES)
+def test_plain_weights_do_the_same_and_halved_ones_nearly(tmp_path: Path, network: str) -> None:
+    policy = opinionated_policy(network)
+    inputs = observations(7)
+    expected = Policy(policy).probabilities(inputs)
+    full, half = tmp_path / "full.safetensors", tmp_path / "half.safetensors"
+    save_weights(policy, full)
+    save_weights(policy, half, half=True)
+    np.testing.assert_allclose(
+        load_policy(full).probabilities(inputs), expected, rtol=1e-4, atol=1e-6
+    )
+    np.testing.assert_allclose(load_policy(half).probabilities(inputs), expected, atol=0.05)
+    assert half.stat().st_size < 0.6 * full.stat().st_size
+
+
+def test_a_policy_goes_from_plain_weights_to_stable_baselines3_and_back(tmp_path: Path) -> None:
+    save_weights(opinionated_policy("small"), tmp_path / "policy.safetensors")
+    network = load_network(tmp_path / "policy.safetensors")
+    save_policy(network, tmp_path / "policy.zip")
+    again = load_network(tmp_path / "policy.zip")
+    for name, weights in network.state_dict().items():
+        assert torch.equal(again.state_dict()[name], weights)
+
+
+@pytest.mark.parametrize(
+    ("metadata", "tensors", "message"),
+    [
+        ({}, {}, "no weights of a policy"),
+        ({"format": "tril-policy", "version": "2"}, {}, "no weights of a policy"),
+        ({"format": "tril-policy", "version": "1"}, {}, "cannot be read as a policy"),
+        ({"format": "tril-policy", "version": "1", "config": "[]"}, {}, "cannot be read"),
+        (
+            {
+                "format": "tril-policy",
+                "version": "1",
+                "config": '{"channels": [9999, 9999, 9999], "features": 9999}',
+            },
+            {},
+            "unknown size",
+        ),
+        (
+            {
+                "format": "tril-policy",
+                "version": "1",
+                "config": '{"channels": [16, 32, 32], "features": 256}',
+            },
+            {"more": torch.zeros(1)},
+            "unknown weights: more",
+        ),
+    ],
+)
+def test_plain_weights_of_something_else_are_refused(
+    tmp_path: Path, metadata: dict[str, str], tensors: dict[str, torch.Tensor], message: str
+) -> None:
+    path = tmp_path / "policy.safetensors"
+    save_tensors(path, tensors, metadata)
+    with pytest.raises(Invalid, match=message):
+        load_policy(path)
+    path.write_bytes(b"garbage")
     with pytest.raises(Invalid, match="cannot be read as a policy"):
         load_policy(path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from io import BytesIO
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,8 +14,12 @@ from tests.trainer.reporting.entries import entry
 from trainer.reporting.figures import (
     COLOURS,
     MAP_SCALE,
+    PRINT,
+    SCREEN,
+    VECTOR,
     AliensRow,
     ColourMap,
+    PictureForm,
     aliens_figure,
     attention_figure,
     attention_picture,
@@ -118,3 +123,15 @@ def test_attention_maps_stand_above_their_screens_pixel_by_pixel(tmp_path: Path)
     figure = _pixels(attention_figure("Column 1", [state, state]))
     np.testing.assert_array_equal(figure[56:392, 8:344], _pixels(state[1].read_bytes()))
     np.testing.assert_array_equal(figure[400:820, 352:672], _pixels(state[2].read_bytes()))
+
+
+def test_a_figure_for_print_is_larger_and_one_in_vectors_is_the_same_each_time() -> None:
+    def drawn(form: PictureForm) -> bytes:
+        curve = ("return", COLOURS["imitator"], [(0, 1.0), (10, 2.0)])
+        return curves_figure([curve], "steps", form)
+
+    assert _pixels(drawn(PRINT)).shape[0] > 1.8 * _pixels(drawn(SCREEN)).shape[0]
+    assert drawn(VECTOR) == drawn(VECTOR)
+    root = ElementTree.fromstring(drawn(VECTOR).decode())
+    assert root.tag.endswith("svg")
+    assert not [one for one in root.iter() if one.tag.endswith("text")]

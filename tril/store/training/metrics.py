@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
@@ -24,6 +24,17 @@ def add(session: Session, run_id: str, stage: str, step: int, values: Mapping[st
     if earlier is not None:
         session.execute(delete(MetricRow).where(*here))
     session.add(MetricRow(run_id=run_id, stage=stage, step=step, values=merged))
+    session.flush()
+
+
+def add_curves(
+    session: Session, run_id: str, points: Iterable[tuple[str, int, Mapping[str, float]]]
+) -> None:
+    """Add the points (stage, step, values) of a run that has none yet."""
+    session.add_all(
+        MetricRow(run_id=run_id, stage=stage, step=step, values=dict(values))
+        for stage, step, values in points
+    )
     session.flush()
 
 

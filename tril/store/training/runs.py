@@ -163,6 +163,17 @@ def get(session: Session, run_id: str, *, for_update: bool = False) -> RunRow:
     return row
 
 
+def get_done(session: Session, run_id: str) -> RunRow:
+    """Return a run that is done; raises Conflict if it is not, besides what ``get`` raises."""
+    row = get(session, run_id)
+    if row.status != RunStatus.DONE:
+        raise Conflict(
+            f"This training is {row.status}. It can be taken away once it is done, with everything"
+            " that belongs to it."
+        )
+    return row
+
+
 def lineage(session: Session, row: RunRow) -> list[RunRow]:
     """Return a run, the run that it continues, and so on; deleted ones too."""
     found = [row]
@@ -195,10 +206,15 @@ def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
 
 
 def latest_done(session: Session, recipe_name: str) -> RunRow | None:
-    """Return the newest finished run of a recipe."""
+    """Return the newest finished run of a recipe, of those that were trained here."""
     return session.scalar(
         select(RunRow)
-        .where(RunRow.recipe_name == recipe_name, RunRow.status == RunStatus.DONE)
+        .where(
+            RunRow.recipe_name == recipe_name,
+            RunRow.status == RunStatus.DONE,
+            # No worker has ever had one that was imported.
+            RunRow.epoch > 0,
+        )
         .order_by(RunRow.finished_at.desc())
         .limit(1)
     )

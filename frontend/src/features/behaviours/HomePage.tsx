@@ -14,6 +14,7 @@ import { bounds, count, fixed } from "@/lib/format";
 import { isActive, statusLine } from "@/lib/runs";
 
 import { ExampleButton } from "./ExampleButton";
+import { FinishedExampleButton } from "./FinishedExampleButton";
 import styles from "./HomePage.module.css";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
@@ -76,6 +77,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
           <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>
             Play your first game
           </ButtonLink>
+          <FinishedExampleButton />
           {example && <ExampleButton behaviour={example} large />}
         </div>
       </section>

@@ -21,6 +21,7 @@ import { Parameters } from "@/features/results/run/Parameters";
 import { RunHead } from "@/features/results/run/RunHead";
 import { RunNotices } from "@/features/results/run/RunNotices";
 import { Stages } from "@/features/results/run/Stages";
+import { TakeAway } from "@/features/results/run/TakeAway";
 import { VerdictView } from "@/features/results/run/VerdictView";
 import { WatchLinks } from "@/features/results/run/WatchLinks";
 import { isActive, runName } from "@/lib/runs";
@@ -169,11 +170,22 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
       body: <Attention results={results} onWatch={onWatch} />,
     },
     active ? null : curves,
-    results.artifacts.length > 0 && {
-      id: "files",
-      title: "Files",
-      body: <Files artifacts={results.artifacts} />,
-    },
+    run.status === "done"
+      ? {
+          id: "files",
+          title: "Take it away",
+          body: (
+            <>
+              <TakeAway run={run} behaviour={behaviour} />
+              <Files artifacts={results.artifacts} />
+            </>
+          ),
+        }
+      : results.artifacts.length > 0 && {
+          id: "files",
+          title: "Files",
+          body: <Files artifacts={results.artifacts} />,
+        },
     { id: "parameters", title: "Parameters", body: <Parameters run={run} /> },
   ].filter((plan) => plan !== null && plan !== false);
 }

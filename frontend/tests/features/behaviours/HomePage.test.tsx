@@ -1,10 +1,10 @@
-import { screen, within } from "@testing-library/react";
+import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
 import { HomePage } from "@/features/behaviours/HomePage";
 
-import { behaviour, recipe, run } from "../../support/data";
+import { behaviour, recipe, run, system } from "../../support/data";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
@@ -48,6 +48,34 @@ describe("the first page", () => {
       go_on_anyway: true,
       steps: 300_000,
     });
+  });
+
+  it("opens the finished example that ships with Tril, if one does", async () => {
+    const asked = serve({
+      "GET /api/behaviours": () => [behaviour()],
+      "GET /api/runs": () => [],
+      "GET /api/recipes": () => [recipe()],
+      "GET /api/system": () => ({ ...system(true), has_example: true }),
+      "POST /api/example": () => run({ id: "r7", status: "done", example: true, imported: true }),
+    });
+    const { router } = show(<HomePage />);
+    await userEvent.click(await screen.findByRole("button", { name: "Open a finished example" }));
+    await screen.findByText("Another page");
+    expect(router.state.location.pathname).toBe("/runs/r7");
+    expect(asked.filter(({ method }) => method === "POST")).toHaveLength(1);
+  });
+
+  it("has no button for an example that does not ship", async () => {
+    const asked = serve({
+      "GET /api/behaviours": () => [behaviour()],
+      "GET /api/runs": () => [],
+      "GET /api/recipes": () => [recipe()],
+      "GET /api/system": () => system(true),
+    });
+    show(<HomePage />);
+    await screen.findByRole("button", { name: /See a full example/ });
+    await waitFor(() => expect(asked.some(({ path }) => path === "/api/system")).toBe(true));
+    expect(screen.queryByRole("button", { name: "Open a finished example" })).toBeNull();
   });
 
   it("shows the latest run's headline with its interval afterwards", async () => {

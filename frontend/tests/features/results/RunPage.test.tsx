@@ -58,6 +58,42 @@ describe("a run that is over", () => {
   });
 });
 
+describe("taking a run away", () => {
+  it("downloads everything as one zip", async () => {
+    const one = run({ status: "done" });
+    let finish: (content: ArrayBuffer) => void = () => undefined;
+    const made = new Promise<ArrayBuffer>((resolve) => (finish = resolve));
+    open(one, {}, { [`GET /api/runs/${one.id}/archive.zip`]: () => made });
+    const saved: string[] = [];
+    vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function (
+      this: HTMLAnchorElement,
+    ) {
+      saved.push(this.download);
+    });
+    URL.createObjectURL = () => "blob:1";
+    const section = within(await screen.findByRole("region", { name: "Take it away" }));
+    await userEvent.click(section.getByRole("button", { name: "Everything as a zip" }));
+    expect(section.getByRole("button", { name: "Making the zip…" })).toBeDisabled();
+    finish(new ArrayBuffer(8));
+    await section.findByRole("button", { name: "Everything as a zip" });
+    expect(saved).toEqual([`tril-${behaviour().slug}-${one.id.slice(0, 8)}.zip`]);
+  });
+
+  it("says why that failed", async () => {
+    const one = run({ status: "done" });
+    const refusal = new Refusal(503, { detail: "Several archives are being made already." });
+    open(one, {}, { [`GET /api/runs/${one.id}/archive.zip`]: () => refusal });
+    await userEvent.click(await screen.findByRole("button", { name: "Everything as a zip" }));
+    expect(await screen.findByText("Several archives are being made already.")).toBeVisible();
+  });
+
+  it("is not offered before the run is done", async () => {
+    open(run());
+    await screen.findByRole("figure", { name: "Aliens hit per game" });
+    expect(screen.queryByRole("region", { name: "Take it away" })).toBeNull();
+  });
+});
+
 describe("a run that goes", () => {
   it("says how far it is, stage by stage", async () => {
     open(run());

@@ -6,8 +6,8 @@ import styles from "./Files.module.css";
 
 const KINDS: Readonly<Record<string, string>> = {
   reward_model: "Reward model",
-  imitator: "Imitator, for stable-baselines3",
-  clone: "Clone, for stable-baselines3",
+  imitator: "Imitator",
+  clone: "Clone",
   attention_map: "Attention map",
   attention_red_blue: "Attention map, red-blue",
   attention_frame: "Screen of an attention map",
@@ -39,6 +39,7 @@ export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
               </td>
               <td>
                 {KINDS[file.kind] ?? file.kind.replaceAll("_", " ")}
+                {file.name.endsWith(".zip") && ", for stable-baselines3"}
                 {file.kind.startsWith("attention") && `, ${formatOf(file.name)}`}
               </td>
               <td className={tables.right}>{bytes(file.size_bytes)}</td>

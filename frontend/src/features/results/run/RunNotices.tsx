@@ -15,7 +15,13 @@ export function RunNotices({ run }: { run: Run }) {
         <Notice tone="calm" icon="eye">
           <p>
             This is an example: its demonstrations were made by a scripted player, not by a person.
+            {run.imported && " It was trained before and ships with Tril; delete it when you like."}
           </p>
+        </Notice>
+      )}
+      {run.imported && !run.example && (
+        <Notice tone="calm" icon="eye">
+          <p>This run was imported: it was trained elsewhere.</p>
         </Notice>
       )}
       {waiting && (

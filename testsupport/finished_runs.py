@@ -1,0 +1,127 @@
+"""A finished run with everything that belongs to one, written instead of trained."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import numpy as np
+
+from testsupport.watching import finished_run
+from testsupport.workplace import Workplace
+from trainer.reporting.figures import attention_picture, frame_picture
+from trainer.reward.model import RewardModel, new_network
+from tril.analysis.outcome import (
+    AttentionDetails,
+    AttentionState,
+    CheckOutcome,
+    Headline,
+    ImitatorOutcome,
+    RewardPercentiles,
+    RewardState,
+    RunOutcome,
+)
+from tril.analysis.summary import PolicySummary
+from tril.behaviours import score
+from tril.exchange.run_archive import PICTURES, picture_name
+from tril.files.artifact_store import ArtifactStore
+from tril.stages import stages_of
+from tril.store import behaviours, recordings
+from tril.store.models import EvaluationRow, Source
+from tril.store.training import artifacts, evaluations, metrics, runs
+from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES, EvaluationKey
+
+CHECK = {"tau": 1.0, "pair_accuracy": 0.9, "held_out_accuracy": None}
+
+
+def make_finished_run(workplace: Workplace) -> str:
+    """Make a run of a data folder's behaviour, done, with untrained networks; return its id."""
+    networks = tuple(new_network(np.random.default_rng(seed)) for seed in (0, 1))
+    model = RewardModel(networks, (0.5, 0.1), (2.0, 3.0), zero=-1.0, one=2.0)
+    run_id = finished_run(workplace, model=model)
+    _keep_attention(workplace, run_id)
+    _keep_games(workplace, run_id)
+    with workplace.database.writing() as session:
+        for step in (128, 256):
+            metrics.add(session, run_id, "imitator", step, {"hits": step / 100, "strays": 0.5})
+        row = runs.get(session, run_id)
+        row.outcome = _outcome(workplace, evaluations.listing(session, run_id))
+        row.versions = {"python": "3.11", "torch": "2"}
+        row.finished_stages = {str(stage): 1.5 for stage in stages_of(example=False)}
+    return run_id
+
+
+def _keep_attention(workplace: Workplace, run_id: str) -> None:
+    store = ArtifactStore(workplace.settings.artifact_root)
+    seen = np.random.default_rng(0).random((84, 84)).astype(np.float32)
+    pictures = {
+        "attention_map": attention_picture(seen, "perceptual"),
+        "attention_red_blue": attention_picture(seen, "red-blue"),
+        "attention_frame": frame_picture(np.zeros((210, 160, 3), np.uint8)),
+    }
+    first = workplace.ranked[0]
+    percentiles = RewardPercentiles(
+        states=[RewardState(reward=p / 100, recording_id=first, step=p) for p in range(101)]
+    )
+    with workplace.database.writing() as session:
+        for state in AttentionState:
+            details = AttentionDetails(state=state, reward=0.25, recording_id=first, step=7)
+            for kind in PICTURES:
+                name = picture_name(state, kind)
+                size = store.put(artifacts.path_of(run_id, name), pictures[kind])
+                values = details.model_dump(mode="json")
+                artifacts.save(session, run_id, kind, name, "image/png", size, values)
+        content = percentiles.model_dump_json().encode()
+        name = "reward-percentiles.json"
+        store.put(artifacts.path_of(run_id, name), content)
+        values = percentiles.model_dump(mode="json")
+        artifacts.save(
+            session, run_id, "reward_percentiles", name, "application/json", len(content), values
+        )
+
+
+def _keep_games(workplace: Workplace, run_id: str) -> None:
+    """Store the demonstrations as evaluation games: each policy has one of each kind."""
+    with workplace.database.writing() as session:
+        taught = behaviours.as_behaviour(behaviours.get(session, workplace.behaviour_id))
+        played = recordings.by_ids(session, workplace.ranked)
+        for policy in POLICIES:
+            for number, how in zip(workplace.ranked, ACTION_SELECTIONS, strict=False):
+                shown = played[number]
+                row = recordings.add(
+                    session,
+                    workplace.behaviour_id,
+                    recordings.as_recording(shown),
+                    recordings.replay_of(shown),
+                    Source.POLICY,
+                    run_id=run_id,
+                    conditions={"policy": policy, "action_selection": how},
+                )
+                cells = tuple((hit.row, hit.column) for hit in recordings.hits_of(shown))
+                key = EvaluationKey(policy, how, 0)
+                evaluations.add(
+                    session, run_id, key, row.id, True, float(number), score(taught, cells)
+                )
+
+
+def _outcome(workplace: Workplace, games: list[EvaluationRow]) -> RunOutcome:
+    found = evaluations.summaries(games, 6)
+
+    def summary(policy: str) -> PolicySummary:
+        return found[policy, "greedy"]
+
+    levels = dict(zip(workplace.ranked, (4.0, 3.0, 2.0, 1.0), strict=True))
+    headline = {name: asdict(summary(name)) for name in POLICIES}
+    return RunOutcome(
+        check=CheckOutcome.model_validate(
+            CHECK
+            | {
+                "passed": True,
+                "advice": "",
+                "confused": [],
+                "predicted_returns": levels,
+                "final_levels": levels,
+            }
+        ),
+        imitator=ImitatorOutcome(best_steps=256, precision="float32", device="cpu"),
+        headline=Headline.model_validate(CHECK | headline),
+    )

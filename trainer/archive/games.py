@@ -1,0 +1,32 @@
+"""The games of a run that its report shows as clips."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tril.game.episode import DEATHS
+from tril.store.models import EvaluationRow
+
+
+def best_and_worst(games: Sequence[EvaluationRow]) -> list[tuple[str, EvaluationRow]]:
+    """Return the imitator's best and its worst evaluation game, with what they are.
+
+    More targets are better, then fewer strays, then who survived, then the predicted return; the
+    first of equals counts. Only one is returned if they are the same.
+
+    Args:
+        games: A run's evaluation games, loaded with their recordings.
+    """
+    own = [game for game in games if game.policy == "imitator"]
+    if not own:
+        return []
+    best, worst = max(own, key=_worth), min(own, key=_worth)
+    if best is worst:
+        return [("Its only game", best)]
+    return [("Its best game", best), ("Its worst game", worst)]
+
+
+def _worth(game: EvaluationRow) -> tuple[int, int, bool, float]:
+    hits = len(game.recording.hits) if game.targets is None else game.targets
+    survived = game.recording.end not in DEATHS
+    return hits, -(game.strays or 0), survived, game.predicted_return or 0.0

@@ -1,0 +1,140 @@
+"""A learned reward of Tril for any Gymnasium environment with Tril's observations.
+
+Needs gymnasium, torch, safetensors and numpy, and nothing of Tril.
+
+    from reward_wrapper import LearnedReward
+    env = LearnedReward(env, "reward/reward-model.safetensors", own_share=0.0)
+
+An observation is uint8 (4, 84, 84): the last four steps' screens, oldest first. A step is four
+frames with the same action; its screen is the pixel-wise maximum of its last two frames in
+grayscale, averaged over areas to 84x84, with the rows of the score set to 0.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, SupportsFloat
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+import torch
+from safetensors import safe_open
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+Observation = npt.NDArray[np.uint8]
+
+
+class RewardNetwork(nn.Module):
+    """Four convolutions and two linear layers, with leaky ReLU between (T-REX).
+
+    Args:
+        n_memory_bits: Size of a further layer below the output, of probabilities; 0 leaves it out.
+    """
+
+    def __init__(self, n_memory_bits: int) -> None:
+        super().__init__()
+        self.convolutions = nn.ModuleList(
+            [
+                nn.Conv2d(4, 16, kernel_size=7, stride=3),
+                nn.Conv2d(16, 16, kernel_size=5, stride=2),
+                nn.Conv2d(16, 16, kernel_size=3, stride=1),
+                nn.Conv2d(16, 16, kernel_size=3, stride=1),
+            ]
+        )
+        self.hidden = nn.Linear(784, 64)
+        self.memory = nn.Linear(64, n_memory_bits) if n_memory_bits else None
+        self.output = nn.Linear(n_memory_bits or 64, 1)
+
+    def forward(self, observations: Tensor) -> Tensor:
+        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
+        values = observations.float() / 255.0
+        for layer in self.convolutions:
+            values = F.leaky_relu(layer(values))
+        values = F.leaky_relu(self.hidden(values.flatten(1)))
+        if self.memory is not None:
+            values = self.memory(values).sigmoid()
+        rewards: Tensor = self.output(values).squeeze(1)
+        return rewards
+
+
+class RewardModel:
+    """R(observation), the mean of one or more standardised networks.
+
+    Args:
+        path: The file of weights.
+
+    Raises:
+        ValueError: The file holds something else.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        with safe_open(str(path), framework="pt") as file:
+            metadata = file.metadata() or {}
+            if (metadata.get("format"), metadata.get("version")) != ("tril-reward-model", "1"):
+                raise ValueError(f"{path} has no reward model that this program can read.")
+            weights = {name: file.get_tensor(name).float() for name in file.keys()}  # noqa: SIM118
+        model = json.loads(metadata["model"])
+        self._offsets, self._scales = model["offsets"], model["scales"]
+        self._networks = []
+        for number in range(len(self._offsets)):
+            prefix = f"{number}."
+            own = {
+                name.removeprefix(prefix): one
+                for name, one in weights.items()
+                if name.startswith(prefix)
+            }
+            network = RewardNetwork(len(own.get("memory.bias", ())))
+            network.load_state_dict(own)
+            self._networks.append(network.eval())
+
+    def score(self, observations: Observation) -> npt.NDArray[np.float32]:
+        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
+        with torch.inference_mode():
+            batch = torch.from_numpy(np.ascontiguousarray(observations))
+            parts = zip(self._networks, self._offsets, self._scales, strict=True)
+            outputs = [(network(batch) - offset) / scale for network, offset, scale in parts]
+            return torch.stack(outputs).mean(0).numpy()
+
+
+class LearnedReward(gymnasium.Wrapper[Observation, Any, Observation, Any]):
+    """Adds the learned reward of the state that each step leads to.
+
+    It is also in the step's info, as "learned_reward".
+
+    Args:
+        env: An environment with observations of shape (4, 84, 84) and dtype uint8.
+        path: The reward model's file of weights.
+        own_share: Factor of the environment's own reward.
+        learned_share: Factor of the learned reward.
+
+    Raises:
+        ValueError: The environment has other observations.
+    """
+
+    def __init__(
+        self,
+        env: gymnasium.Env[Observation, Any],
+        path: str | Path,
+        own_share: float = 1.0,
+        learned_share: float = 1.0,
+    ) -> None:
+        super().__init__(env)
+        space = env.observation_space
+        if space.shape != (4, 84, 84) or space.dtype != np.uint8:
+            raise ValueError(
+                "Expected an environment with observations of shape (4, 84, 84) and dtype uint8,"
+                f" got {space}."
+            )
+        self._model = RewardModel(path)
+        self._own_share = own_share
+        self._learned_share = learned_share
+
+    def step(self, action: Any) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Step the environment and add the learned reward to its own."""
+        observation, own, terminated, truncated, info = self.env.step(action)
+        learned = float(self._model.score(observation[None])[0])
+        reward = self._own_share * float(own) + self._learned_share * learned
+        return observation, reward, terminated, truncated, info | {"learned_reward": learned}

@@ -1,0 +1,183 @@
+"""The model of ``run.json`` in a run's archive: all of a run but its recordings and networks.
+
+Recordings are numbered as they were where the run was trained; the archive's files of recordings
+hold them in the order in which they are listed here.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Any, Final, Literal, get_args
+
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import from_json
+
+from tril.analysis.outcome import AttentionDetails, RewardState, RunOutcome
+from tril.analysis.summary import Policy
+from tril.errors import Invalid
+from tril.exchange.formats.recording_object import (
+    CellArray,
+    describe_errors,
+    normalise_json,
+    truncated,
+)
+from tril.game.space_invaders import COLUMNS, MAX_FRAMES, ROWS
+from tril.game.starts import EVALUATION_START_COUNT
+from tril.recording import RecordingRefused
+from tril.stages import Stage
+from tril.store.training.evaluations import ActionSelection
+
+RUN_FORMAT: Final = "tril-run"
+RUN_VERSION: Final = 1
+
+MAX_DEMONSTRATIONS = 2_000
+MAX_GAMES = 2 * len(get_args(ActionSelection)) * EVALUATION_START_COUNT
+MAX_POINTS = 20_000
+
+_Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
+_Text = Annotated[str, Field(max_length=200)]
+
+
+class RunRefused(Invalid):
+    """A file that is not a run's archive, or a hostile one."""
+
+
+class _ClosedModel(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
+
+
+class TaughtBehaviour(_ClosedModel):
+    """What the run teaches."""
+
+    slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
+    name: str = Field(min_length=1, max_length=120)
+    description: str = Field(max_length=2000)
+    target: list[CellArray] | None = Field(min_length=1, max_length=ROWS * COLUMNS)
+    ordered: bool
+
+
+class PlayedGame(_ClosedModel):
+    """What the exchange format does not say of a recording.
+
+    ``hit_frames`` has the frame of each of its hits.
+    """
+
+    number: _Number
+    shots: int = Field(ge=0, le=MAX_FRAMES)
+    hit_frames: list[Annotated[int, Field(ge=0, le=MAX_FRAMES)]] = Field(max_length=ROWS * COLUMNS)
+    played_at: AwareDatetime
+
+
+class EvaluationGame(PlayedGame):
+    """An evaluation game."""
+
+    policy: Policy
+    action_selection: ActionSelection
+    start_number: int = Field(ge=0, lt=EVALUATION_START_COUNT)
+    held_out: bool
+    predicted_return: float | None
+
+
+class CurvePoint(_ClosedModel):
+    """A point of a stage's curves, by name."""
+
+    stage: Stage
+    step: int = Field(ge=0, le=2**31 - 1)
+    values: dict[Annotated[str, Field(max_length=64)], float] = Field(max_length=64)
+
+
+class RunObject(_ClosedModel):
+    """One finished run of Tril, see run-archive.md."""
+
+    format: Literal["tril-run"]
+    version: Literal[1]
+    game: Literal["space_invaders"]
+    tril: _Text
+    id: str = Field(pattern="^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
+    behaviour: TaughtBehaviour
+    recipe: dict[str, Any]
+    steps: int = Field(ge=1, le=100_000_000)
+    training_seed: int = Field(ge=0, le=2**31 - 1)
+    go_on_anyway: bool
+    example: bool
+    example_kind: str = Field(max_length=24)
+    versions: dict[_Text, _Text] = Field(max_length=64)
+    finished_stages: dict[Stage, Annotated[float, Field(ge=0)]]
+    created_at: AwareDatetime
+    started_at: AwareDatetime | None
+    finished_at: AwareDatetime
+    tiers: list[Annotated[list[_Number], Field(min_length=1)]] = Field(min_length=2)
+    perfect: list[_Number] = Field(min_length=1)
+    outcome: RunOutcome
+    curves: list[CurvePoint] = Field(max_length=MAX_POINTS)
+    percentiles: list[RewardState] = Field(max_length=101)
+    attention: list[AttentionDetails] = Field(max_length=4)
+    ranked: list[PlayedGame] = Field(max_length=MAX_DEMONSTRATIONS)
+    unranked: list[PlayedGame] = Field(max_length=MAX_DEMONSTRATIONS)
+    evaluation: list[EvaluationGame] = Field(max_length=MAX_GAMES)
+
+
+def parse_run(content: bytes) -> RunObject:
+    """Parse and validate ``run.json``.
+
+    Raises:
+        RunRefused: It is invalid, contradicts itself, or is of a newer version.
+    """
+    try:
+        given = from_json(content, allow_inf_nan=False)
+        if not isinstance(given, dict) or given.get("format") != RUN_FORMAT:
+            raise RunRefused("This is not a run that Tril exported.")
+        if isinstance(version := given.get("version"), int) and version > RUN_VERSION:
+            raise RunRefused("The run was exported by a newer version of Tril. Update Tril.")
+        # Refuses what a database can't store.
+        normalise_json(given)
+        run = RunObject.model_validate_json(content)
+    except ValidationError as error:
+        raise RunRefused(" ".join(describe_errors(error))) from None
+    except (RecordingRefused, ValueError, RecursionError) as error:
+        raise RunRefused(f"run.json can't be read: {truncated(str(error), 200)}") from None
+    if contradictions := list(_contradictions(run)):
+        raise RunRefused(" ".join(contradictions[:4]))
+    return run
+
+
+def _contradictions(run: RunObject) -> Iterator[str]:
+    ranked = [game.number for game in run.ranked]
+    shown = {*ranked, *(game.number for game in run.unranked)}
+    every = [game.number for game in (*run.ranked, *run.unranked, *run.evaluation)]
+    if twice := _repeated(every):
+        yield f"Several recordings have the number {twice[0]}."
+    if sorted(number for tier in run.tiers for number in tier) != sorted(ranked):
+        yield "The tiers are not of the ranked recordings."
+    if _repeated(run.perfect) or not set(run.perfect) <= shown:
+        yield "The perfect recordings are not among the demonstrations."
+    if not {game.number for game in run.unranked} <= set(run.perfect):
+        yield "A demonstration is neither ranked nor perfect."
+    for what, numbers in _references(run):
+        if not set(numbers) <= set(ranked):
+            yield f"{what} names recordings that are not ranked."
+    check = run.outcome.check
+    for pair in check.confused if check else ():
+        if not {pair.better, pair.worse} <= set(range(1, len(run.tiers) + 1)):
+            yield "The check confuses tiers that there are not."
+    if _repeated((one.policy, one.action_selection, one.start_number) for one in run.evaluation):
+        yield "An evaluation game is there twice."
+    if _repeated((point.stage, point.step) for point in run.curves):
+        yield "A point of the curves is there twice."
+    if _repeated(one.state for one in run.attention):
+        yield "An attention map is there twice."
+
+
+def _references(run: RunObject) -> Iterator[tuple[str, Iterable[int]]]:
+    if check := run.outcome.check:
+        yield "The check", (*check.predicted_returns, *check.final_levels)
+    if example := run.outcome.example:
+        tiers = (*example.true_tiers, *example.given_tiers, *example.mistakes)
+        yield "The example", (number for tier in tiers for number in tier)
+    states = (*run.percentiles, *run.attention)
+    yield "An attention map", (state.recording_id for state in states)
+
+
+def _repeated(values: Iterable[Any]) -> list[Any]:
+    return [value for value, times in Counter(values).items() if times > 1]

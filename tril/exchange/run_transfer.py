@@ -1,0 +1,468 @@
+"""Export and import of a finished run: its row, its games, its curves and its files."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from sqlalchemy.orm import Session
+
+from tril import __version__
+from tril.analysis.outcome import (
+    AttentionDetails,
+    RewardPercentiles,
+    RewardState,
+    RunOutcome,
+    RunSnapshot,
+)
+from tril.behaviours import Behaviour, score
+from tril.demonstrator import kind_named
+from tril.exchange.formats.recording_file import load_recording
+from tril.exchange.formats.recording_object import RecordingObject
+from tril.exchange.formats.run_file import (
+    RUN_FORMAT,
+    RUN_VERSION,
+    CurvePoint,
+    EvaluationGame,
+    PlayedGame,
+    RunObject,
+    RunRefused,
+    TaughtBehaviour,
+)
+from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_name
+from tril.files.artifact_store import ArtifactStore
+from tril.game.console import Console
+from tril.game.episode import Ending, EndReason, Hit, Start
+from tril.recipes import recipe_from_dict, with_values
+from tril.recording import Recording, RecordingRefused, Replay
+from tril.stages import Stage
+from tril.store import behaviours, rankings, recordings
+from tril.store.changes import note_change
+from tril.store.database import Database
+from tril.store.models import (
+    BehaviourRow,
+    EvaluationRow,
+    RankingRow,
+    RecordingRow,
+    RunRow,
+    RunStatus,
+    Source,
+)
+from tril.store.training import artifacts, evaluations, metrics, runs
+from tril.store.training.evaluations import EvaluationKey
+
+State = TypeVar("State", bound=RewardState)
+
+MAX_RECIPE_NAME = 40
+PNG = "image/png"
+_BYTES = "application/octet-stream"
+
+
+@dataclass(frozen=True)
+class ExportedRun:
+    """A run with the rows of its recordings, in the order in which ``run`` lists them."""
+
+    run: RunObject
+    ranked: list[RecordingRow]
+    unranked: list[RecordingRow]
+    evaluation: list[EvaluationRow]
+
+
+@dataclass(frozen=True)
+class RunImportResult:
+    """The result of importing a run.
+
+    Attributes:
+        run_id: The run, which has the id that it had where it was trained.
+        behaviour_id: Its behaviour.
+        was_there: Whether it had been imported, or trained here, before; then nothing was changed
+            but that it is shown again if it was deleted.
+    """
+
+    run_id: str
+    behaviour_id: int
+    was_there: bool
+
+
+def export_run(session: Session, run_id: str) -> ExportedRun:
+    """Return a finished run.
+
+    Raises:
+        NotFound: No such run, or its behaviour was deleted.
+        Conflict: It is not finished.
+    """
+    row = runs.get_done(session, run_id)
+    assert row.snapshot is not None
+    assert row.finished_at is not None
+    taught = behaviours.as_behaviour(behaviours.get(session, row.behaviour_id))
+    ids = set(row.snapshot.recordings)
+    shown = recordings.by_ids(session, ids)
+    ranked = [shown[number] for number in row.snapshot.ranked]
+    among = {one.id for one in ranked}
+    unranked = [shown[number] for number in row.snapshot.perfect if number not in among]
+    games = evaluations.listing(session, run_id)
+    files = artifacts.listing(session, run_id)
+    percentiles = [file for file in files if file.kind == "reward_percentiles"]
+    run = RunObject(
+        format=RUN_FORMAT,
+        version=RUN_VERSION,
+        game="space_invaders",
+        tril=__version__,
+        id=row.id,
+        behaviour=_taught(taught),
+        recipe=row.recipe,
+        steps=row.steps,
+        training_seed=row.training_seed,
+        go_on_anyway=row.go_on_anyway,
+        example=row.example,
+        example_kind=row.example_kind,
+        versions=row.versions,
+        finished_stages={Stage(stage): s for stage, s in row.finished_stages.items()},
+        created_at=row.created_at,
+        started_at=row.started_at,
+        finished_at=row.finished_at,
+        tiers=row.snapshot.tiers,
+        perfect=row.snapshot.perfect,
+        outcome=row.outcome,
+        curves=_points(session, run_id),
+        percentiles=RewardPercentiles.model_validate(percentiles[0].details).states
+        if percentiles
+        else [],
+        attention=[
+            AttentionDetails.model_validate(file.details)
+            for file in files
+            if file.kind == "attention_map"
+        ],
+        ranked=[PlayedGame(**_played(one)) for one in ranked],
+        unranked=[PlayedGame(**_played(one)) for one in unranked],
+        evaluation=[
+            EvaluationGame(
+                **_played(game.recording),
+                policy=game.policy,  # type: ignore[arg-type]
+                action_selection=game.action_selection,  # type: ignore[arg-type]
+                start_number=game.start_number,
+                held_out=game.held_out,
+                predicted_return=game.predicted_return,
+            )
+            for game in games
+        ],
+    )
+    return ExportedRun(run, ranked, unranked, games)
+
+
+def _taught(behaviour: Behaviour) -> TaughtBehaviour:
+    return TaughtBehaviour(
+        slug=behaviour.slug,
+        name=behaviour.name,
+        description=behaviour.description,
+        target=None if behaviour.target is None else [list(cell) for cell in behaviour.target],
+        ordered=behaviour.ordered,
+    )
+
+
+def _points(session: Session, run_id: str) -> list[CurvePoint]:
+    by_step: dict[tuple[str, int], dict[str, float]] = {}
+    for stage, curves in metrics.series(session, run_id)[1].items():
+        for name, curve in curves.items():
+            for step, value in curve:
+                by_step.setdefault((stage, step), {})[name] = value
+    return [
+        CurvePoint(stage=Stage(stage), step=step, values=values)
+        for (stage, step), values in by_step.items()
+    ]
+
+
+def _played(row: RecordingRow) -> dict[str, Any]:
+    return {
+        "number": row.id,
+        "shots": row.shots,
+        "hit_frames": [frame for *_, frame in row.hits],
+        "played_at": row.created_at,
+    }
+
+
+def import_run(
+    database: Database,
+    store: ArtifactStore,
+    archive: RunArchive,
+    *,
+    name: str | None = None,
+    trusted: bool = False,
+) -> RunImportResult:
+    """Add a run with its behaviour, recordings, ranking and files, as if it had been trained here.
+
+    A matching built-in behaviour that is still empty is filled; otherwise a new one is made, with a
+    number after its name if there is one of that name. A run that is here already is not added
+    again; if it or its behaviour was deleted, it is restored.
+
+    Args:
+        database: The application's database.
+        store: The artifact store.
+        archive: The run.
+        name: Name of a new behaviour for it; None fills a built-in one if it can.
+        trusted: Whether its recordings are taken as they are, without replaying them, since the
+            file ships with Tril.
+
+    Raises:
+        RunRefused: A recording does not replay to what the file says, or its recipe is invalid.
+        NameTaken: A deleted behaviour of the run can't be restored since another has its name.
+        Conflict: There are too many behaviours.
+    """
+    run = archive.run
+    if (known := _restored(database, run.id)) is not None:
+        return known
+    recipe = with_values(recipe_from_dict(run.recipe), {})
+    if len(recipe.name) > MAX_RECIPE_NAME:
+        raise RunRefused("The name of the run's recipe is too long.")
+    kind_named(run.example_kind)
+    replayed = recorded(archive) if trusted else _replayed(archive)
+    paths = _put_files(store, archive)
+    try:
+        with database.writing() as session:
+            behaviour = _behaviour(session, run, name)
+            ids = {
+                game.number: _add(
+                    session, behaviour.id, game, given, replayed[game.number], run.perfect
+                )
+                for game, given in archive.demonstrations
+            }
+            _rank(session, behaviour.id, run, ids)
+            row = RunRow(
+                id=run.id,
+                behaviour_id=behaviour.id,
+                example=run.example,
+                example_kind=run.example_kind,
+                recipe_name=recipe.name,
+                recipe=recipe.to_dict(),
+                training_seed=run.training_seed,
+                steps=run.steps,
+                go_on_anyway=run.go_on_anyway,
+                snapshot=RunSnapshot(
+                    ranking_revision=1,
+                    tiers=_renumbered(run.tiers, ids),
+                    perfect=[ids[number] for number in run.perfect],
+                ),
+                versions=run.versions,
+                status=RunStatus.DONE,
+                stage=Stage.ATTENTION,
+                stage_done=1.0,
+                finished_stages={str(stage): s for stage, s in run.finished_stages.items()},
+                outcome=_outcome(run.outcome, ids),
+                created_at=run.created_at,
+                started_at=run.started_at,
+                finished_at=run.finished_at,
+            )
+            session.add(row)
+            session.flush()
+            _add_results(session, archive, behaviour, ids, replayed)
+            _name_files(session, run, ids, paths)
+            _keep_percentiles(session, store, run, ids)
+            note_change(session, "run", run.id)
+            return RunImportResult(run.id, behaviour.id, was_there=False)
+    except BaseException:
+        store.remove_folder(artifacts.folder_of(run.id))
+        raise
+
+
+def _restored(database: Database, run_id: str) -> RunImportResult | None:
+    """Return a run that is here already, restored with its behaviour if one was deleted."""
+    with database.writing() as session:
+        row = session.get(RunRow, run_id)
+        if row is None:
+            return None
+        behaviours.restore(session, row.behaviour_id)
+        if row.deleted_at is not None:
+            row.deleted_at = None
+            note_change(session, "run", run_id)
+        return RunImportResult(run_id, row.behaviour_id, was_there=True)
+
+
+def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
+    """Return the recordings with what the file says happened in them."""
+    found = {}
+    for game, given in (*archive.demonstrations, *archive.games):
+        actions = base64.b64decode(given.actions)
+        hashes = tuple(given.ram_hashes or ())
+        start = Start(given.start.idle_frames, given.start.mode, given.start.difficulty)
+        ending = Ending(given.ending or Ending.HIT)
+        hits = tuple(
+            Hit(row, column, frame)
+            for (row, column), frame in zip(given.hits or (), game.hit_frames, strict=True)
+        )
+        end = None if given.end is None else EndReason(given.end)
+        found[game.number] = (
+            Recording(start, actions, hashes, given.rom_md5, ending),
+            Replay(hits, end, len(actions), game.shots, hashes),
+        )
+    return found
+
+
+def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
+    console = Console()
+    found = {}
+    for game, given in (*archive.demonstrations, *archive.games):
+        try:
+            one = load_recording(given.model_dump(mode="json", exclude_none=True), console)
+        except RecordingRefused as refusal:
+            raise RunRefused(
+                f"Nothing was imported. Recording {game.number} was refused: {refusal}"
+            ) from refusal
+        found[game.number] = (one.recording, one.replay)
+    return found
+
+
+def _put_files(store: ArtifactStore, archive: RunArchive) -> dict[str, tuple[str, int]]:
+    """Write the run's files; return their names and sizes by kind of network or picture's name."""
+    run_id = archive.run.id
+    files = {kind: (NETWORKS[kind], content) for kind, content in archive.networks.items()}
+    files |= {name: (name, content) for name, content in archive.pictures.items()}
+    written = {}
+    for key, (name, content) in files.items():
+        plain = name.rpartition("/")[2]
+        written[key] = (plain, store.put(artifacts.path_of(run_id, plain), content))
+    return written
+
+
+def _behaviour(session: Session, run: RunObject, name: str | None) -> BehaviourRow:
+    given = run.behaviour
+    target = None if given.target is None else tuple((r, c) for r, c in given.target)
+    if name is None:
+        for row in behaviours.listing(session):
+            present = behaviours.as_behaviour(row)
+            is_same = (present.slug, present.target, present.ordered) == (
+                given.slug,
+                target,
+                given.ordered,
+            )
+            if row.built_in and is_same and _is_empty(session, row.id):
+                return row
+    free = behaviours.free_name(session, name or given.name)
+    return behaviours.create(session, free, given.description, target, given.ordered)
+
+
+def _is_empty(session: Session, behaviour_id: int) -> bool:
+    ranked = rankings.current(session, behaviour_id).revision > 0
+    return not ranked and not recordings.has_any(session, behaviour_id)
+
+
+def _add(
+    session: Session,
+    behaviour_id: int,
+    game: PlayedGame,
+    given: RecordingObject,
+    replayed: tuple[Recording, Replay],
+    perfect: Iterable[int],
+) -> int:
+    recording, played = replayed
+    row = recordings.add(
+        session,
+        behaviour_id,
+        recording,
+        played,
+        Source(given.source or Source.PERSON),
+        perfect=game.number in perfect,
+        notes=given.notes or "",
+        conditions=given.conditions,
+    )
+    row.created_at = row.finished_at = game.played_at
+    return row.id
+
+
+def _rank(session: Session, behaviour_id: int, run: RunObject, ids: Mapping[int, int]) -> None:
+    revision = RankingRow(
+        behaviour_id=behaviour_id,
+        revision=1,
+        tiers=_renumbered(run.tiers, ids),
+        change="example" if run.example else "import",
+        undo_to=0,
+        created_at=run.created_at,
+    )
+    rankings.restore_history(session, behaviour_id, [revision])
+
+
+def _add_results(
+    session: Session,
+    archive: RunArchive,
+    behaviour: BehaviourRow,
+    ids: Mapping[int, int],
+    replayed: Mapping[int, tuple[Recording, Replay]],
+) -> None:
+    run_id, taught = archive.run.id, behaviours.as_behaviour(behaviour)
+    for game, given in archive.games:
+        recording, played = replayed[game.number]
+        row = recordings.add(
+            session,
+            behaviour.id,
+            recording,
+            played,
+            Source.POLICY,
+            run_id=run_id,
+            conditions=given.conditions,
+        )
+        row.created_at = row.finished_at = game.played_at
+        evaluations.add(
+            session,
+            run_id,
+            EvaluationKey(game.policy, game.action_selection, game.start_number),
+            row.id,
+            game.held_out,
+            game.predicted_return,
+            score(taught, tuple((hit.row, hit.column) for hit in played.hits)),
+        )
+    points = [(str(one.stage), one.step, one.values) for one in archive.run.curves]
+    metrics.add_curves(session, run_id, points)
+
+
+def _name_files(
+    session: Session,
+    run: RunObject,
+    ids: Mapping[int, int],
+    files: Mapping[str, tuple[str, int]],
+) -> None:
+    for kind in NETWORKS:
+        name, size = files[kind]
+        artifacts.save(session, run.id, kind, name, _BYTES, size)
+    for state in run.attention:
+        details = _moved(state, ids).model_dump(mode="json")
+        for kind in PICTURES:
+            name, size = files[picture_name(state.state, kind)]
+            artifacts.save(session, run.id, kind, name, PNG, size, details)
+
+
+def _keep_percentiles(
+    session: Session, store: ArtifactStore, run: RunObject, ids: Mapping[int, int]
+) -> None:
+    if not run.percentiles:
+        return
+    name = "reward-percentiles.json"
+    found = RewardPercentiles(states=[_moved(one, ids) for one in run.percentiles])
+    size = store.put(artifacts.path_of(run.id, name), found.model_dump_json().encode())
+    details = found.model_dump(mode="json")
+    artifacts.save(session, run.id, "reward_percentiles", name, "application/json", size, details)
+
+
+def _outcome(outcome: RunOutcome, ids: Mapping[int, int]) -> RunOutcome:
+    """Return an outcome that names the recordings by their ids here."""
+    changed: dict[str, Any] = {}
+    if check := outcome.check:
+        changed["check"] = check.model_copy(
+            update={
+                "predicted_returns": {ids[k]: v for k, v in check.predicted_returns.items()},
+                "final_levels": {ids[k]: v for k, v in check.final_levels.items()},
+            }
+        )
+    if example := outcome.example:
+        lists = ("true_tiers", "given_tiers", "mistakes")
+        moved = {name: _renumbered(getattr(example, name), ids) for name in lists}
+        changed["example"] = example.model_copy(update=moved)
+    return outcome.model_copy(update=changed)
+
+
+def _moved(state: State, ids: Mapping[int, int]) -> State:
+    return state.model_copy(update={"recording_id": ids[state.recording_id]})
+
+
+def _renumbered(tiers: Iterable[Iterable[int]], ids: Mapping[int, int]) -> list[list[int]]:
+    return [[ids[number] for number in tier] for tier in tiers]

@@ -1,0 +1,52 @@
+"""The verdict on a run."""
+
+from __future__ import annotations
+
+from typing import cast
+
+from sqlalchemy.orm import Session
+
+from tril.analysis.reward_alarm import RewardAlarm
+from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
+from tril.behaviours import score
+from tril.recipes import recipe_from_dict
+from tril.store import behaviours, recordings
+from tril.store.models import BehaviourRow, RunRow, RunStatus
+
+
+def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verdict | None:
+    """Return what came of a run, in words; None until it is over.
+
+    Args:
+        session: The transaction.
+        run: The run.
+        alarm: Its reward alarm, if there is one.
+    """
+    status = RunStatus(run.status)
+    if not status.is_over:
+        return None
+    recipe = recipe_from_dict(run.recipe)
+    return verdict(
+        RunFigures(
+            ended=cast(Ended, str(status)),
+            steps=run.steps,
+            default_steps=recipe.default_steps,
+            warm_up_steps=recipe.warm_up_steps,
+            n_targets=behaviours.n_targets(session, run.behaviour_id),
+            best_targets=_best_targets(session, run),
+            headline=run.outcome.headline,
+            is_alarmed=alarm is not None,
+        )
+    )
+
+
+def _best_targets(session: Session, run: RunRow) -> int | None:
+    """Return the targets that the best demonstration hits; None if that is not known."""
+    if run.snapshot is None or not run.snapshot.ranked:
+        return None
+    best = recordings.by_ids(session, run.snapshot.ranked[:1])
+    behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
+    for row in best.values():
+        found = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
+        return None if found is None else found.targets
+    return None
