@@ -8,8 +8,9 @@ import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
+import { RunName } from "@/components/RunName";
 import { whole } from "@/lib/format";
-import { describeEstimate, runName } from "@/lib/runs";
+import { describeEstimate } from "@/lib/runs";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
@@ -20,7 +21,10 @@ import styles from "./TrainForm.module.css";
 interface TrainFormProps {
   behaviour: Behaviour;
   recipes: readonly Recipe[];
+  /** The recipe that is chosen at first. */
   first: Recipe;
+  /** Settings that the address fills in. */
+  filledIn: Partial<FormValues>;
   /** The run whose imitator is trained further. */
   parentId: string | null;
   onParentRemoved: () => void;
@@ -28,12 +32,12 @@ interface TrainFormProps {
 
 /** The recipe and settings of a run. */
 export function TrainForm(props: TrainFormProps) {
-  const { behaviour, recipes, first, parentId, onParentRemoved } = props;
+  const { behaviour, recipes, first, filledIn, parentId, onParentRemoved } = props;
   const client = useQueryClient();
   const navigate = useNavigate();
   const [chosen, setChosen] = useState(first.name);
   /** What the user has edited; kept when the recipe changes. */
-  const [edits, setEdits] = useState<Partial<FormValues>>({});
+  const [edits, setEdits] = useState<Partial<FormValues>>(filledIn);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
   const values = { ...defaultsOf(recipe), ...edits };
   const missing = missingFor(behaviour);
@@ -89,7 +93,13 @@ export function TrainForm(props: TrainFormProps) {
         onChange={(text) => change({ steps: text })}
       />
       {steps > 0 && steps <= recipe.warm_up_steps && <TooShort recipe={recipe} />}
-      <MoreSettings values={values} errors={errors} recipe={recipe} onChange={change} />
+      <MoreSettings
+        values={values}
+        errors={errors}
+        recipe={recipe}
+        open={filledIn.trainingSeed !== undefined}
+        onChange={change}
+      />
       {start.error && (
         <Notice tone="bad" live>
           <p>{messageOf(start.error)}</p>
@@ -141,12 +151,14 @@ function TooShort({ recipe }: { recipe: Recipe }) {
 
 /** The run that this one continues. */
 function Parent({ runId, onRemove }: { runId: string; onRemove: () => void }) {
-  const name = runName({ id: runId });
   return (
     <Notice tone="calm" icon="redo">
       <p>
-        Continues <Link to={`/runs/${runId}`}>{name}</Link>: PPO begins with its imitator instead of
-        the clone.
+        Continues{" "}
+        <Link to={`/runs/${runId}`}>
+          <RunName id={runId} />
+        </Link>
+        : PPO begins with its imitator instead of the clone.
       </p>
       <Button kind="quiet" icon="close" onClick={onRemove}>
         Begin with the clone
