@@ -109,6 +109,33 @@ describe("a run whose return rises alone", () => {
   });
 });
 
+describe("the curves of a run", () => {
+  it("are zoomed by buttons and saved as CSV", async () => {
+    const save = vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(() => undefined);
+    const saved: Blob[] = [];
+    vi.stubGlobal(
+      "URL",
+      Object.assign(URL, {
+        createObjectURL: (blob: Blob) => {
+          saved.push(blob);
+          return "blob:curves";
+        },
+      }),
+    );
+    const one = run({ status: "done" });
+    const series = { imitator: { hits: [1, 2, 3, 4].map((step) => [step, step / 2]) } };
+    open(one, {}, { [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 4, series }) });
+    const bar = within(await screen.findByRole("group", { name: /^Zoom: Imitator/ }));
+    await userEvent.click(bar.getByRole("button", { name: "Zoom in" }));
+    await userEvent.click(bar.getByRole("button", { name: "Show everything" }));
+    expect(bar.queryByRole("button", { name: "Zoom out" })).toBeNull();
+    await userEvent.click(screen.getByRole("button", { name: "Download the curves (CSV)" }));
+    expect(save).toHaveBeenCalledOnce();
+    expect(await saved[0]?.text()).toContain("imitator,hits,4,2");
+    save.mockRestore();
+  });
+});
+
 describe("a run that ended early", () => {
   it("says why, and can go on", async () => {
     const one = run({ status: "stopped", message: "It confuses tiers 1 and 3." });

@@ -5,9 +5,9 @@ import { type ClipKind, fetchClip, recordingExportUrl } from "@/api/recordings";
 import type { Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
+import { saveFile } from "@/lib/save-file";
 
 import styles from "./Downloads.module.css";
-import { saveFile } from "./save-file";
 
 const CLIPS: readonly (readonly [kind: ClipKind, name: string, hint: string])[] = [
   ["mp4", "MP4", "every frame, 60 a second"],
