@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from cli.follow import duration, follow_to_end
@@ -126,12 +127,13 @@ def list_runs(
     if as_json:
         print_json(entries)
         return
-    table = Table("run", "recipe", "status", "stage", "message", box=None)
+    table = Table("run", "name", "recipe", "status", "stage", "message", box=None)
     for title in ("steps", "training seed", "done"):
         table.add_column(title, justify="right")
     for entry in entries:
         table.add_row(
             entry["id"],
+            escape(entry["name"]),
             entry["recipe"],
             entry["status"],
             entry["stage"],
@@ -158,7 +160,11 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
                 }
             )
             return
+        if row.name:
+            console.print(row.name, markup=False)
         console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
+        if row.notes:
+            console.print(row.notes, markup=False)
         if row.parent_run_id is not None:
             console.print(f"Continues run {row.parent_run_id}.")
         print_results(workspace, row)
@@ -236,6 +242,8 @@ def run_entry(row: RunRow) -> dict[str, Any]:
     """Return a run as JSON data."""
     return {
         "id": row.id,
+        "name": row.name,
+        "notes": row.notes,
         "behaviour_id": row.behaviour_id,
         "parent_run_id": row.parent_run_id,
         "recipe": row.recipe_name,

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 
-from server.api.schemas.runs import Metrics, Recipe, Run, RunNew, RunResults
+from server.api.schemas.runs import Metrics, Recipe, Run, RunNew, RunResults, RunUpdate
 from server.api.views.results import run_results
 from server.api.views.runs import run_view, stage_views
 from server.dependencies import MAX_ID, ReadSession, RunId, WriteSession, services_of
@@ -93,10 +93,22 @@ def get_run(session: ReadSession, run_id: RunId) -> Run:
     return run_view(session, runs.get(session, str(run_id)))
 
 
+@router.patch("/runs/{run_id}", responses=NOT_FOUND)
+def update_run(session: WriteSession, run_id: RunId, update: RunUpdate) -> Run:
+    """Change the name or the notes of a training; omitted fields stay."""
+    return run_view(session, runs.describe(session, str(run_id), update.name, update.notes))
+
+
 @router.delete("/runs/{run_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
 def delete_run(session: WriteSession, run_id: RunId) -> None:
-    """Delete a training that has ended."""
+    """Delete a training that has ended; it can be restored."""
     runs.delete(session, str(run_id))
+
+
+@router.post("/runs/{run_id}/restore", responses=NOT_FOUND)
+def restore_run(session: WriteSession, run_id: RunId) -> Run:
+    """Restore a deleted training, with everything it had."""
+    return run_view(session, runs.restore(session, str(run_id)))
 
 
 @router.post("/runs/{run_id}/cancel", responses=NOT_FOUND | CONFLICT)

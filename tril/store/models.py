@@ -20,6 +20,7 @@ from sqlalchemy import (
     String,
     Text,
     UniqueConstraint,
+    text,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
@@ -276,8 +277,8 @@ class RunRow(Base):
     ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
     is the full recipe as data. ``parent_run_id`` names the run whose imitator PPO begins with in
     place of the run's own clone. ``finished_stages`` maps each finished stage to the seconds of
-    work it took. ``epoch`` grows with every lease of the run to a worker; what a worker with an
-    older epoch writes is refused.
+    work it took. ``name`` and ``notes`` are a person's. ``epoch`` grows with every lease of the run
+    to a worker; what a worker with an older epoch writes is refused.
     """
 
     __tablename__ = "runs"
@@ -286,6 +287,8 @@ class RunRow(Base):
     behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), index=True)
     player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
     parent_run_id: Mapped[str | None] = mapped_column(ForeignKey("runs.id"))
+    name: Mapped[str] = mapped_column(String(80), default="", server_default=text("''"))
+    notes: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
     example: Mapped[bool] = mapped_column(Boolean, default=False)
     example_kind: Mapped[str] = mapped_column(
         String(24), default="scripted", server_default="scripted"

@@ -1,7 +1,7 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, fetchBytes, unwrap } from "./client";
-import type { Run, RunNew } from "./types";
+import type { Run, RunNew, RunUpdate } from "./types";
 
 function at(runId: string) {
   return { params: { path: { run_id: runId } } };
@@ -86,8 +86,17 @@ export function resumeRun(runId: string): Promise<Run> {
   return unwrap(api.POST("/api/runs/{run_id}/resume", at(runId)));
 }
 
+/** Changes a run's name or notes. */
+export function updateRun(runId: string, body: RunUpdate): Promise<Run> {
+  return unwrap(api.PATCH("/api/runs/{run_id}", { ...at(runId), body }));
+}
+
 export function deleteRun(runId: string): Promise<unknown> {
   return unwrap(api.DELETE("/api/runs/{run_id}", at(runId)));
+}
+
+export function restoreRun(runId: string): Promise<Run> {
+  return unwrap(api.POST("/api/runs/{run_id}/restore", at(runId)));
 }
 
 /** How attention is mapped: at once by the gradient, or by occlusion, as published. */

@@ -33,5 +33,6 @@ export type RewardState = Schemas["RewardState"];
 export type Run = Schemas["Run"];
 export type RunNew = Schemas["RunNew"];
 export type RunResults = Schemas["RunResults"];
+export type RunUpdate = Schemas["RunUpdate"];
 export type System = Schemas["System"];
 export type Verdict = Schemas["Verdict"];

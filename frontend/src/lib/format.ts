@@ -43,14 +43,19 @@ function digitsOf(distance: number): number {
   return [0, 1, 2, 3, 4, 5].find(enough) ?? 6;
 }
 
-/** Formats the ticks of an axis of steps: "5 k", "1.5 M". */
+/** Formats the ticks of an axis of steps, with the digits that tell them apart: "5 k", "1.25 M". */
 export function stepLabels(ticks: readonly number[]): string[] {
+  const distance = Math.abs((ticks[1] ?? 0) - (ticks[0] ?? 0));
+  const inUnit = (tick: number, unit: number) =>
+    trimmed(tick / unit, distance > 0 ? digitsOf(distance / unit) : 1);
   return ticks.map((tick) =>
     tick >= 1_000_000
-      ? `${trimmed(tick / 1_000_000)} M`
+      ? `${inUnit(tick, 1_000_000)} M`
       : tick >= 1000
-        ? `${trimmed(tick / 1000)} k`
-        : whole(tick),
+        ? `${inUnit(tick, 1000)} k`
+        : distance > 0 && distance < 1
+          ? fixed(tick, digitsOf(distance))
+          : whole(tick),
   );
 }
 
@@ -59,8 +64,9 @@ export function percentLabels(ticks: readonly number[]): string[] {
   return ticks.map((tick) => percent(tick, 0));
 }
 
-function trimmed(n: number): string {
-  return n.toFixed(1).replace(/\.0$/, "");
+function trimmed(n: number, digits = 1): string {
+  const text = n.toFixed(digits);
+  return digits > 0 ? text.replace(/\.?0+$/, "") : text;
 }
 
 /** Formats a number with a fixed number of decimals and a true minus sign. */

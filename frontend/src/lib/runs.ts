@@ -34,8 +34,19 @@ export function currentStage<S extends Stage>(run: {
   return run.stages.find(({ name }) => name === run.stage);
 }
 
-/** Names a run by the beginning of its id: "Run 3f2a9c". */
-export function runName({ id }: { readonly id: string }): string {
+/** A run's own name, or else the beginning of its id: "Run 3f2a9c". */
+export function runName({
+  id,
+  name = "",
+}: {
+  readonly id: string;
+  readonly name?: string;
+}): string {
+  return name === "" ? shortId(id) : name;
+}
+
+/** Names a run by the beginning of its id, whatever a person calls it: "Run 3f2a9c". */
+export function shortId(id: string): string {
   return `Run ${id.slice(0, 6)}`;
 }
 
@@ -60,10 +71,15 @@ interface RunProgress {
   readonly stages: readonly Stage[];
   readonly progress: number;
   readonly remaining_s: number | null;
+  readonly queue_position: number | null;
 }
 
 /** Summarizes the progress of a run: "Imitator, 42%, about 9 min left". */
 export function statusLine(run: RunProgress): string {
+  if (run.queue_position !== null) {
+    const place = run.queue_position === 1 ? "next" : `number ${run.queue_position}`;
+    return `${STATUS_NAMES.queued}, ${place} in the queue`;
+  }
   if (run.status !== "running") return STATUS_NAMES[run.status];
   const parts = [currentStage(run)?.label, `${Math.floor(run.progress * 100)}%`];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));

@@ -11,6 +11,7 @@ import {
   ordinal,
   percent,
   shortCount,
+  stepLabels,
   tickLabels,
   whole,
 } from "@/lib/format";
@@ -112,5 +113,30 @@ describe("ticks", () => {
     ],
   ])("%j have as many digits as their distance needs", (ticks, labels) => {
     expect(tickLabels(ticks)).toEqual(labels);
+  });
+
+  it.each([
+    [
+      [0, 500_000, 1_000_000, 1_500_000],
+      ["0", "500 k", "1 M", "1.5 M"],
+    ],
+    [
+      [1_230_000, 1_235_000],
+      ["1.23 M", "1.235 M"],
+    ],
+    [
+      [12_000, 12_050],
+      ["12 k", "12.05 k"],
+    ],
+    [
+      [10_000, 20_000],
+      ["10 k", "20 k"],
+    ],
+    [
+      [1, 1.5],
+      ["1.0", "1.5"],
+    ],
+  ])("of steps at %j are told apart", (ticks, labels) => {
+    expect(stepLabels(ticks)).toEqual(labels);
   });
 });

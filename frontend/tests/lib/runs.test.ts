@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { describeEstimate, statusLine } from "@/lib/runs";
+import { describeEstimate, runName, statusLine } from "@/lib/runs";
 
 import { STAGES } from "../support/data";
 
@@ -11,12 +11,37 @@ describe("a run's standing", () => {
     stages: STAGES,
     progress: 0.427,
     remaining_s: 540,
+    queue_position: null,
   } as const;
 
   it("names stage, share and time", () => {
     expect(statusLine(going)).toBe("Imitator, 42%, about 9 min left");
     expect(statusLine({ ...going, remaining_s: null })).toBe("Imitator, 42%");
     expect(statusLine({ ...going, status: "stopped" })).toBe("Stopped by the check");
+  });
+});
+
+describe("a waiting run's standing", () => {
+  const waiting = {
+    status: "queued",
+    stage: "",
+    stages: STAGES,
+    progress: 0,
+    remaining_s: null,
+  } as const;
+
+  it.each([
+    [1, "Waiting, next in the queue"],
+    [3, "Waiting, number 3 in the queue"],
+  ])("at place %i is %j", (queue_position, line) => {
+    expect(statusLine({ ...waiting, queue_position })).toBe(line);
+  });
+});
+
+describe("a run's name", () => {
+  it("is a person's, or else the beginning of its id", () => {
+    expect(runName({ id: "3f2a9c00", name: "Wide network" })).toBe("Wide network");
+    expect(runName({ id: "3f2a9c00", name: "" })).toBe("Run 3f2a9c");
   });
 });
 

@@ -113,6 +113,8 @@ export function recipe(change: Partial<Recipe> = {}): Recipe {
 export function run(change: Partial<Run> = {}): Run {
   return {
     id: "3f2a9c00-0000-4000-8000-000000000000",
+    name: "",
+    notes: "",
     behaviour_id: 1,
     behaviour_name: "Column 1",
     parent_run_id: null,
@@ -128,6 +130,7 @@ export function run(change: Partial<Run> = {}): Run {
     n_ranked: 12,
     n_perfect: 3,
     status: "running",
+    queue_position: null,
     stages: STAGES,
     stage: "imitator",
     stage_progress: 0.5,

@@ -17,6 +17,7 @@ from tril.analysis.verdict import NextStep, Tone
 from tril.stages import Stage
 from tril.store.models import RunStatus
 from tril.store.training.evaluations import ActionSelection
+from tril.store.training.runs import MAX_NAME_LENGTH, MAX_NOTES_LENGTH
 
 
 class RunStage(Schema):
@@ -65,13 +66,24 @@ class RunNew(Schema):
     cancel_parent: StrictBool = False
 
 
+class RunUpdate(Schema):
+    """Omitted fields stay; an empty text removes what was there."""
+
+    name: str | None = Field(default=None, max_length=MAX_NAME_LENGTH)
+    notes: str | None = Field(default=None, max_length=MAX_NOTES_LENGTH)
+
+
 class Run(Schema):
     """A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
 
     ``imported``: it was trained elsewhere, such as the example that ships with Tril.
+    ``name`` and ``notes`` are empty unless a person has written them. ``queue_position`` is 1 for
+    the run that is trained next, None for one that doesn't wait.
     """
 
     id: str
+    name: str
+    notes: str
     behaviour_id: int
     behaviour_name: str
     parent_run_id: str | None
@@ -87,6 +99,7 @@ class Run(Schema):
     n_ranked: int | None
     n_perfect: int | None
     status: RunStatus
+    queue_position: int | None
     stages: list[RunStage]
     stage: Stage | Literal[""]
     stage_progress: float

@@ -23,6 +23,7 @@ def run_view(session: Session, row: RunRow) -> Run:
         recipe_values=row.recipe,
         learning_rate=row.recipe["policy"]["learning_rate"],
         ranking_revision=snapshot.ranking_revision if snapshot else None,
+        queue_position=runs.queue_position(session, row),
         n_ranked=len(snapshot.ranked) if snapshot else None,
         n_perfect=len(snapshot.perfect) if snapshot else None,
         stages=stage_views(row.example),

@@ -145,6 +145,70 @@ def test_a_run_is_cancelled_resumed_and_deleted(client: TestClient) -> None:
     assert client.get("/api/runs").json() == []
 
 
+def test_a_run_is_named_and_annotated(client: TestClient) -> None:
+    run = client.post("/api/runs", json={"behaviour_id": 1}).json()
+    path = f"/api/runs/{run['id']}"
+    assert (run["name"], run["notes"]) == ("", "")
+    named = client.patch(path, json={"name": "  Bigger \t network "}).json()
+    assert (named["name"], named["notes"]) == ("Bigger network", "")
+    noted = client.patch(path, json={"notes": "Twice\nas wide.\n"}).json()
+    assert (noted["name"], noted["notes"]) == ("Bigger network", "Twice\nas wide.")
+    assert client.get("/api/runs").json() == [noted]
+    assert client.patch(path, json={"name": ""}).json()["name"] == ""
+
+
+@pytest.mark.parametrize(
+    ("update", "wrong"),
+    [
+        ({"name": "x" * 81}, "Name can have at most 80 characters."),
+        ({"notes": "x" * 4001}, "Notes can have at most 4000 characters."),
+        ({"name": "a\0b"}, "Name can't contain a NUL character."),
+        ({"name": 3}, "Name has to be text."),
+        ({"steps": 3}, "Steps is not known here."),
+    ],
+)
+def test_a_name_or_notes_that_can_not_be_kept_say_why(
+    client: TestClient, update: dict[str, object], wrong: str
+) -> None:
+    path = f"/api/runs/{client.post('/api/runs', json={'behaviour_id': 1}).json()['id']}"
+    answer = client.patch(path, json=update)
+    assert answer.status_code == 422
+    assert answer.json()["detail"] == wrong
+    assert client.get(path).json()["name"] == ""
+
+
+def test_waiting_runs_say_their_place_in_the_queue(client: TestClient) -> None:
+    first, second, third = (
+        client.post("/api/runs", json={"behaviour_id": 1}).json()["id"] for _ in range(3)
+    )
+
+    def places() -> dict[str, int | None]:
+        return {run["id"]: run["queue_position"] for run in client.get("/api/runs").json()}
+
+    assert places() == {first: 1, second: 2, third: 3}
+    client.post(f"/api/runs/{first}/cancel")
+    assert places() == {first: None, second: 1, third: 2}
+    client.post(f"/api/runs/{first}/resume")
+    assert places() == {first: 1, second: 2, third: 3}
+
+
+def test_a_deleted_run_is_restored_with_what_it_had(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = fill_with_results(workplace)
+    path = f"/api/runs/{run_id}"
+    client.patch(path, json={"name": "Kept"})
+    before = client.get(f"{path}/results").json()
+    assert client.delete(path).status_code == 204
+    assert client.get(path).status_code == 404
+    assert client.patch(path, json={"name": "Gone"}).status_code == 404
+    assert client.post(f"{path}/restore").json() == before["run"]
+    assert client.get(f"{path}/results").json() == before
+    assert client.post(f"{path}/restore").status_code == 200
+    unknown = "00000000-0000-4000-8000-000000000000"
+    assert client.post(f"/api/runs/{unknown}/restore").status_code == 404
+
+
 def test_curves_come_in_pieces(client: TestClient, workplace: Workplace) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import uuid
 from collections.abc import Iterable
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from tril.analysis.outcome import RunSnapshot
@@ -16,6 +16,9 @@ from tril.store import behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.models import NOT_OVER, RunRow, RunStatus, now
 from tril.store.training import artifacts
+
+MAX_NAME_LENGTH = 80
+MAX_NOTES_LENGTH = 4000
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
 
@@ -95,8 +98,8 @@ def create(
     return row
 
 
-def _count_queued(session: Session) -> int:
-    queued = (RunRow.status == RunStatus.QUEUED, RunRow.deleted_at.is_(None))
+def _count_queued(session: Session, *further: ColumnElement[bool]) -> int:
+    queued = (RunRow.status == RunStatus.QUEUED, RunRow.deleted_at.is_(None), *further)
     return session.scalar(select(func.count()).select_from(RunRow).where(*queued)) or 0
 
 
@@ -196,6 +199,19 @@ def not_over(session: Session) -> list[RunRow]:
     return list(session.scalars(query.order_by(RunRow.created_at, RunRow.id)))
 
 
+def queue_position(session: Session, row: RunRow) -> int | None:
+    """Return a run's place among the waiting ones, 1 for the next; None if it doesn't wait.
+
+    The queue hands out the oldest run first, also if it was cancelled and resumed in between.
+    """
+    if row.status != RunStatus.QUEUED:
+        return None
+    is_older = (RunRow.created_at < row.created_at) | (
+        (RunRow.created_at == row.created_at) & (RunRow.id < row.id)
+    )
+    return _count_queued(session, is_older) + 1
+
+
 def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
     """Return which of these runs are done or deleted and so can't be resumed."""
     query = select(RunRow.id).where(
@@ -270,8 +286,38 @@ def queue_again(session: Session, run_id: str) -> RunRow:
     return row
 
 
+def describe(
+    session: Session, run_id: str, name: str | None = None, notes: str | None = None
+) -> RunRow:
+    """Change a run's name or notes; None leaves them as they are, "" removes them.
+
+    Runs of the same name are allowed. Spaces in a name are normalised.
+
+    Raises:
+        Invalid: The name or the notes are too long or contain a NUL.
+    """
+    row = get(session, run_id, for_update=True)
+    if name is not None:
+        row.name = _checked("Name", " ".join(name.split()), MAX_NAME_LENGTH)
+    if notes is not None:
+        row.notes = _checked("Notes", notes.strip(), MAX_NOTES_LENGTH)
+    note_change(session, "run", run_id)
+    return row
+
+
+def _checked(field: str, text: str, max_length: int) -> str:
+    """Return a text that fits its column; PostgreSQL stores no NUL."""
+    if len(text) > max_length:
+        raise Invalid(f"{field} can have at most {max_length} characters, not {len(text)}.")
+    if "\0" in text:
+        raise Invalid(f"{field} can't contain a NUL character.")
+    return text
+
+
 def delete(session: Session, run_id: str) -> None:
     """Take a run out of every list; its games and files stay readable by id.
+
+    ``restore`` brings it back.
 
     So rankings keep the games that they have borrowed from it, and runs that continue from it find
     its imitator.
@@ -284,3 +330,18 @@ def delete(session: Session, run_id: str) -> None:
         raise Conflict("This training is not over yet. Cancel it first, then delete it.")
     row.deleted_at = now()
     note_change(session, "run", run_id)
+
+
+def restore(session: Session, run_id: str) -> RunRow:
+    """Bring a deleted run back, with everything it had.
+
+    Raises:
+        NotFound: There has never been such a run.
+    """
+    row = session.get(RunRow, run_id, with_for_update=True)
+    if row is None:
+        raise NotFound("There is no such training.")
+    if row.deleted_at is not None:
+        row.deleted_at = None
+        note_change(session, "run", run_id)
+    return row

@@ -2,6 +2,7 @@
 
 const PATHS = {
   alert: "M8 2.5 14 13H2zM8 6.5v3M8 11.2v.3",
+  arrowLeft: "M13 8H3M7 4 3 8l4 4",
   arrowRight: "M3 8h10M9 4l4 4-4 4",
   check: "M3 8.5 6.5 12 13 4.5",
   chevronDown: "M4 6l4 4 4-4",
@@ -13,6 +14,7 @@ const PATHS = {
   equal: "M3 6h10M3 10h10",
   eye: "M1.5 8S4 3.5 8 3.5 14.5 8 14.5 8 12 12.5 8 12.5 1.5 8 1.5 8M8 6a2 2 0 1 0 0 4 2 2 0 0 0 0-4",
   grip: "M6 3.5v.01M10 3.5v.01M6 8v.01M10 8v.01M6 12.5v.01M10 12.5v.01",
+  minus: "M3 8h10",
   moon: "M13 9.5A5.5 5.5 0 0 1 6.5 3 5.5 5.5 0 1 0 13 9.5",
   more: "M3.5 8v.01M8 8v.01M12.5 8v.01",
   newTier: "M2.5 4h11M2.5 12h11M8 6v4M6 8h4",

@@ -10,6 +10,7 @@ import { PageTitle } from "@/components/PageTitle";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
 import { SourceBadge } from "@/components/recording/SourceBadge";
+import { RunName } from "@/components/RunName";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { ValueTable } from "@/components/ValueTable";
@@ -22,7 +23,6 @@ import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
-import { runName } from "@/lib/runs";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
@@ -185,7 +185,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
         <p>
           The {recording.begun_by.policy} of{" "}
           <Link to={`/runs/${recording.begun_by.run_id}`}>
-            {runName({ id: recording.begun_by.run_id })}
+            <RunName id={recording.begun_by.run_id} />
           </Link>{" "}
           played the first {seconds(recording.begun_by.frames / FRAME_RATE_HZ)}.
         </p>

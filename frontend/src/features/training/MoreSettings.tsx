@@ -10,13 +10,15 @@ interface MoreSettingsProps {
   values: FormValues;
   errors: FormErrors;
   recipe: Recipe;
+  /** Whether it is unfolded at first. */
+  open: boolean;
   onChange: (part: Partial<FormValues>) => void;
 }
 
 /** Learning rate, training seed and whether to ignore the check. */
-export function MoreSettings({ values, errors, recipe, onChange }: MoreSettingsProps) {
+export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSettingsProps) {
   return (
-    <details className={styles.more}>
+    <details className={styles.more} open={open}>
       <summary>More settings</summary>
       <div>
         <div className={styles.pair}>

@@ -8,8 +8,9 @@ import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
+import { RunName } from "@/components/RunName";
 import { whole } from "@/lib/format";
-import { describeEstimate, isActive, runName } from "@/lib/runs";
+import { describeEstimate, isActive } from "@/lib/runs";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
@@ -20,22 +21,23 @@ import styles from "./TrainForm.module.css";
 interface TrainFormProps {
   behaviour: Behaviour;
   recipes: readonly Recipe[];
+  /** The recipe that is chosen at first. */
   first: Recipe;
+  /** Settings that the address fills in. */
+  filledIn: Partial<FormValues>;
   /** The run whose imitator is trained further. */
   parentId: string | null;
-  /** As the address gives them; null for the recipe's. */
-  proposedSteps: string | null;
   onParentRemoved: () => void;
 }
 
 /** The recipe and settings of a run. */
 export function TrainForm(props: TrainFormProps) {
-  const { behaviour, recipes, first, parentId, proposedSteps, onParentRemoved } = props;
+  const { behaviour, recipes, first, filledIn, parentId, onParentRemoved } = props;
   const client = useQueryClient();
   const navigate = useNavigate();
   const [chosen, setChosen] = useState(first.name);
   /** What the user has edited; kept when the recipe changes. */
-  const [edits, setEdits] = useState<Partial<FormValues>>(() => firstEdits(proposedSteps));
+  const [edits, setEdits] = useState<Partial<FormValues>>(filledIn);
   const { data: parent } = useQuery({ ...runQuery(parentId ?? ""), enabled: parentId !== null });
   const cancelParent = parent !== undefined && isActive(parent);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
@@ -95,7 +97,13 @@ export function TrainForm(props: TrainFormProps) {
         onChange={(text) => change({ steps: text })}
       />
       {steps > 0 && steps <= recipe.warm_up_steps && <TooShort recipe={recipe} />}
-      <MoreSettings values={values} errors={errors} recipe={recipe} onChange={change} />
+      <MoreSettings
+        values={values}
+        errors={errors}
+        recipe={recipe}
+        open={filledIn.trainingSeed !== undefined}
+        onChange={change}
+      />
       {start.error && (
         <Notice tone="bad" live>
           <p>{messageOf(start.error)}</p>
@@ -124,11 +132,6 @@ export function TrainForm(props: TrainFormProps) {
   );
 }
 
-function firstEdits(proposedSteps: string | null): Partial<FormValues> {
-  const steps = readWhole(proposedSteps ?? "");
-  return steps > 0 ? { steps: whole(steps) } : {};
-}
-
 /** Focuses the first invalid field, also if it is folded away. */
 function showInvalid(form: Element): void {
   const field = form.querySelector<HTMLElement>("[aria-invalid]");
@@ -153,12 +156,14 @@ function TooShort({ recipe }: { recipe: Recipe }) {
 /** The run that this one continues. */
 function Parent(props: { runId: string; active: boolean; onRemove: () => void }) {
   const { runId, active, onRemove } = props;
-  const name = runName({ id: runId });
   return (
     <Notice tone="calm" icon="redo">
       <p>
-        Continues <Link to={`/runs/${runId}`}>{name}</Link>: PPO begins with its imitator instead of
-        the clone.
+        Continues{" "}
+        <Link to={`/runs/${runId}`}>
+          <RunName id={runId} />
+        </Link>
+        : PPO begins with its imitator instead of the clone.
         {active &&
           " That run still trains: it is cancelled when this one starts, and can be resumed."}
       </p>

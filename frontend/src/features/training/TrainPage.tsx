@@ -5,6 +5,7 @@ import { recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { Failed, Loading } from "@/components/feedback/States";
 
+import { editsFrom } from "./form";
 import { TrainForm } from "./TrainForm";
 import styles from "./TrainPage.module.css";
 
@@ -21,10 +22,13 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
       <TrainForm
         behaviour={behaviour}
         recipes={recipes}
-        first={recipes[0]}
+        first={recipes.find(({ name }) => name === search.get("recipe")) ?? recipes[0]}
+        filledIn={editsFrom(search)}
         parentId={search.get("continue")}
-        proposedSteps={search.get("steps")}
-        onParentRemoved={() => setSearch({}, { replace: true })}
+        onParentRemoved={() => {
+          search.delete("continue");
+          setSearch(search, { replace: true });
+        }}
       />
       <aside className={styles.side} aria-label="What a run does">
         <h2>What a run does</h2>

@@ -31,6 +31,19 @@ export function defaultsOf(recipe: Recipe): FormValues {
   };
 }
 
+/** Reads from an address what it fills in: the settings of a run that is made again. */
+export function editsFrom(search: URLSearchParams): Partial<FormValues> {
+  const steps = search.get("steps");
+  const rate = search.get("rate");
+  const seed = search.get("seed");
+  return {
+    ...(steps === null ? {} : { steps: isNaN(readWhole(steps)) ? steps : whole(readWhole(steps)) }),
+    ...(rate === null ? {} : { learningRate: rate }),
+    ...(seed === null ? {} : { trainingSeed: seed }),
+    ...(search.has("anyway") ? { goOnAnyway: true } : {}),
+  };
+}
+
 /** Parses a whole number with or without separators: "300,000", "300 000"; NaN if invalid. */
 export function readWhole(text: string): number {
   const digits = text.replace(/[\s,_']/g, "");

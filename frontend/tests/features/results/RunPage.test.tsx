@@ -145,6 +145,33 @@ describe("a run whose return rises alone", () => {
   });
 });
 
+describe("the curves of a run", () => {
+  it("are zoomed by buttons and saved as CSV", async () => {
+    const save = vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(() => undefined);
+    const saved: Blob[] = [];
+    vi.stubGlobal(
+      "URL",
+      Object.assign(URL, {
+        createObjectURL: (blob: Blob) => {
+          saved.push(blob);
+          return "blob:curves";
+        },
+      }),
+    );
+    const one = run({ status: "done" });
+    const series = { imitator: { hits: [1, 2, 3, 4].map((step) => [step, step / 2]) } };
+    open(one, {}, { [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 4, series }) });
+    const bar = within(await screen.findByRole("group", { name: /^Zoom: Imitator/ }));
+    await userEvent.click(bar.getByRole("button", { name: "Zoom in" }));
+    await userEvent.click(bar.getByRole("button", { name: "Show everything" }));
+    expect(bar.queryByRole("button", { name: "Zoom out" })).toBeNull();
+    await userEvent.click(screen.getByRole("button", { name: "Download the curves (CSV)" }));
+    expect(save).toHaveBeenCalledOnce();
+    expect(await saved[0]?.text()).toContain("imitator,hits,4,2");
+    save.mockRestore();
+  });
+});
+
 describe("a run that ended early", () => {
   it("says why, and can go on", async () => {
     const one = run({ status: "stopped", message: "It confuses tiers 1 and 3." });
@@ -161,13 +188,69 @@ describe("a run that ended early", () => {
     expect(asked.some(({ path }) => path.endsWith("/resume"))).toBe(true);
   });
 
-  it("is deleted only when asked twice", async () => {
-    const one = run({ status: "failed", message: "The disk was full." });
-    const asked = open(one, {}, { [`DELETE /api/runs/${one.id}`]: () => undefined });
+  it("is deleted, and Undo brings it back", async () => {
+    const one = run({ name: "Wide", status: "failed", message: "The disk was full." });
+    const asked = open(
+      one,
+      {},
+      {
+        [`DELETE /api/runs/${one.id}`]: () => undefined,
+        [`POST /api/runs/${one.id}/restore`]: () => one,
+      },
+    );
     await userEvent.click(screen.getByRole("button", { name: "Delete run" }));
-    expect(asked.some(({ method }) => method === "DELETE")).toBe(false);
-    await userEvent.click(screen.getByRole("button", { name: "Delete" }));
     expect(await screen.findByText("Another page")).toBeVisible();
+    expect(screen.getByText(/^Wide deleted\./)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Undo" }));
+    await waitFor(() => expect(asked.at(-1)?.path).toBe(`/api/runs/${one.id}/restore`));
+  });
+
+  it("can be run again with changes", () => {
+    const parent = "abcdef00-0000-4000-8000-000000000000";
+    const one = run({ status: "done", steps: 500_000, training_seed: 3, parent_run_id: parent });
+    open(one);
+    expect(screen.getByRole("link", { name: "Run again with changes" })).toHaveAttribute(
+      "href",
+      `/behaviours/1/train?recipe=fast&steps=500000&seed=3&rate=0.0003&continue=${parent}`,
+    );
+  });
+});
+
+describe("name and notes of a run", () => {
+  it("head its page and its title", () => {
+    open(run({ name: "Wide network", notes: "Twice as wide." }));
+    expect(screen.getByRole("heading", { name: "Wide network" })).toBeVisible();
+    expect(screen.getByText("Run 3f2a9c")).toBeVisible();
+    expect(screen.getByText("Twice as wide.")).toBeVisible();
+    expect(document.title).toBe("Wide network · Column 1 · Tril");
+  });
+
+  it("are edited in a dialog that says what is refused", async () => {
+    const one = run({ status: "done" });
+    const sent: unknown[] = [];
+    const refusal = {
+      detail: "Name can have at most 80 characters.",
+      errors: [{ where: ["body", "name"], what: "Name can have at most 80 characters." }],
+    };
+    open(
+      one,
+      {},
+      {
+        [`PATCH /api/runs/${one.id}`]: ({ body }) => {
+          sent.push(body);
+          return sent.length === 1 ? new Refusal(422, refusal) : { ...one, name: "Wide" };
+        },
+      },
+    );
+    await userEvent.click(screen.getByRole("button", { name: "Edit name and notes" }));
+    await userEvent.type(screen.getByLabelText("Name"), " Wide ");
+    await userEvent.type(screen.getByLabelText("Notes"), "Twice as wide.");
+    await userEvent.click(screen.getByRole("button", { name: "Save" }));
+    expect(await screen.findByText(refusal.detail)).toBeVisible();
+    expect(screen.getByLabelText("Name")).toBeInvalid();
+    await userEvent.click(screen.getByRole("button", { name: "Save" }));
+    await waitFor(() => expect(screen.queryByRole("dialog")).not.toBeInTheDocument());
+    expect(sent.at(-1)).toEqual({ name: "Wide", notes: "Twice as wide." });
   });
 });
 

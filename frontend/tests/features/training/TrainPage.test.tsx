@@ -127,6 +127,26 @@ describe("training", () => {
     );
   });
 
+  it("begins with the settings of a run that is made again", async () => {
+    const { asked } = open(
+      RANKED,
+      { "POST /api/runs": () => run({ id: "r4", status: "queued" }) },
+      "/?recipe=paper&steps=500000&seed=3&rate=0.001&anyway=1",
+    );
+    expect(await screen.findByRole("radio", { name: /paper/ })).toBeChecked();
+    expect(screen.getByLabelText("Steps")).toHaveValue("500,000");
+    expect(screen.getByLabelText("Training seed")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Train" }));
+    await waitFor(() => expect(asked.some(({ method }) => method === "POST")).toBe(true));
+    expect(asked.find(({ method }) => method === "POST")?.body).toMatchObject({
+      recipe: "paper",
+      steps: 500_000,
+      training_seed: 3,
+      learning_rate: 0.001,
+      go_on_anyway: true,
+    });
+  });
+
   it("names a number that won't do", async () => {
     open(RANKED);
     const steps = await screen.findByLabelText("Steps");

@@ -7,9 +7,9 @@ import { Badge } from "@/components/feedback/Badge";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
+import { RunName } from "@/components/RunName";
 import { classes } from "@/lib/classes";
 import { describeCourse, hitCells, recordingName, describeScore } from "@/lib/recordings";
-import { runName } from "@/lib/runs";
 
 import { useDragItem } from "./DragBoard";
 import styles from "./RankCard.module.css";
@@ -140,7 +140,7 @@ function Origin({ recording: { run_id: runId, behaviour_name: name } }: { record
   const title = `A game of ${runId ? "a run’s policy" : "another behaviour"}, borrowed for this ranking.`;
   return (
     <Badge icon="tray" title={title}>
-      from {runId ? runName({ id: runId }) : name}
+      from {runId ? <RunName id={runId} /> : name}
     </Badge>
   );
 }

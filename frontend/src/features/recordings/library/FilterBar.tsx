@@ -1,5 +1,6 @@
 import type { Behaviour, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { Select } from "@/components/controls/Select";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
 import styles from "./FilterBar.module.css";
@@ -138,33 +139,4 @@ function numberOf(text: string): number | null {
 function upTo(most: number, present: number | null): number[] {
   const all = Array.from({ length: most }, (_, index) => index + 1);
   return present !== null && present > most ? [...all, present] : all;
-}
-
-function Select<T extends string>({
-  label,
-  value,
-  options,
-  onChange,
-}: {
-  label: string;
-  value: T;
-  options: readonly (readonly [T, string])[];
-  onChange: (value: T) => void;
-}) {
-  return (
-    <label className={styles.select}>
-      <span>{label}</span>
-      <select
-        className={styles.filter}
-        value={value}
-        onChange={(event) => onChange(event.currentTarget.value as T)}
-      >
-        {options.map(([one, name]) => (
-          <option key={one} value={one}>
-            {name}
-          </option>
-        ))}
-      </select>
-    </label>
-  );
 }

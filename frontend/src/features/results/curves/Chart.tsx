@@ -1,22 +1,25 @@
 import "uplot/dist/uPlot.min.css";
 
-import { type CSSProperties, useEffect, useId, useMemo, useRef, useState } from "react";
+import {
+  type CSSProperties,
+  type KeyboardEvent,
+  useEffect,
+  useId,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
 import uPlot from "uplot";
 
 import { classes } from "@/lib/classes";
-import { onThemeChange, resolveColour } from "@/lib/css-colour";
-import { measured, percentLabels, stepLabels, tickLabels } from "@/lib/format";
+import { onThemeChange } from "@/lib/css-colour";
+import { measured, stepLabels, whole } from "@/lib/format";
 
 import styles from "./Chart.module.css";
-import { align, type Points } from "./series";
-
-export interface Curve {
-  readonly name: string;
-  readonly points: Points;
-  /** A CSS colour, such as `var(--imitator)`. */
-  readonly colour: string;
-  readonly dashed?: boolean;
-}
+import { chartData, type ChartData, type Curve, decimate, type XRange } from "./chart-data";
+import { chartOptions, HEIGHT_PX, type LineStyle, type XLabels } from "./chart-options";
+import { movedCursor } from "./cursor";
+import { selected, type Zoom, zoomedIn, zoomedOut } from "./zoom";
 
 interface ChartProps {
   title: string;
@@ -27,26 +30,30 @@ interface ChartProps {
   range?: readonly [number, number] | undefined;
   /** Formats the ticks of the x axis; as steps by default. */
   xLabels?: XLabels;
+  zoom: Zoom;
   /** Charts with the same key share their cursor. */
   syncKey: string;
 }
 
-/** Formats the ticks of an axis. */
-export type XLabels = (ticks: readonly number[]) => string[];
+/** Columns that are drawn before the width is known. */
+const FIRST_WIDTH_PX = 640;
 
-const HEIGHT_PX = 170;
-
-/** A line chart; the legend shows the values at the cursor, or else the last ones. */
+/**
+ * A line chart; the legend shows the values at the cursor, or else the last ones. A drag zooms; with
+ * the focus, arrows move the cursor, + and - zoom and 0 shows everything.
+ */
 export function Chart(props: ChartProps) {
-  const { title, curves, format = measured, range, xLabels = stepLabels, syncKey } = props;
+  const { title, curves, format = measured, range, xLabels = stepLabels, zoom, syncKey } = props;
   const titleId = useId();
   const holder = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const [cursor, setCursor] = useState<number | null>(null);
   const [theme, setTheme] = useState(0);
-  const data = useMemo(() => align(curves.map(({ points }) => points)), [curves]);
-  const latest = useRef(data);
-  const lines = JSON.stringify(curves.map(({ name, colour, dashed }) => [name, colour, dashed]));
+  const [width, setWidth] = useState(FIRST_WIDTH_PX);
+  const all = useMemo(() => chartData(curves), [curves]);
+  const data = useMemo(() => decimate(all, zoom.range, width), [all, zoom.range, width]);
+  const shown = useRef({ data, zoom });
+  const lines = JSON.stringify(curves.map(lineStyleOf));
   const bounds = JSON.stringify(range ?? null);
 
   useEffect(() => onThemeChange(() => setTheme((count) => count + 1)), []);
@@ -55,20 +62,26 @@ export function Chart(props: ChartProps) {
     const element = holder.current;
     if (!element) return undefined;
     const chart = new uPlot(
-      optionsOf({
+      chartOptions({
         width: element.clientWidth,
-        lines,
-        bounds,
+        lines: JSON.parse(lines) as LineStyle[],
+        bounds: JSON.parse(bounds) as uPlot.Range.MinMax | null,
         xLabels,
         syncKey,
         onCursor: setCursor,
+        onSelect: (chosen) => {
+          const { full, change } = shown.current.zoom;
+          change(chosen && selected(chosen[0], chosen[1], full));
+        },
       }),
-      latest.current,
+      undefined,
       element,
     );
     plot.current = chart;
+    draw(chart, shown.current.data, shown.current.zoom.range);
     const observer = new ResizeObserver(() => {
       chart.setSize({ width: element.clientWidth, height: HEIGHT_PX });
+      setWidth(Math.max(1, element.clientWidth));
     });
     observer.observe(element);
     return () => {
@@ -79,11 +92,34 @@ export function Chart(props: ChartProps) {
   }, [lines, bounds, xLabels, syncKey, theme]);
 
   useEffect(() => {
-    latest.current = data;
-    plot.current?.setData(data);
-  }, [data]);
+    shown.current = { data, zoom };
+  }, [data, zoom]);
 
-  const at = cursor ?? data[0].length - 1;
+  useEffect(() => {
+    if (plot.current) draw(plot.current, data, zoom.range);
+  }, [data, zoom.range]);
+
+  const end = Math.max(0, data[0].length - 1);
+  const at = Math.min(cursor ?? end, end);
+  const x = data[0][at] ?? 0;
+
+  function press(event: KeyboardEvent) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const about = cursor === null ? undefined : x;
+    if (event.key === "+" || event.key === "=") zoom.change(zoomedIn(zoom, about));
+    else if (event.key === "-") zoom.change(zoomedOut(zoom, about));
+    else if (event.key === "0") zoom.change(null);
+    else {
+      const next = movedCursor(event.key, at, end);
+      const chart = plot.current;
+      if (next === null || !chart) return;
+      const left = chart.valToPos(data[0][next] ?? 0, "x");
+      chart.setCursor({ left, top: HEIGHT_PX / 2 });
+    }
+    event.preventDefault();
+  }
+
+  const values = legendValues(curves, data, at, cursor === null, format);
   return (
     <figure className={styles.chart} aria-labelledby={titleId}>
       <figcaption className={styles.head}>
@@ -95,15 +131,58 @@ export function Chart(props: ChartProps) {
             <span key={curve.name} style={{ "--curve": curve.colour } as CSSProperties}>
               <i className={classes(curve.dashed && styles.dashed)} aria-hidden="true" />
               {curves.length > 1 && <>{curve.name} </>}
-              {valueAt(data[index + 1], at, cursor === null, format)}
+              {values[index]}
             </span>
           ))}
-          {cursor !== null && <span>at {xLabels([data[0][cursor] ?? 0])}</span>}
+          {cursor !== null && <span>at {whole(x)}</span>}
         </span>
       </figcaption>
-      <div ref={holder} className={styles.plot} />
+      <div
+        ref={holder}
+        className={styles.plot}
+        role="slider"
+        tabIndex={0}
+        aria-label={`${title}: cursor`}
+        aria-valuemin={data[0][0] ?? 0}
+        aria-valuemax={data[0][end] ?? 0}
+        aria-valuenow={x}
+        aria-valuetext={`at ${whole(x)}: ${curves.map(({ name }, index) => `${name} ${values[index]}`).join(", ")}`}
+        onKeyDown={press}
+        onBlur={() => plot.current?.setCursor({ left: -10, top: -10 })}
+      />
     </figure>
   );
+}
+
+function draw(chart: uPlot, data: ChartData, range: XRange | null): void {
+  chart.batch(() => {
+    chart.setData(data as uPlot.AlignedData, range === null);
+    if (range) chart.setScale("x", { min: range[0], max: range[1] });
+  });
+}
+
+function lineStyleOf({ name, colour, dashed = false, band }: Curve): LineStyle {
+  return { name, colour, dashed, band: band !== undefined };
+}
+
+/** Formats each curve's value at an index, with its band's. */
+function legendValues(
+  curves: readonly Curve[],
+  [, ...columns]: ChartData,
+  at: number,
+  orBefore: boolean,
+  format: (value: number) => string,
+): string[] {
+  let column = 0;
+  return curves.map(({ band }) => {
+    const value = valueAt(columns[column], at, orBefore, format);
+    const high = columns[column + 1];
+    const low = columns[column + 2];
+    column += band ? 3 : 1;
+    if (!band) return value;
+    const [from, to] = [low, high].map((edge) => valueAt(edge, at, orBefore, format));
+    return `${value} (${from} to ${to})`;
+  });
 }
 
 /** Formats the value at an index; with `orBefore`, the last one before it where there is a gap. */
@@ -119,70 +198,4 @@ function valueAt(
     if (!orBefore) break;
   }
   return "–";
-}
-
-type LineStyle = readonly [name: string, colour: string, dashed: boolean | null];
-
-interface ChartOptions {
-  readonly width: number;
-  /** JSON of the LineStyle of each curve. */
-  readonly lines: string;
-  /** JSON of the y axis's bounds. */
-  readonly bounds: string;
-  readonly xLabels: XLabels;
-  readonly syncKey: string;
-  readonly onCursor: (index: number | null) => void;
-}
-
-function optionsOf({
-  width,
-  lines,
-  bounds,
-  xLabels,
-  syncKey,
-  onCursor,
-}: ChartOptions): uPlot.Options {
-  const range = JSON.parse(bounds) as uPlot.Range.MinMax | null;
-  const axis: uPlot.Axis = {
-    stroke: resolveColour("var(--ink-3)"),
-    grid: { stroke: resolveColour("var(--line)"), width: 1 },
-    ticks: { show: false },
-    font: "11px system-ui, sans-serif",
-    gap: 4,
-  };
-  return {
-    width,
-    height: HEIGHT_PX,
-    padding: [8, 16, 0, 0],
-    legend: { show: false },
-    cursor: { sync: { key: syncKey }, drag: { x: false, y: false }, points: { size: 6 } },
-    scales: { x: { time: false }, y: range ? { range: [...range] } : {} },
-    axes: [
-      { ...axis, size: 24, space: 70, values: (_plot, ticks) => xLabels(ticks) },
-      {
-        ...axis,
-        size: 46,
-        space: 34,
-        values: (_plot, ticks) => (range ? percentLabels(ticks) : tickLabels(ticks)),
-      },
-    ],
-    series: [
-      {},
-      ...(JSON.parse(lines) as LineStyle[]).map(([name, colour, dashed]) => ({
-        label: name,
-        stroke: resolveColour(colour),
-        width: 1.75,
-        spanGaps: true,
-        // A line needs two points.
-        points: { show: (plot: uPlot, index: number) => nPoints(plot.data[index]) === 1 },
-        ...(dashed ? { dash: [5, 4] } : {}),
-      })),
-    ],
-    hooks: { setCursor: [(chart) => onCursor(chart.cursor.idx ?? null)] },
-  };
-}
-
-/** Returns how many values of a line there are. */
-function nPoints(values: ArrayLike<number | null | undefined> | undefined): number {
-  return values ? Array.from(values).filter((value) => value != null).length : 0;
 }

@@ -1,10 +1,13 @@
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
 
+import { Button } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
+import { saveFile } from "@/lib/save-file";
 
-import { Chart } from "./Chart";
+import { curvesCsv } from "./csv";
 import { curveGroups } from "./curve-groups";
+import { CHART_HINT, CurveGroupView } from "./CurveGroupView";
 import styles from "./Curves.module.css";
 import { useMetricsQuery } from "./metrics";
 
@@ -25,22 +28,21 @@ export function Curves({ runId, active }: { runId: string; active: boolean }) {
       </p>
     );
   }
-  return groups.map((group) => (
-    <section key={group.stage} className={styles.group} aria-label={group.name}>
-      <h3>{group.name}</h3>
-      <div className={styles.charts}>
-        {group.charts.map((chart) => (
-          <Chart
-            key={chart.title}
-            title={chart.title}
-            curves={chart.curves}
-            format={chart.format}
-            range={chart.range}
-            xLabels={group.xLabels}
-            syncKey={`${runId}-${group.stage}`}
-          />
-        ))}
+  const save = () => {
+    const text = curvesCsv([{ run: runId, series: data.series }]);
+    saveFile(new Blob([text], { type: "text/csv" }), `curves-${runId.slice(0, 6)}.csv`);
+  };
+  return (
+    <>
+      {groups.map((group) => (
+        <CurveGroupView key={group.stage} group={group} syncKey={`${runId}-${group.stage}`} />
+      ))}
+      <div className={styles.foot}>
+        <p className={styles.note}>{CHART_HINT}</p>
+        <Button icon="download" onClick={save}>
+          Download the curves (CSV)
+        </Button>
       </div>
-    </section>
-  ));
+    </>
+  );
 }

@@ -1,17 +1,18 @@
 /** The training curves shown, by stage. */
 import { fixed, measured, percent, stepLabels, whole } from "@/lib/format";
 
-import type { Curve, XLabels } from "./Chart";
+import type { Curve } from "./chart-data";
+import type { XLabels } from "./chart-options";
 import type { Series } from "./series";
 
-interface CurveChart {
+export interface CurveChart {
   readonly title: string;
   readonly curves: readonly Curve[];
   readonly format: (value: number) => string;
   readonly range?: readonly [number, number];
 }
 
-interface CurveGroup {
+export interface CurveGroup {
   readonly stage: string;
   readonly name: string;
   readonly xLabels: XLabels;

@@ -31,6 +31,13 @@ function mergePoints(have: Points, more: Points): [number, number][] {
 
 /** Aligns curves on one x axis in uPlot's format; null where a curve has no point. */
 export function align(curves: readonly Points[]): [number[], ...(number | null)[][]] {
+  const [first] = curves;
+  if (first && curves.every((points) => hasStepsOf(points, first))) {
+    return [
+      first.map(([step]) => step),
+      ...curves.map((points) => points.map(([, value]) => value)),
+    ];
+  }
   const steps = [...new Set(curves.flatMap((points) => points.map(([step]) => step)))].sort(
     (a, b) => a - b,
   );
@@ -39,4 +46,10 @@ export function align(curves: readonly Points[]): [number[], ...(number | null)[
     return steps.map((step) => values.get(step) ?? null);
   });
   return [steps, ...columns];
+}
+
+function hasStepsOf(points: Points, others: Points): boolean {
+  return (
+    points.length === others.length && points.every(([step], index) => step === others[index]?.[0])
+  );
 }

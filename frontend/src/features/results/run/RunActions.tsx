@@ -1,24 +1,21 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { useState } from "react";
-import { useNavigate } from "react-router";
 
 import { messageOf } from "@/api/client";
-import { cancelRun, deleteRun, resumeRun, runQuery } from "@/api/runs";
+import { cancelRun, resumeRun, runQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import { Dialog } from "@/components/controls/Dialog";
+import { Button, ButtonLink } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
-import { isActive, runName } from "@/lib/runs";
+import { isActive } from "@/lib/runs";
 
+import { againPath } from "./again";
 import styles from "./RunActions.module.css";
+import { useRunDeletion } from "./use-run-deletion";
 
-/** Cancels an active run; resumes or deletes any other. */
+/** Cancels an active run; resumes or deletes any other; begins another one like it. */
 export function RunActions({ run }: { run: Run }) {
   const client = useQueryClient();
   const toast = useToast();
-  const navigate = useNavigate();
-  const [deleting, setDeleting] = useState(false);
-
+  const remove = useRunDeletion(run);
   const act = useMutation({
     mutationFn: (action: (runId: string) => Promise<Run>) => action(run.id),
     onSuccess: (changed) => {
@@ -28,19 +25,11 @@ export function RunActions({ run }: { run: Run }) {
     },
     onError: (error) => toast(messageOf(error)),
   });
-  const remove = useMutation({
-    mutationFn: () => deleteRun(run.id),
-    onSuccess: async () => {
-      await navigate(`/behaviours/${run.behaviour_id}/runs`);
-      void client.invalidateQueries({ queryKey: ["runs"] });
-      void client.invalidateQueries({ queryKey: ["behaviours"] });
-    },
-    onError: (error) => {
-      setDeleting(false);
-      toast(messageOf(error));
-    },
-  });
-
+  const again = (
+    <ButtonLink icon="redo" to={againPath(run)}>
+      Run again with changes
+    </ButtonLink>
+  );
   if (isActive(run)) {
     return (
       <div className={styles.actions}>
@@ -51,6 +40,7 @@ export function RunActions({ run }: { run: Run }) {
         >
           {run.status === "cancelling" ? "Cancelling…" : "Cancel run"}
         </Button>
+        {again}
       </div>
     );
   }
@@ -66,30 +56,10 @@ export function RunActions({ run }: { run: Run }) {
           {run.status === "stopped" ? "Go on anyway" : "Resume run"}
         </Button>
       )}
-      <Button icon="trash" onClick={() => setDeleting(true)}>
+      {again}
+      <Button icon="trash" disabled={remove.isPending} onClick={() => remove.mutate()}>
         Delete run
       </Button>
-      {deleting && (
-        <Dialog
-          title={`Delete ${runName(run).toLowerCase()}?`}
-          onClose={() => setDeleting(false)}
-          width="26rem"
-        >
-          <p>
-            Its results are no longer shown. Recordings and the ranking stay as they are, its games
-            in them, too.
-          </p>
-          <br />
-          <div className={styles.actions}>
-            <Button kind="danger" disabled={remove.isPending} onClick={() => remove.mutate()}>
-              Delete
-            </Button>
-            <Button kind="quiet" onClick={() => setDeleting(false)}>
-              Keep it
-            </Button>
-          </div>
-        </Dialog>
-      )}
     </div>
   );
 }

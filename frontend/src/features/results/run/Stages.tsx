@@ -1,5 +1,7 @@
+import { useQuery } from "@tanstack/react-query";
 import type { CSSProperties } from "react";
 
+import { activeRunsQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
 import { classes } from "@/lib/classes";
 import { remaining } from "@/lib/format";
@@ -10,6 +12,9 @@ import styles from "./Stages.module.css";
 /** The progress of a run, in total and by stage. */
 export function Stages({ run }: { run: Run }) {
   const at = run.stages.findIndex(({ name }) => name === run.stage);
+  // A run's place in the queue changes with other runs.
+  const { data: waiting } = useQuery({ ...activeRunsQuery, enabled: run.status === "queued" });
+  const latest = waiting?.find(({ id }) => id === run.id) ?? run;
   const running = run.status === "running" || run.status === "cancelling";
   return (
     <section aria-label="Progress">
@@ -17,7 +22,7 @@ export function Stages({ run }: { run: Run }) {
         <p className={styles.summary}>
           <span className={styles.percent}>{Math.floor(run.progress * 100)}%</span>
           <span className={styles.left}>
-            {running && run.remaining_s !== null ? remaining(run.remaining_s) : statusLine(run)}
+            {running && run.remaining_s !== null ? remaining(run.remaining_s) : statusLine(latest)}
           </span>
         </p>
       )}

@@ -1,24 +1,32 @@
+import { useState } from "react";
 import { Link } from "react-router";
 
 import type { Run } from "@/api/types";
+import { IconButton } from "@/components/controls/Button";
+import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
+import { RunActions } from "@/features/results/run/RunActions";
 import { RunStatus } from "@/features/results/RunStatus";
 import { count, shortCount } from "@/lib/format";
-import { runName } from "@/lib/runs";
+import { runName, shortId } from "@/lib/runs";
 
-import { RunActions } from "./RunActions";
+import { DescribeRunDialog } from "./DescribeRunDialog";
+
 import styles from "./RunHead.module.css";
 
-/** The name, state and settings of a run. */
+/** The name, state, settings and notes of a run. */
 export function RunHead({ run }: { run: Run }) {
+  const [describing, setDescribing] = useState(false);
   return (
     <div className={styles.head}>
-      <div>
+      <div className={styles.about}>
         <div className={styles.title}>
           <h2>{runName(run)}</h2>
+          <IconButton icon="edit" label="Edit name and notes" onClick={() => setDescribing(true)} />
           <RunStatus run={run} />
         </div>
         <p className={styles.facts}>
+          {run.name && <span>{shortId(run.id)}</span>}
           <span>{run.recipe} recipe</span>
           <span>{shortCount(run.steps)} steps</span>
           <span>training seed {run.training_seed}</span>
@@ -26,13 +34,17 @@ export function RunHead({ run }: { run: Run }) {
           {run.parent_run_id !== null && (
             <span>
               Continues{" "}
-              <Link to={`/runs/${run.parent_run_id}`}>{runName({ id: run.parent_run_id })}</Link>
+              <Link to={`/runs/${run.parent_run_id}`}>
+                <RunName id={run.parent_run_id} />
+              </Link>
             </span>
           )}
           <Ago time={run.created_at} />
         </p>
+        {run.notes && <p className={styles.notes}>{run.notes}</p>}
       </div>
       <RunActions run={run} />
+      {describing && <DescribeRunDialog run={run} onClose={() => setDescribing(false)} />}
     </div>
   );
 }

@@ -1,0 +1,36 @@
+import { Chart } from "./Chart";
+import type { CurveGroup } from "./curve-groups";
+import styles from "./Curves.module.css";
+import { useZoom } from "./zoom";
+import { ZoomBar } from "./ZoomBar";
+
+export const CHART_HINT =
+  "Drag over a chart to zoom, double-click to show everything. With the keyboard: arrows read values, " +
+  "+ and − zoom, 0 shows everything.";
+
+/** The charts of a stage, which share zoom and cursor. */
+export function CurveGroupView({ group, syncKey }: { group: CurveGroup; syncKey: string }) {
+  const zoom = useZoom(group.charts);
+  return (
+    <section className={styles.group} aria-label={group.name}>
+      <div className={styles.head}>
+        <h3>{group.name}</h3>
+        <ZoomBar zoom={zoom} of={group.name} />
+      </div>
+      <div className={styles.charts}>
+        {group.charts.map((chart) => (
+          <Chart
+            key={chart.title}
+            title={chart.title}
+            curves={chart.curves}
+            format={chart.format}
+            range={chart.range}
+            xLabels={group.xLabels}
+            zoom={zoom}
+            syncKey={syncKey}
+          />
+        ))}
+      </div>
+    </section>
+  );
+}

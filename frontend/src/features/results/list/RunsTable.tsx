@@ -1,0 +1,134 @@
+import { Link } from "react-router";
+
+import type { Behaviour, Interval, Run } from "@/api/types";
+import { ThingMark } from "@/components/game/ThingMark";
+import { RunName } from "@/components/RunName";
+import { Ago } from "@/features/results/Ago";
+import { RunStatus } from "@/features/results/RunStatus";
+import { bounds, duration, fixed, NONE, shortCount } from "@/lib/format";
+import { isActive, runName, shortId, statusLine } from "@/lib/runs";
+
+import styles from "./RunsTable.module.css";
+
+/** Runs in a table of parameters and results. */
+export function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour }) {
+  const of = behaviour.target?.length;
+  return (
+    // Scrolls horizontally on a phone; focusable so that the keyboard can scroll it.
+    // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
+    <div className={styles.scroll} role="region" aria-label="Runs" tabIndex={0}>
+      <table className={styles.table} aria-label="Runs">
+        <thead>
+          <tr>
+            <th scope="col">Run</th>
+            <th scope="col">State</th>
+            {of !== undefined && (
+              <>
+                <th scope="col">
+                  <ThingMark thing="imitator">Imitator, targets of {of}</ThingMark>
+                </th>
+                <th scope="col">
+                  <ThingMark thing="clone">Clone, targets of {of}</ThingMark>
+                </th>
+                <th scope="col" className={styles.right}>
+                  Strays
+                </th>
+              </>
+            )}
+            <th scope="col" className={styles.right}>
+              Death rate
+            </th>
+            <th scope="col" className={styles.right}>
+              Tau
+            </th>
+            <th scope="col">Recipe</th>
+            <th scope="col" className={styles.right}>
+              Steps
+            </th>
+            <th scope="col" className={styles.right}>
+              Seed
+            </th>
+            <th scope="col" className={styles.right}>
+              Ranked
+            </th>
+            <th scope="col" className={styles.right}>
+              Took
+            </th>
+            <th scope="col">Created</th>
+          </tr>
+        </thead>
+        <tbody>
+          {runs.map((run) => (
+            <RunRow key={run.id} run={run} hasTarget={of !== undefined} />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
+  const imitator = run.headline?.imitator;
+  const tau = run.headline?.tau ?? null;
+  return (
+    <tr>
+      <th scope="row">
+        <Link to={`/runs/${run.id}`} title={runName(run)}>
+          {runName(run)}
+        </Link>
+        {run.name && <span className={styles.bounds}>{shortId(run.id)}</span>}
+        {run.notes && (
+          <span className={styles.notes} title={run.notes}>
+            {run.notes}
+          </span>
+        )}
+        {run.example && <span className={styles.bounds}>scripted example</span>}
+        {run.parent_run_id !== null && (
+          <span className={styles.bounds}>
+            continues <RunName id={run.parent_run_id} />
+          </span>
+        )}
+      </th>
+      <td>
+        <RunStatus run={run} />
+        {isActive(run) && <span className={styles.bounds}>{statusLine(run)}</span>}
+      </td>
+      {hasTarget && (
+        <>
+          <IntervalCell interval={imitator?.targets} />
+          <IntervalCell interval={run.headline?.clone?.targets} />
+          <td className={styles.right}>
+            {imitator?.strays ? fixed(imitator.strays.mean, 1) : NONE}
+          </td>
+        </>
+      )}
+      <td className={styles.right}>
+        {imitator ? `${fixed(imitator.death_rate.mean * 100, 0)}%` : NONE}
+      </td>
+      <td className={styles.right}>{tau === null ? NONE : fixed(tau, 2)}</td>
+      <td>{run.recipe}</td>
+      <td className={styles.right}>{shortCount(run.steps)}</td>
+      <td className={styles.right}>{run.training_seed}</td>
+      <td className={styles.right}>{run.n_ranked ?? NONE}</td>
+      <td className={styles.right}>{tookOf(run)}</td>
+      <td className={styles.dim}>
+        <Ago time={run.created_at} />
+      </td>
+    </tr>
+  );
+}
+
+function IntervalCell({ interval }: { interval: Interval | null | undefined }) {
+  if (!interval) return <td>{NONE}</td>;
+  return (
+    <td>
+      {fixed(interval.mean, 1)}
+      <span className={styles.bounds}>{bounds(interval)}</span>
+    </td>
+  );
+}
+
+function tookOf({ started_at: started, finished_at: finished }: Run): string {
+  if (!started || !finished) return NONE;
+  return duration((Date.parse(finished) - Date.parse(started)) / 1000);
+}
