@@ -11,7 +11,7 @@ import signal
 import sys
 import traceback
 
-from server.play.replays.request import Answer, VariedPlayRequest, Request, execute
+from server.play.replays.request import Answer, Request, VariedPlayRequest, execute
 from tril.game.console import Console
 from tril.recording import RecordingRefused
 
