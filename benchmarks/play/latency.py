@@ -266,7 +266,6 @@ def main() -> None:
         if not arguments.alone:
             with training(tril, arguments.recipe, arguments.steps) as run:
                 run.wait_for(arguments.stage, arguments.wait)
-                # Training is throttled until the lease of the last game expires.
                 before, since = run.done(), time.monotonic()
                 rows["beside a training"] = games()
                 speed["beside play"] = progress_per_s(run, before, since)

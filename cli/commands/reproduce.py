@@ -163,7 +163,7 @@ def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) ->
     from trainer.reporting.extrapolation import extrapolate
     from trainer.reporting.ledger import Ledger
     from trainer.reporting.skilled_games import QUANTITIES, Experiment
-    from trainer.runtime.throttle import lower_priority
+    from trainer.runtime.priority import lower_priority
 
     experiments = [Experiment.of(q, recipe, seed) for seed in training_seeds for q in QUANTITIES]
     lower_priority()

@@ -15,7 +15,6 @@ import torch
 
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
-from trainer.runtime.throttle import Throttle
 from tril.analysis.outcome import RunOutcome
 from tril.behaviours import Behaviour
 from tril.files.artifact_store import ArtifactStore
@@ -23,7 +22,6 @@ from tril.jobs import RunEta
 from tril.recipes import Recipe
 from tril.settings import Settings
 from tril.stages import Stage
-from tril.store import games
 from tril.store.database import Database
 from tril.store.models import RunRow
 from tril.store.training import artifacts as artifact_rows
@@ -56,7 +54,7 @@ class RunContext:
         folder: Scratch folder of the run on this machine, for checkpoints.
         settings: Settings of the process.
         eta: What the run's stages are expected to take.
-        throttle: Slows learning down while somebody plays.
+        threads: Threads that learning may use.
         stopping: Set when the worker is being stopped.
     """
 
@@ -69,7 +67,7 @@ class RunContext:
     folder: Path
     settings: Settings
     eta: RunEta
-    throttle: Throttle
+    threads: int
     stopping: threading.Event
     _checked_at: float = field(default=-math.inf, init=False)
 
@@ -97,7 +95,6 @@ class RunContext:
             return
         with self.database.reading() as session:
             cancelling = leases.is_cancelling(session, self.lease)
-            self.throttle.active = games.is_anyone_playing(session)
         self._checked_at = time.monotonic()
         if cancelling:
             raise RunCancelled
@@ -135,7 +132,7 @@ class RunContext:
 
 
 class StageProgress:
-    """Where a learning function reports to: the run's row, its curves, and the throttle.
+    """Where a learning function reports to: the run's row and its curves.
 
     A point is written at once, so that a checkpoint that is saved after it was reported is never
     ahead of the curve; learning reports at most some hundred points a stage. All else is written
@@ -164,7 +161,6 @@ class StageProgress:
         The first call of a stage says where it goes on: points beyond it are of an attempt that
         ended without a checkpoint there, and are dropped.
         """
-        self._context.throttle.pause()
         self._share = done / total if total else 1.0
         if self._first_share is None:
             self._first_share = self._share

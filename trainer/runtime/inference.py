@@ -27,7 +27,7 @@ from trainer.policy.networks import Policy, load_policy
 from trainer.progress import CallbackProgress, Progress
 from trainer.reward.model import RewardModel
 from trainer.runtime.logs import set_up_logging
-from trainer.runtime.throttle import learning_threads
+from trainer.runtime.priority import learning_threads
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
 from tril.game.observation import OBSERVATION_SHAPE, Observation, Observations

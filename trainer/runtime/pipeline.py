@@ -22,9 +22,9 @@ from sqlalchemy.orm import Session
 from trainer.nn.devices import free_memory
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
+from trainer.runtime.priority import learning_threads
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages import STAGE_WORK
-from trainer.runtime.throttle import Throttle, learning_threads
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
 from tril.files.artifact_store import DISK_FULL, ArtifactStore
@@ -65,7 +65,7 @@ class Pipeline:
         self._worker = worker
         self._stopping = stopping
         self._artifacts = ArtifactStore(settings.artifact_root)
-        self._throttle = Throttle(learning_threads(settings.learning_threads))
+        self._threads = learning_threads(settings.learning_threads)
         self._at_work: dict[str, RunData] = {}
 
     @property
@@ -163,7 +163,8 @@ class Pipeline:
     def _work(self, data: RunData, stage: Stage) -> None:
         context = data.context
         log.info("Run %s: stage %s begins.", context.run_id, stage)
-        self._throttle.begin()
+        # torch counts threads for each thread separately.
+        torch.set_num_threads(self._threads)
         context.check_cancelled()
         progress = StageProgress(context, stage)
         progress.report()
@@ -185,7 +186,7 @@ class Pipeline:
                 folder=own_scratch_folder(scratch_folder(self._settings, run.id), lease.epoch),
                 settings=self._settings,
                 eta=RunEta.of(session, run),
-                throttle=self._throttle,
+                threads=self._threads,
                 stopping=self._stopping,
             )
 

@@ -18,7 +18,7 @@ from dbos import DBOS
 
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.pipeline import Pipeline
-from trainer.runtime.throttle import lower_priority
+from trainer.runtime.priority import lower_priority
 from tril.errors import Unavailable
 from tril.files.artifact_store import write_whole
 from tril.heartbeat import Heartbeat

@@ -330,12 +330,6 @@ def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[Game
     return list(session.scalars(query))
 
 
-def is_anyone_playing(session: Session) -> bool:
-    """Whether somebody plays at the moment, so that learning is throttled."""
-    live = (GameRow.ended_at.is_(None), GameRow.lease_expires_at > database_now(session))
-    return session.scalar(select(GameRow.id).where(*live).limit(1)) is not None
-
-
 def is_open(session: Session, game_id: str) -> bool:
     """Whether a game is played or about to be."""
     return bool(session.scalar(_open(session).where(GameRow.id == game_id)))

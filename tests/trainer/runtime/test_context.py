@@ -9,13 +9,11 @@ import pytest
 from testsupport.workplace import Workplace
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
-from trainer.runtime.throttle import Throttle
 from tril.files.artifact_store import ArtifactStore
-from tril.game.starts import Start
 from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
 from tril.stages import Stage
-from tril.store import behaviours, games
+from tril.store import behaviours
 from tril.store.training import metrics, runs
 from tril.store.training.leases import LeaseLost
 
@@ -51,7 +49,7 @@ def leased(workplace: Workplace, run_id: str) -> RunContext:
             folder=workplace.settings.data / "runs" / run_id,
             settings=workplace.settings,
             eta=RunEta({"reward": 50.0, STAGE: 100.0, "evaluation": 30.0}),
-            throttle=Throttle(1),
+            threads=1,
             stopping=threading.Event(),
         )
 
@@ -160,20 +158,3 @@ def test_a_worker_that_lost_its_run_writes_nothing_more(workplace: Workplace, ru
         lost.finish_stage(STAGE, 1.0)
     assert curve(workplace, run_id) == [(100, 1.0)]
     assert not lost.artifacts.exists(f"runs/{run_id}/x.png")
-
-
-def test_a_game_being_played_is_noticed(workplace: Workplace, run_id: str) -> None:
-    context = leased(workplace, run_id)
-    context.check_cancelled()
-    assert not context.throttle.active
-    with workplace.database.writing() as session:
-        game = games.create(session, workplace.behaviour_id, Start(1), None)
-        epoch = games.acquire(session, game.id, "server", "tab").epoch
-    again = leased(workplace, run_id)
-    again.check_cancelled()
-    assert again.throttle.active
-    with workplace.database.writing() as session:
-        games.release(session, game.id, epoch)
-    last = leased(workplace, run_id)
-    last.check_cancelled()
-    assert not last.throttle.active

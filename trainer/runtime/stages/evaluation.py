@@ -46,7 +46,7 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
                 model=data.reward_model,
                 ending=Ending(context.recipe.ending),
                 sampling_seed=context.run.training_seed,
-                n_processes=min(len(missing), context.throttle.threads),
+                n_processes=min(len(missing), context.threads),
                 progress=part,
             )
             keep_games(data, policy, action_selection, missing, games, console)

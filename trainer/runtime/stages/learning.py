@@ -103,7 +103,7 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
                 path,
                 folder,
                 progress,
-                n_processes=min(context.throttle.threads, context.recipe.policy.n_envs),
+                n_processes=min(context.threads, context.recipe.policy.n_envs),
                 precision=Precision.of(context.settings.learning_precision, context.device),
                 device=context.device,
                 on_snapshot=partial(keep_snapshot, data, path=path, console=Console()),

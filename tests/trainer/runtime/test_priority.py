@@ -6,9 +6,8 @@ import os
 from pathlib import Path
 
 import pytest
-import torch
 
-from trainer.runtime import throttle
+from trainer.runtime import priority
 
 
 @pytest.fixture
@@ -30,29 +29,18 @@ def test_the_process_and_a_session_of_its_own_are_lowered(
 ) -> None:
     group = tmp_path / "autogroup"
     group.write_text("0")
-    monkeypatch.setattr(throttle, "AUTOGROUP", group)
+    monkeypatch.setattr(priority, "AUTOGROUP", group)
     monkeypatch.setattr(os, "getsid", lambda _: os.getpid() if leads else 1)
-    throttle.lower_priority()
-    throttle.lower_priority()
-    assert niceness == [throttle.NICENESS]
-    assert group.read_text() == (str(throttle.NICENESS) if leads else "0")
+    priority.lower_priority()
+    priority.lower_priority()
+    assert niceness == [priority.NICENESS]
+    assert group.read_text() == (str(priority.NICENESS) if leads else "0")
 
 
 def test_a_kernel_that_does_not_group_sessions_is_no_problem(
     niceness: list[int], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(throttle, "AUTOGROUP", tmp_path)  # a folder: it can't be written
+    monkeypatch.setattr(priority, "AUTOGROUP", tmp_path)  # a folder: it can't be written
     monkeypatch.setattr(os, "getsid", lambda _: os.getpid())
-    throttle.lower_priority()
-    assert niceness == [throttle.NICENESS]
-
-
-def test_learning_uses_half_of_its_threads_while_somebody_plays() -> None:
-    slowed = throttle.Throttle(4)
-    slowed.begin()
-    used = [torch.get_num_threads()]
-    for slowed.active in (True, False):
-        slowed.pause()
-        used.append(torch.get_num_threads())
-    assert used == [4, 2, 4]
-    torch.set_num_threads(1)
+    priority.lower_priority()
+    assert niceness == [priority.NICENESS]
