@@ -46,7 +46,7 @@ def test_the_example_opens_at_once_and_everything_of_it_works(
         page.wait_for_url(re.compile("/runs/[0-9a-f-]{36}"))
         verdict = page.get_by_role("region", name="Verdict")
         expect(verdict).to_contain_text("of 6 targets")
-        expect(page.get_by_text("ships with Tril")).to_be_visible()
+        expect(page.get_by_text("It was trained elsewhere")).to_be_visible()
         expect(page.get_by_role("region", name="Take it away")).to_be_visible()
         expect(page.get_by_role("region", name="What the reward model looks at")).to_be_visible()
         run_address = page.url

@@ -206,13 +206,15 @@ def import_run(
             file ships with Tril.
 
     Raises:
-        RunRefused: A recording does not replay to what the file says, or its recipe is invalid.
+        RunRefused: A recording does not replay to what the file says.
+        Invalid: Its recipe or its kind of example is none of this version.
         NameTaken: A deleted behaviour of the run can't be restored since another has its name.
         Conflict: There are too many behaviours.
     """
     run = archive.run
-    if (known := _restored(database, run.id)) is not None:
-        return known
+    with database.writing() as session:
+        if (known := _restored(session, run.id)) is not None:
+            return known
     recipe = with_values(recipe_from_dict(run.recipe), {})
     if len(recipe.name) > MAX_RECIPE_NAME:
         raise RunRefused("The name of the run's recipe is too long.")
@@ -221,6 +223,9 @@ def import_run(
     paths = _put_files(store, archive)
     try:
         with database.writing() as session:
+            # Another process may have imported it meanwhile.
+            if (known := _restored(session, run.id)) is not None:
+                return known
             behaviour = _behaviour(session, run, name)
             ids = {
                 game.number: _add(
@@ -262,21 +267,23 @@ def import_run(
             note_change(session, "run", run.id)
             return RunImportResult(run.id, behaviour.id, was_there=False)
     except BaseException:
-        store.remove_folder(artifacts.folder_of(run.id))
+        with database.reading() as session:
+            is_there = session.get(RunRow, run.id) is not None
+        if not is_there:
+            store.remove_folder(artifacts.folder_of(run.id))
         raise
 
 
-def _restored(database: Database, run_id: str) -> RunImportResult | None:
+def _restored(session: Session, run_id: str) -> RunImportResult | None:
     """Return a run that is here already, restored with its behaviour if one was deleted."""
-    with database.writing() as session:
-        row = session.get(RunRow, run_id)
-        if row is None:
-            return None
-        behaviours.restore(session, row.behaviour_id)
-        if row.deleted_at is not None:
-            row.deleted_at = None
-            note_change(session, "run", run_id)
-        return RunImportResult(run_id, row.behaviour_id, was_there=True)
+    row = session.get(RunRow, run_id)
+    if row is None:
+        return None
+    behaviours.restore(session, row.behaviour_id)
+    if row.deleted_at is not None:
+        row.deleted_at = None
+        note_change(session, "run", run_id)
+    return RunImportResult(run_id, row.behaviour_id, was_there=True)
 
 
 def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:

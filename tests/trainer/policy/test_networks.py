@@ -145,7 +145,7 @@ def test_a_policy_goes_from_plain_weights_to_stable_baselines3_and_back(tmp_path
 @pytest.mark.parametrize(
     ("metadata", "tensors", "message"),
     [
-        ({}, {}, "no weights of a policy"),
+        ({"format": "other"}, {}, "no weights of a policy"),
         ({"format": "tril-policy", "version": "2"}, {}, "no weights of a policy"),
         ({"format": "tril-policy", "version": "1"}, {}, "cannot be read as a policy"),
         ({"format": "tril-policy", "version": "1", "config": "[]"}, {}, "cannot be read"),

@@ -21,7 +21,7 @@ from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import check_networks, write_archive
 from trainer.policy.networks import load_policy
 from tril.errors import Conflict, Invalid
-from tril.exchange import example, run_archive
+from tril.exchange import example, run_archive, run_transfer
 from tril.exchange.example import BEHAVIOUR_NAME, open_example
 from tril.exchange.run_archive import NETWORKS, RANKED, RUN_FILE, read_archive
 from tril.exchange.run_transfer import RunImportResult, import_run
@@ -194,6 +194,27 @@ def test_a_run_is_imported_once_and_restored_after_it_was_deleted(
     with elsewhere.reading() as session:
         assert runs.get(session, shipped).behaviour_id == first.behaviour_id
         assert behaviours.get(session, first.behaviour_id).name == BEHAVIOUR_NAME
+
+
+def test_one_that_another_process_imports_meanwhile_keeps_its_files(
+    exported: tuple[Workplace, str, Path],
+    elsewhere: Database,
+    store: ArtifactStore,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _, run_id, path = exported
+    archive = read_archive(path)
+    put_files = run_transfer._put_files
+
+    def meanwhile(*arguments: Any) -> Any:
+        monkeypatch.setattr(run_transfer, "_put_files", put_files)
+        assert not import_run(elsewhere, store, archive, trusted=True).was_there
+        return put_files(*arguments)
+
+    monkeypatch.setattr(run_transfer, "_put_files", meanwhile)
+    assert import_run(elsewhere, store, archive, trusted=True).was_there
+    assert counts(elsewhere)[1] == 1
+    assert store.exists(artifacts.path_of(run_id, "clone.safetensors"))
 
 
 def counts(database: Database) -> tuple[int, int]:

@@ -15,7 +15,7 @@ export function RunNotices({ run }: { run: Run }) {
         <Notice tone="calm" icon="eye">
           <p>
             This is an example: its demonstrations were made by a scripted player, not by a person.
-            {run.imported && " It was trained before and ships with Tril; delete it when you like."}
+            {run.imported && " It was trained elsewhere; delete it when you like."}
           </p>
         </Notice>
       )}
