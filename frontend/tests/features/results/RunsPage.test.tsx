@@ -48,6 +48,17 @@ describe("the list of runs", () => {
     expect(shownRuns()).toHaveLength(2);
   });
 
+  it("compares the runs that are ticked", async () => {
+    open();
+    await userEvent.click(await screen.findByRole("checkbox", { name: "Compare Wide network" }));
+    expect(screen.getByText("Tick one more to compare.")).toBeVisible();
+    await userEvent.click(screen.getByRole("checkbox", { name: "Compare Run bbbbbb" }));
+    expect(screen.getByRole("link", { name: "Compare 2 runs" })).toHaveAttribute(
+      "href",
+      "/runs/compare?run=aaaaaa00&run=bbbbbb00",
+    );
+  });
+
   it("begins as the address says", async () => {
     open("/?state=active&order=name");
     expect(await screen.findByLabelText("Order")).toHaveValue("name");
