@@ -29,7 +29,7 @@ describe("the list of runs", () => {
     const named = await screen.findByRole("row", { name: /Wide network/ });
     expect(named).toHaveTextContent("Wide networkRun aaaaaaTwice as wide.");
     expect(screen.getByRole("row", { name: /Run bbbbbb/ })).toHaveTextContent(
-      "Waiting, number 2 in the queue",
+      "Waitingnumber 2 in the queue",
     );
   });
 

@@ -11,6 +11,11 @@ import { differenceRows, resultRows } from "./compared-rows";
 import type { SeedGroup } from "./compared-runs";
 import styles from "./ComparedTable.module.css";
 
+const POLICIES = [
+  ["imitator", "Imitator"],
+  ["clone", "Clone"],
+] as const;
+
 interface ComparedTableProps {
   runs: readonly Run[];
   groups: readonly SeedGroup[];
@@ -20,6 +25,11 @@ interface ComparedTableProps {
 /** A column for each run: results of imitator and clone, and the settings that differ. */
 export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
   const differences = differenceRows(runs);
+  const results = POLICIES.map(([policy, title]) => ({
+    policy,
+    title,
+    rows: resultRows(runs, policy, nTargets),
+  })).filter(({ rows }) => rows.length > 0);
   return (
     // Scrolls horizontally; focusable so that the keyboard can scroll it.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
@@ -41,10 +51,10 @@ export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
             ))}
           </tr>
         </thead>
-        {(["imitator", "clone"] as const).map((policy) => (
+        {results.map(({ policy, title, rows }) => (
           <tbody key={policy}>
-            <Part name={policy === "imitator" ? "Imitator" : "Clone"} nRuns={runs.length} />
-            {resultRows(runs, policy, nTargets).map(({ name, cells, write }) => (
+            <Part name={title} nRuns={runs.length} />
+            {rows.map(({ name, cells, write }) => (
               <tr key={name}>
                 <th scope="row">{name}</th>
                 {cells.map((interval, index) => (

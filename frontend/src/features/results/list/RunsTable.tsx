@@ -7,7 +7,7 @@ import { Ago } from "@/features/results/Ago";
 import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
 import { RunStatus } from "@/features/results/RunStatus";
 import { bounds, duration, fixed, NONE, shortCount } from "@/lib/format";
-import { isActive, runName, shortId, statusLine } from "@/lib/runs";
+import { isActive, queuePlace, runName, shortId, statusLine } from "@/lib/runs";
 
 import styles from "./RunsTable.module.css";
 
@@ -129,7 +129,11 @@ function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
       </th>
       <td>
         <RunStatus run={run} />
-        {isActive(run) && <span className={styles.bounds}>{statusLine(run)}</span>}
+        {isActive(run) && (
+          <span className={styles.bounds}>
+            {run.queue_position === null ? statusLine(run) : queuePlace(run.queue_position)}
+          </span>
+        )}
       </td>
       {hasTarget && (
         <>
