@@ -29,6 +29,9 @@ const TrainPage = lazy(async () => ({
 const RunsPage = lazy(async () => ({
   default: (await import("@/features/results/RunsPage")).RunsPage,
 }));
+const ComparePage = lazy(async () => ({
+  default: (await import("@/features/results/compare/ComparePage")).ComparePage,
+}));
 const RunPage = lazy(async () => ({
   default: (await import("@/features/results/RunPage")).RunPage,
 }));
@@ -108,6 +111,14 @@ export const routes = [
         ],
       },
       { path: "recordings/:recordingId", element: <RecordingRoute /> },
+      {
+        path: "runs/compare",
+        element: (
+          <Lazy>
+            <ComparePage />
+          </Lazy>
+        ),
+      },
       { path: "runs/:runId", element: <RunRoute page={runPage} /> },
       { path: "runs/:runId/watch", element: <RunRoute page={watchPage} /> },
       { path: "*", element: <NotFound /> },

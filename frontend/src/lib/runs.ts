@@ -74,11 +74,15 @@ interface RunProgress {
   readonly queue_position: number | null;
 }
 
+/** Names a place among the waiting runs: "next in the queue". */
+export function queuePlace(position: number): string {
+  return `${position === 1 ? "next" : `number ${position}`} in the queue`;
+}
+
 /** Summarizes the progress of a run: "Imitator, 42%, about 9 min left". */
 export function statusLine(run: RunProgress): string {
   if (run.queue_position !== null) {
-    const place = run.queue_position === 1 ? "next" : `number ${run.queue_position}`;
-    return `${STATUS_NAMES.queued}, ${place} in the queue`;
+    return `${STATUS_NAMES.queued}, ${queuePlace(run.queue_position)}`;
   }
   if (run.status !== "running") return STATUS_NAMES[run.status];
   const parts = [currentStage(run)?.label, `${Math.floor(run.progress * 100)}%`];

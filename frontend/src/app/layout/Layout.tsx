@@ -5,6 +5,7 @@ import { Link, NavLink, Outlet, ScrollRestoration, useLocation } from "react-rou
 import { connection } from "@/api/connection";
 import { listenToChanges } from "@/app/changes/change-stream";
 import { Invalidator } from "@/app/changes/invalidation";
+import { Help } from "@/app/help/Help";
 import { useActiveRuns } from "@/app/runs/use-active-runs";
 import { Unauthorised } from "@/app/Unauthorised";
 import { Button, IconButton } from "@/components/controls/Button";
@@ -45,6 +46,7 @@ function Frame({ reachable }: { reachable: boolean }) {
           <div className={styles.right}>
             <StatusMenu />
             <PlayerMenu />
+            <Help />
             <ThemeButton />
           </div>
         </div>

@@ -10,6 +10,7 @@ import { Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import { PageTitle } from "@/components/PageTitle";
+import { Tour } from "@/features/behaviours/tour/Tour";
 import { bounds, count, fixed } from "@/lib/format";
 import { isActive, statusLine } from "@/lib/runs";
 
@@ -41,6 +42,7 @@ export function HomePage() {
     <>
       <PageTitle>Tril</PageTitle>
       {isNew && first && <Welcome first={first} all={all} />}
+      <Tour isNew={isNew} />
       <div className={styles.bar}>
         {isNew ? <h2>Behaviours to teach</h2> : <h1>Behaviours</h1>}
         <Button icon="plus" onClick={() => setMaking(true)}>

@@ -1,10 +1,12 @@
 import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
 import { useSearchParams } from "react-router";
 
 import { runsQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { comparePath } from "@/features/results/compare/compared-runs";
 import {
   ALL_RUNS,
   filteredRuns,
@@ -50,6 +52,10 @@ function Runs({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour 
   const [search, setSearch] = useSearchParams();
   const filter = readRunsFilter(search);
   const shown = filteredRuns(runs, filter);
+  const [selected, setSelected] = useState<readonly string[]>([]);
+  const compared = selected.filter((id) => runs.some((run) => run.id === id));
+  const select = (runId: string, isSelected: boolean) =>
+    setSelected(isSelected ? [...compared, runId] : compared.filter((id) => id !== runId));
   const change = (next: RunsFilter) => setSearch(writeRunsFilter(next), { replace: true });
   return (
     <>
@@ -61,7 +67,15 @@ function Runs({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour 
               : `${shown.length} of ${count(runs.length, "run")}`}
           </span>
         </h2>
-        <ButtonLink to={trainPath(behaviour)}>New run</ButtonLink>
+        <div className={styles.actions}>
+          {compared.length > 1 && (
+            <ButtonLink kind="primary" to={comparePath(compared)}>
+              Compare {count(compared.length, "run")}
+            </ButtonLink>
+          )}
+          {compared.length === 1 && <p role="status">Tick one more to compare.</p>}
+          <ButtonLink to={trainPath(behaviour)}>New run</ButtonLink>
+        </div>
       </div>
       <RunsFilterBar
         filter={filter}
@@ -70,7 +84,12 @@ function Runs({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour 
         onChange={change}
       />
       {shown.length > 0 ? (
-        <RunsTable runs={shown} behaviour={behaviour} />
+        <RunsTable
+          runs={shown}
+          behaviour={behaviour}
+          selected={new Set(compared)}
+          onSelect={select}
+        />
       ) : (
         <p className={styles.none}>
           No run matches the filters.{" "}

@@ -252,6 +252,15 @@ describe("playing", () => {
     expect(commands).toEqual(['{"type":"ready"}', '{"type":"pause"}', '{"type":"go_on"}']);
   });
 
+  it("pauses for the help, once", async () => {
+    await start();
+    await userEvent.keyboard("?");
+    tell({ type: "paused", why: "You paused the game." });
+    await userEvent.keyboard("?");
+    const commands = FakeSocket.last?.sent.filter((one) => typeof one === "string");
+    expect(commands).toEqual(['{"type":"ready"}', '{"type":"pause"}']);
+  });
+
   it("goes slower by key and button, and says so to the server", async () => {
     await start();
     await userEvent.keyboard("[Minus]");

@@ -29,7 +29,7 @@ describe("the list of runs", () => {
     const named = await screen.findByRole("row", { name: /Wide network/ });
     expect(named).toHaveTextContent("Wide networkRun aaaaaaTwice as wide.");
     expect(screen.getByRole("row", { name: /Run bbbbbb/ })).toHaveTextContent(
-      "Waiting, number 2 in the queue",
+      "Waitingnumber 2 in the queue",
     );
   });
 
@@ -46,6 +46,17 @@ describe("the list of runs", () => {
     expect(screen.getByText(/No run matches the filters/)).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Show all" }));
     expect(shownRuns()).toHaveLength(2);
+  });
+
+  it("compares the runs that are ticked", async () => {
+    open();
+    await userEvent.click(await screen.findByRole("checkbox", { name: "Compare Wide network" }));
+    expect(screen.getByText("Tick one more to compare.")).toBeVisible();
+    await userEvent.click(screen.getByRole("checkbox", { name: "Compare Run bbbbbb" }));
+    expect(screen.getByRole("link", { name: "Compare 2 runs" })).toHaveAttribute(
+      "href",
+      "/runs/compare?run=aaaaaa00&run=bbbbbb00",
+    );
   });
 
   it("begins as the address says", async () => {

@@ -21,6 +21,11 @@ export function useKeys(
 ): void {
   useEffect(() => {
     const down = (event: KeyboardEvent) => {
+      // The page's help opens, which takes the keyboard.
+      const before = stream?.snapshot().phase ?? null;
+      if (event.key === "?" && before !== null && before !== "paused" && steers(before)) {
+        onIntent.current("pause");
+      }
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream?.snapshot() ?? NO_GAME;
       const keys = readSetting(KEYS);

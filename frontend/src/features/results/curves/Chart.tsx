@@ -18,7 +18,7 @@ import { measured, stepLabels, whole } from "@/lib/format";
 import styles from "./Chart.module.css";
 import { chartData, type ChartData, type Curve, decimate, type XRange } from "./chart-data";
 import { chartOptions, HEIGHT_PX, type LineStyle, type XLabels } from "./chart-options";
-import { movedCursor } from "./cursor";
+import { movedCursor, shownEnds } from "./cursor";
 import { selected, type Zoom, zoomedIn, zoomedOut } from "./zoom";
 
 interface ChartProps {
@@ -99,7 +99,7 @@ export function Chart(props: ChartProps) {
     if (plot.current) draw(plot.current, data, zoom.range);
   }, [data, zoom.range]);
 
-  const end = Math.max(0, data[0].length - 1);
+  const [first, end] = shownEnds(data[0], zoom.range);
   const at = Math.min(cursor ?? end, end);
   const x = data[0][at] ?? 0;
 
@@ -110,7 +110,7 @@ export function Chart(props: ChartProps) {
     else if (event.key === "-") zoom.change(zoomedOut(zoom, about));
     else if (event.key === "0") zoom.change(null);
     else {
-      const next = movedCursor(event.key, at, end);
+      const next = movedCursor(event.key, at, first, end);
       const chart = plot.current;
       if (next === null || !chart) return;
       const left = chart.valToPos(data[0][next] ?? 0, "x");
@@ -143,7 +143,7 @@ export function Chart(props: ChartProps) {
         role="slider"
         tabIndex={0}
         aria-label={`${title}: cursor`}
-        aria-valuemin={data[0][0] ?? 0}
+        aria-valuemin={data[0][first] ?? 0}
         aria-valuemax={data[0][end] ?? 0}
         aria-valuenow={x}
         aria-valuetext={`at ${whole(x)}: ${curves.map(({ name }, index) => `${name} ${values[index]}`).join(", ")}`}

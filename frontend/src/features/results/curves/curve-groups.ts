@@ -44,7 +44,8 @@ const SHARE = [0, 1] as const;
 const percentage = (value: number) => percent(value);
 const oneDigit = (value: number) => fixed(value, 1);
 
-const PLAN: readonly GroupPlan[] = [
+/** All charts of a run. */
+export const PLAN: readonly GroupPlan[] = [
   {
     stage: "imitator",
     name: "Imitator: training games, by steps",

@@ -1,4 +1,4 @@
-import { queryOptions, useQueryClient } from "@tanstack/react-query";
+import { type QueryClient, queryOptions, useQueryClient } from "@tanstack/react-query";
 
 import { api, unwrap } from "@/api/client";
 import type { Metrics } from "@/api/types";
@@ -7,7 +7,16 @@ import { mergeSeries } from "./series";
 
 /** The curves of a run; each fetch requests only the points since the last one. */
 export function useMetricsQuery(runId: string) {
+  return metricsQuery(useQueryClient(), runId);
+}
+
+/** The same of several runs. */
+export function useMetricsQueries(runIds: readonly string[]) {
   const client = useQueryClient();
+  return runIds.map((runId) => metricsQuery(client, runId));
+}
+
+function metricsQuery(client: QueryClient, runId: string) {
   const queryKey = ["metrics", runId];
   return queryOptions({
     queryKey,

@@ -4,14 +4,23 @@ import type { Behaviour, Interval, Run } from "@/api/types";
 import { ThingMark } from "@/components/game/ThingMark";
 import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
+import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
 import { RunStatus } from "@/features/results/RunStatus";
 import { bounds, duration, fixed, NONE, shortCount } from "@/lib/format";
-import { isActive, runName, shortId, statusLine } from "@/lib/runs";
+import { isActive, queuePlace, runName, shortId, statusLine } from "@/lib/runs";
 
 import styles from "./RunsTable.module.css";
 
+interface RunsTableProps {
+  runs: readonly Run[];
+  behaviour: Behaviour;
+  /** Ids of the runs to compare. */
+  selected: ReadonlySet<string>;
+  onSelect: (runId: string, isSelected: boolean) => void;
+}
+
 /** Runs in a table of parameters and results. */
-export function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour }) {
+export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProps) {
   const of = behaviour.target?.length;
   return (
     // Scrolls horizontally on a phone; focusable so that the keyboard can scroll it.
@@ -20,6 +29,9 @@ export function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour
       <table className={styles.table} aria-label="Runs">
         <thead>
           <tr>
+            <th scope="col">
+              <span className="visually-hidden">Compare</span>
+            </th>
             <th scope="col">Run</th>
             <th scope="col">State</th>
             {of !== undefined && (
@@ -59,7 +71,14 @@ export function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour
         </thead>
         <tbody>
           {runs.map((run) => (
-            <RunRow key={run.id} run={run} hasTarget={of !== undefined} />
+            <RunRow
+              key={run.id}
+              run={run}
+              hasTarget={of !== undefined}
+              isSelected={selected.has(run.id)}
+              isFull={selected.size >= MOST_COMPARED}
+              onSelect={onSelect}
+            />
           ))}
         </tbody>
       </table>
@@ -67,11 +86,30 @@ export function RunsTable({ runs, behaviour }: { runs: readonly Run[]; behaviour
   );
 }
 
-function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
+interface RunRowProps {
+  run: Run;
+  hasTarget: boolean;
+  isSelected: boolean;
+  isFull: boolean;
+  onSelect: RunsTableProps["onSelect"];
+}
+
+function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
   const imitator = run.headline?.imitator;
   const tau = run.headline?.tau ?? null;
   return (
     <tr>
+      <td>
+        <label className={styles.select}>
+          <input
+            type="checkbox"
+            aria-label={`Compare ${runName(run)}`}
+            checked={isSelected}
+            disabled={isFull && !isSelected}
+            onChange={(event) => onSelect(run.id, event.currentTarget.checked)}
+          />
+        </label>
+      </td>
       <th scope="row">
         <Link to={`/runs/${run.id}`} title={runName(run)}>
           {runName(run)}
@@ -91,7 +129,11 @@ function RunRow({ run, hasTarget }: { run: Run; hasTarget: boolean }) {
       </th>
       <td>
         <RunStatus run={run} />
-        {isActive(run) && <span className={styles.bounds}>{statusLine(run)}</span>}
+        {isActive(run) && (
+          <span className={styles.bounds}>
+            {run.queue_position === null ? statusLine(run) : queuePlace(run.queue_position)}
+          </span>
+        )}
       </td>
       {hasTarget && (
         <>

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import type { XRange } from "@/features/results/curves/chart-data";
-import { movedCursor } from "@/features/results/curves/cursor";
+import { movedCursor, shownEnds } from "@/features/results/curves/cursor";
 import { moved, selected, type Zoom, zoomedIn, zoomedOut } from "@/features/results/curves/zoom";
 
 function zoom(range: XRange | null): Zoom {
@@ -39,6 +39,15 @@ describe("zooming", () => {
 });
 
 describe("the cursor of a chart", () => {
+  it("stays with what is shown", () => {
+    expect(shownEnds([0, 1, 2, 3], null)).toEqual([0, 3]);
+    expect(shownEnds([0, 1, 2, 3], [0.5, 2.5])).toEqual([1, 2]);
+    expect(shownEnds([0, 1], [0, 1])).toEqual([0, 1]);
+    expect(shownEnds([], null)).toEqual([0, 0]);
+    expect(movedCursor("Home", 2, 1, 2)).toBe(1);
+    expect(movedCursor("ArrowLeft", 1, 1, 2)).toBe(1);
+  });
+
   it.each([
     ["ArrowLeft", 4],
     ["ArrowRight", 6],
@@ -47,5 +56,5 @@ describe("the cursor of a chart", () => {
     ["PageUp", 25],
     ["PageDown", 0],
     ["a", null],
-  ])("moves by %s to %j", (key, index) => expect(movedCursor(key, 5, 30)).toBe(index));
+  ])("moves by %s to %j", (key, index) => expect(movedCursor(key, 5, 0, 30)).toBe(index));
 });

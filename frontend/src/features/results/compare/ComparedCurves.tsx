@@ -1,0 +1,77 @@
+import { useQueries } from "@tanstack/react-query";
+import { useMemo } from "react";
+
+import { Button } from "@/components/controls/Button";
+import { Loading, Notice } from "@/components/feedback/States";
+import { curvesCsv } from "@/features/results/curves/csv";
+import { CHART_HINT, CurveGroupView } from "@/features/results/curves/CurveGroupView";
+import { useMetricsQueries } from "@/features/results/curves/metrics";
+import type { Series } from "@/features/results/curves/series";
+import { count } from "@/lib/format";
+import { runName } from "@/lib/runs";
+import { saveFile } from "@/lib/save-file";
+
+import { comparedGroups } from "./compared-curves";
+import type { SeedGroup } from "./compared-runs";
+import styles from "./ComparePage.module.css";
+
+/** The training curves of runs over each other; means where runs differ by seed only. */
+export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
+  const runs = groups.flatMap((group) => group.runs);
+  const queries = useQueries({ queries: useMetricsQueries(runs.map(({ id }) => id)) });
+  const found = JSON.stringify(queries.map(({ data }) => data?.last ?? null));
+  const charts = useMemo(() => {
+    const seriesOf = new Map(runs.map(({ id }, index) => [id, queries[index]?.data?.series ?? {}]));
+    return comparedGroups(
+      groups.map(({ runs: same, colour, dashed }) => ({
+        name: lineName(same),
+        colour,
+        dashed,
+        series: same.map(({ id }): Series => seriesOf.get(id) ?? {}),
+      })),
+    );
+    // `found` changes when any of the curves does.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [found]);
+  if (queries.some(({ isPending }) => isPending)) {
+    return <Loading what="the curves" rows={1} height="11rem" />;
+  }
+  const failed = queries.filter(({ error, data }) => error && !data).length;
+  const save = () => {
+    const text = curvesCsv(
+      runs.map((run, index) => ({ run: runName(run), series: queries[index]?.data?.series ?? {} })),
+    );
+    saveFile(new Blob([text], { type: "text/csv" }), "compared-curves.csv");
+  };
+  return (
+    <>
+      {failed > 0 && (
+        <Notice live>
+          <p>The curves of {count(failed, "run")} could not be loaded.</p>
+        </Notice>
+      )}
+      {charts.map((group) => (
+        <CurveGroupView key={group.stage} group={group} syncKey={`compared-${group.stage}`} />
+      ))}
+      {charts.length > 0 && (
+        <div className={styles.section}>
+          <p className={styles.note}>
+            Runs that differ by their training seed only are one line: their mean, as far as all of
+            them go, in a band from the lowest to the highest. {CHART_HINT}
+          </p>
+          <div>
+            <Button icon="download" onClick={save}>
+              Download the curves (CSV)
+            </Button>
+          </div>
+        </div>
+      )}
+    </>
+  );
+}
+
+function lineName(runs: SeedGroup["runs"]): string {
+  const [first] = runs;
+  if (!first) return "";
+  return runs.length > 1 ? `${runName(first)} and ${runs.length - 1} more` : runName(first);
+}

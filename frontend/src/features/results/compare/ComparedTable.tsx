@@ -1,0 +1,125 @@
+import type { CSSProperties } from "react";
+import { Link } from "react-router";
+
+import type { Interval, Run } from "@/api/types";
+import { RunStatus } from "@/features/results/RunStatus";
+import { classes } from "@/lib/classes";
+import { NONE } from "@/lib/format";
+import { runName } from "@/lib/runs";
+
+import { differenceRows, resultRows } from "./compared-rows";
+import type { SeedGroup } from "./compared-runs";
+import styles from "./ComparedTable.module.css";
+
+const POLICIES = [
+  ["imitator", "Imitator"],
+  ["clone", "Clone"],
+] as const;
+
+interface ComparedTableProps {
+  runs: readonly Run[];
+  groups: readonly SeedGroup[];
+  nTargets: number | null;
+}
+
+/** A column for each run: results of imitator and clone, and the settings that differ. */
+export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
+  const differences = differenceRows(runs);
+  const results = POLICIES.map(([policy, title]) => ({
+    policy,
+    title,
+    rows: resultRows(runs, policy, nTargets),
+  })).filter(({ rows }) => rows.length > 0);
+  return (
+    // Scrolls horizontally; focusable so that the keyboard can scroll it.
+    // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
+    <div className={styles.scroll} role="region" aria-label="Runs side by side" tabIndex={0}>
+      <table className={styles.table} aria-label="Runs side by side">
+        <thead>
+          <tr>
+            <td />
+            {runs.map((run) => (
+              <th key={run.id} scope="col">
+                <Line group={groups.find((group) => group.runs.includes(run))} />
+                <Link to={`/runs/${run.id}`}>{runName(run)}</Link>
+                {run.status !== "done" && (
+                  <span className={styles.bounds}>
+                    <RunStatus run={run} />
+                  </span>
+                )}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        {results.map(({ policy, title, rows }) => (
+          <tbody key={policy}>
+            <Part name={title} nRuns={runs.length} />
+            {rows.map(({ name, cells, write }) => (
+              <tr key={name}>
+                <th scope="row">{name}</th>
+                {cells.map((interval, index) => (
+                  <ValueCell key={runs[index]?.id} interval={interval} write={write} />
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        ))}
+        <tbody>
+          <Part
+            name={differences.length > 0 ? "Settings that differ" : "All settings are the same"}
+            nRuns={runs.length}
+          />
+          {differences.map(({ name, cells }) => (
+            <tr key={name}>
+              <th scope="row">{name}</th>
+              {cells.map((value, index) => (
+                <td key={runs[index]?.id}>{value}</td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Part({ name, nRuns }: { name: string; nRuns: number }) {
+  return (
+    <tr>
+      <th scope="rowgroup" className={styles.part}>
+        {name}
+      </th>
+      <td colSpan={nRuns} />
+    </tr>
+  );
+}
+
+/** The line by which the charts draw a run. */
+function Line({ group }: { group: SeedGroup | undefined }) {
+  if (!group) return null;
+  return (
+    <i
+      className={classes(styles.line, group.dashed && styles.dashed)}
+      style={{ "--curve": group.colour } as CSSProperties}
+      aria-hidden="true"
+    />
+  );
+}
+
+function ValueCell({
+  interval,
+  write,
+}: {
+  interval: Interval | null;
+  write: (value: number) => string;
+}) {
+  if (!interval) return <td>{NONE}</td>;
+  return (
+    <td>
+      {write(interval.mean)}
+      <span className={styles.bounds}>
+        {write(interval.low)} to {write(interval.high)}
+      </span>
+    </td>
+  );
+}

@@ -1,0 +1,51 @@
+import { describe, expect, it } from "vitest";
+
+import { keySections } from "@/app/help/page-keys";
+import { DEFAULT_KEYS } from "@/features/play/input/keys";
+import { intentOf } from "@/features/play/input/intents";
+import { watchIntentOf } from "@/features/play/watch/watch-keys";
+
+function titles(path: string): string[] {
+  return keySections(path, DEFAULT_KEYS).map(({ title }) => title);
+}
+
+function keysOf(path: string, title: string): string[] {
+  const section = keySections(path, DEFAULT_KEYS).find((one) => one.title === title);
+  return section?.rows.flatMap(({ keys }) => keys) ?? [];
+}
+
+describe("the keys of a page", () => {
+  it.each([
+    ["/", ["Everywhere"]],
+    ["/behaviours/3/train", ["Everywhere"]],
+    ["/behaviours/3/play", ["Playing", "After a game", "Everywhere"]],
+    ["/behaviours/3/rank", ["Ranking", "Watching a recording", "Everywhere"]],
+    ["/recordings/3", ["Watching a recording", "Everywhere"]],
+    ["/runs/abc/watch", ["Watching a policy play", "Everywhere"]],
+    ["/runs/compare", ["On a chart", "Everywhere"]],
+    ["/runs/abc", ["On a chart", "Watching a recording", "Everywhere"]],
+  ])("at %s are those of %j", (path, expected) => expect(titles(path)).toEqual(expected));
+
+  it("of the game are the player's own", () => {
+    const keys = { ...DEFAULT_KEYS, fire: ["KeyZ"] };
+    const [playing] = keySections("/behaviours/3/play", keys);
+    expect(playing?.rows.find(({ effect }) => effect.startsWith("fire"))?.keys).toEqual(["Z"]);
+  });
+
+  it("do something: letters while playing, after a game and while watching", () => {
+    const letters = (keys: readonly string[]) => keys.filter((key) => /^[A-Z]$/.test(key));
+    const controls = ["A", "D", "W"];
+    for (const key of letters(keysOf("/behaviours/3/play", "Playing"))) {
+      if (controls.includes(key)) continue;
+      const press = { code: `Key${key}`, repeat: false };
+      expect([key, intentOf(press, "playing", 0, DEFAULT_KEYS)]).not.toEqual([key, null]);
+    }
+    for (const key of letters(keysOf("/behaviours/3/play", "After a game"))) {
+      const press = { code: `Key${key}`, repeat: false };
+      expect([key, intentOf(press, "ended", 10_000, DEFAULT_KEYS)]).not.toEqual([key, null]);
+    }
+    for (const key of letters(keysOf("/runs/abc/watch", "Watching a policy play"))) {
+      expect(watchIntentOf({ code: `Key${key}`, repeat: false }, 1)).not.toBeNull();
+    }
+  });
+});
