@@ -44,6 +44,7 @@ export function ExampleButton({
           // The user has no ranking of their own to improve first.
           go_on_anyway: true,
           example: true,
+          cancel_parent: false,
         });
       }}
     >

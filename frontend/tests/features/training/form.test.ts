@@ -22,7 +22,7 @@ function values(change: Partial<FormValues> = {}): FormValues {
 describe("the training form", () => {
   it("begins with a recipe that can be sent as it is", () => {
     expect(errorsIn(values())).toEqual({});
-    expect(runOf(values(), 3, false, null)).toEqual({
+    expect(runOf(values(), 3, false, null, false)).toEqual({
       behaviour_id: 3,
       recipe: "fast",
       steps: 300_000,
@@ -31,6 +31,7 @@ describe("the training form", () => {
       go_on_anyway: false,
       example: false,
       parent_run_id: null,
+      cancel_parent: false,
     });
   });
 
@@ -56,6 +57,6 @@ describe("the training form", () => {
   ])("refuses %o and says what would do", (change, field) => {
     const errors = errorsIn(values(change));
     expect(Object.keys(errors)).toEqual([field]);
-    expect(runOf(values(change), 1, false, null)).toBeNull();
+    expect(runOf(values(change), 1, false, null, false)).toBeNull();
   });
 });
