@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tril.cores import core_count
 
-NICENESS = 10
+NICENESS = 19
 AUTOGROUP = Path("/proc/self/autogroup")
 
 
