@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import subprocess
@@ -31,7 +32,11 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     # Pytest may have been started by a make, whose flags must not reach this one.
     environ = {k: v for k, v in os.environ.items() if k not in {"MAKEFLAGS", "MAKELEVEL", "ARGS"}}
     make = ["make", "--silent", "wheel", f"DIST={dist}"]
-    subprocess.run(make, cwd=ROOT, env=environ, check=True)
+    with (ROOT / "pyproject.toml").open() as lock:
+        # Two of pytest's processes may have tests of this module, and both builds empty the same
+        # folder of the page first.
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        subprocess.run(make, cwd=ROOT, env=environ, check=True)
     (wheel,) = dist.glob("*.whl")
 
     environment = tmp_path_factory.mktemp("environment")
