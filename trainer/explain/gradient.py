@@ -16,7 +16,7 @@ from tril.game.space_invaders import BACKGROUND
 
 
 def gradient_map(model: RewardModel, observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
-    """Return |gradient of R times the pixel's difference from the background|.
+    """Return the magnitude of R's gradient times the pixel's difference from the background.
 
     Args:
         model: The reward model, on the CPU; its raw R is used.
