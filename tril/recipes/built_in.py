@@ -74,6 +74,7 @@ FAST = replace(
             "policy.opening_share": 1.0,
             "policy.sticky_action_probability": 0.25,
             "cloning.pretrained": True,
+            "evaluation.openings": True,
         },
     ),
     summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
