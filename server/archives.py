@@ -48,9 +48,10 @@ class ArchiveMaker:
         Raises:
             Unavailable: Too many requests wait, or this one failed or took too long.
         """
-        # What a run is learned from and what came out do not change; its behaviour's words may.
-        words = (__version__, run.id, run.finished_at, behaviour.name, behaviour.description)
-        digest = hashlib.blake2b(repr(words).encode(), digest_size=10).hexdigest()
+        # What a run is learned from and what came out do not change; what people call it may.
+        words = (run.name, run.notes, behaviour.name, behaviour.description)
+        version = (__version__, run.id, run.finished_at, *words)
+        digest = hashlib.blake2b(repr(version).encode(), digest_size=10).hexdigest()
 
         def make() -> bytes:
             with self._turns.turn():

@@ -120,6 +120,8 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         "result": result,
         "sources": sorted({row.source for row in demonstrations.values()}),
         "example": describe_example(run.outcome),
+        "name": run.name,
+        "notes": run.notes,
         "parent_run_id": run.parent_run_id,
         "verdict": verdict,
         "warning": run.outcome.check.warning if run.outcome.check else "",

@@ -111,6 +111,8 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
         game="space_invaders",
         tril=__version__,
         id=row.id,
+        name=row.name,
+        notes=row.notes,
         behaviour=_taught(taught),
         recipe=row.recipe,
         steps=row.steps,
@@ -237,6 +239,8 @@ def import_run(
             row = RunRow(
                 id=run.id,
                 behaviour_id=behaviour.id,
+                name=run.name,
+                notes=run.notes,
                 example=run.example,
                 example_kind=run.example_kind,
                 recipe_name=recipe.name,

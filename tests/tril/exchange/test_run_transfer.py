@@ -42,6 +42,8 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workpla
     folder = tmp_path_factory.mktemp("exported")
     made = make_workplace(folder / "data")
     run_id = make_finished_run(made)
+    with made.database.writing() as session:
+        runs.describe(session, run_id, "Wide column", "Ann\u2019s games.\nAgain with more.")
     path = folder / "run.zip"
     store = ArtifactStore(made.settings.artifact_root)
     write_archive(made.database, store, run_id, path, lambda _: b"", compact=True)
@@ -151,6 +153,7 @@ def test_an_imported_run_shows_what_it_showed_where_it_was_trained(
     with elsewhere.reading() as session:
         run = runs.get(session, run_id)
         assert (run.status, run.is_imported) == (RunStatus.DONE, True)
+        assert (run.name, run.notes) == ("Wide column", "Ann\u2019s games.\nAgain with more.")
         behaviour = behaviours.get(session, run.behaviour_id)
         assert (behaviour.slug, behaviour.built_in) == ("column-1", True)
         assert run.snapshot is not None
@@ -302,6 +305,8 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
     "another format": (changed(lambda r: r.update(format="x")), "not a run that Tril exported"),
     "a newer version": (changed(lambda r: r.update(version=2)), "newer version"),
     "a path for an id": (changed(lambda r: r.update(id="../../etc/passwd")), "id"),
+    "a name that is too long": (changed(lambda r: r.update(name="x" * 81)), "name"),
+    "notes with a NUL": (changed(lambda r: r.update(notes="\0")), "can't be stored"),
     "an unknown member": (changed(lambda r: r.update(more=1)), "more"),
     "infinity": (lambda m: m.update({RUN_FILE: b'{"format": "tril-run", "a": NaN}'}), "can't be"),
     "a NUL": (changed(lambda r: r["versions"].update(python="\0")), "can't be stored"),

@@ -27,6 +27,7 @@ from tril.game.starts import EVALUATION_START_COUNT
 from tril.recording import RecordingRefused
 from tril.stages import Stage
 from tril.store.training.evaluations import ActionSelection
+from tril.store.training.runs import MAX_NAME_LENGTH, MAX_NOTES_LENGTH
 
 RUN_FORMAT: Final = "tril-run"
 RUN_VERSION: Final = 1
@@ -95,6 +96,8 @@ class RunObject(_ClosedModel):
     game: Literal["space_invaders"]
     tril: _Text
     id: str = Field(pattern="^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
+    name: str = Field(default="", max_length=MAX_NAME_LENGTH)
+    notes: str = Field(default="", max_length=MAX_NOTES_LENGTH)
     behaviour: TaughtBehaviour
     recipe: dict[str, Any]
     steps: int = Field(ge=1, le=100_000_000)
