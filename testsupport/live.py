@@ -100,14 +100,19 @@ class LiveServer:
 @contextmanager
 def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> Iterator[GameClient]:
     """Join a game from a tab."""
-    with connect(
-        f"ws://127.0.0.1:{settings.port}{game['stream_path']}?tab={tab or uuid.uuid4()}",
+    with connect_to(settings, f"{game['stream_path']}?tab={tab or uuid.uuid4()}") as socket:
+        yield GameClient(socket)
+
+
+def connect_to(settings: Settings, path: str) -> ClientConnection:
+    """Open a stream of the server as its own page does, signed in."""
+    return connect(
+        f"ws://127.0.0.1:{settings.port}{path}",
         additional_headers={"Cookie": cookie(settings)},
         origin=Origin(f"http://127.0.0.1:{settings.port}"),
         compression=None,
         max_size=2**20,
-    ) as socket:
-        yield GameClient(socket)
+    )
 
 
 def begin_game(http: httpx2.Client, behaviour_id: int = 1, **more: Any) -> dict[str, Any]:

@@ -15,12 +15,11 @@ from urllib.parse import urlencode
 import numpy as np
 import torch
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import ClientConnection, connect
-from websockets.typing import Origin
+from websockets.sync.client import ClientConnection
 
 from server.play.wire.codec import FrameDecoder, Screen
 from server.play.wire.protocol import AckMessage, FrameMessage, client_bytes, parse_frame
-from testsupport.live import TIMEOUT_S, cookie
+from testsupport.live import TIMEOUT_S, connect_to
 from testsupport.workplace import TINY, Workplace
 from trainer.policy.networks import new_policy, save_policy
 from trainer.reward.model import RewardModel, new_network
@@ -151,11 +150,5 @@ def watching(
 ) -> Iterator[Watcher]:
     """Watch players such as "imitator.greedy" for the block."""
     asked = urlencode([*(("player", player) for player in players), *query.items()])
-    with connect(
-        f"ws://127.0.0.1:{settings.port}/api/runs/{run_id}/watch?{asked}",
-        additional_headers={"Cookie": cookie(settings)},
-        origin=Origin(f"http://127.0.0.1:{settings.port}"),
-        compression=None,
-        max_size=2**20,
-    ) as socket:
+    with connect_to(settings, f"/api/runs/{run_id}/watch?{asked}") as socket:
         yield Watcher(socket)

@@ -144,7 +144,7 @@ async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
         page.connection.receive(InputMessage(Keys.RIGHT | Keys.FIRE, 1))
         sessions.append(session)
     for session in sessions:
-        await session.handle(Command("ready"))
+        await session.handle(Command(type="ready"))
     await asyncio.sleep(seconds)
     late = []
     for page, session in zip(pages, sessions, strict=True):

@@ -12,7 +12,7 @@ from starlette.websockets import WebSocket
 from server.dependencies import services_of
 from server.play.session.session import PlaySession
 from server.play.wire.connection import Connection
-from server.play.wire.protocol import BadMessage, Close, Command, SpeedMessage, parse_client
+from server.play.wire.protocol import BadMessage, Close, Command, SetSpeed, parse_client
 from tril.errors import NotFound, Unavailable
 from tril.store.games import GameOver
 
@@ -64,7 +64,7 @@ async def _receive(websocket: WebSocket, connection: Connection, session: PlaySe
             message = parse_client(event.get("text") or "" if data is None else data)
             if isinstance(message, Command):
                 await session.handle(message)
-            elif isinstance(message, SpeedMessage):
+            elif isinstance(message, SetSpeed):
                 session.set_speed(message.percent)
             else:
                 connection.receive(message)

@@ -7,7 +7,6 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-from server.play.conditions import Percent
 from server.play.wire.codec import palette_json
 from server.play.wire.messages import alien_geometry, all_hits, hits_after
 from server.play.wire.protocol import (
@@ -17,6 +16,8 @@ from server.play.wire.protocol import (
     BadMessage,
     HitAt,
     Message,
+    PageMessage,
+    SetSpeed,
     parse_client,
 )
 from tril.analysis.summary import Policy
@@ -106,27 +107,14 @@ def _number(name: str, text: str, largest: int) -> int:
 CommandType = Literal["play", "pause", "step"]
 
 
-class WatchCommand(BaseModel):
+class WatchCommand(PageMessage):
     """Page to server: play, pause, or play one step and pause."""
-
-    model_config = ConfigDict(extra="forbid")
 
     type: CommandType
 
 
-class SetSpeed(BaseModel):
-    """Page to server: the speed in percent of 60 frames/s, 25 to 100."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    type: Literal["speed"]
-    percent: Percent
-
-
-class TakeOver(BaseModel):
+class TakeOver(PageMessage):
     """Page to server: the person goes on with the game of a lane."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
 
     type: Literal["take_over"]
     lane: int = Field(ge=0, lt=MAX_LANES)

@@ -12,13 +12,12 @@ from server.dependencies import services_of
 from server.play.watch.messages import (
     LaneAck,
     Refused,
-    SetSpeed,
     parse_request,
     parse_watcher,
 )
 from server.play.watch.session import WatchSession
 from server.play.watch.watch_socket import WatchSocket
-from server.play.wire.protocol import BadMessage, Close
+from server.play.wire.protocol import BadMessage, Close, SetSpeed
 from tril.errors import Invalid, NotFound, Unavailable
 
 router = APIRouter()

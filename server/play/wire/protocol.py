@@ -92,21 +92,26 @@ class AckMessage:
 CommandType = Literal["ready", "stop", "pause", "go_on", "step", "rewind", "release"]
 
 
-@dataclass(frozen=True)
-class Command:
+class PageMessage(BaseModel):
+    """A text message of the page."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Command(PageMessage):
     """Page to server: a player's command."""
 
     type: CommandType
 
 
-@dataclass(frozen=True)
-class SpeedMessage:
+class SetSpeed(PageMessage):
     """Page to server: the speed in percent of 60 frames/s, 25 to 100."""
 
-    percent: int
+    type: Literal["speed"] = "speed"
+    percent: Percent
 
 
-ClientMessage = InputMessage | AckMessage | Command | SpeedMessage
+ClientMessage = InputMessage | AckMessage | Command | SetSpeed
 
 
 def frame_bytes(message: FrameMessage) -> bytes:
@@ -169,35 +174,19 @@ def _parse_binary(data: bytes) -> InputMessage | AckMessage:
     raise BadMessage(f"Expected a message of type 1 (input) or 2 (acknowledgement), got {kind}.")
 
 
-class _CommandModel(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-    type: CommandType
-
-
-class _SpeedModel(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    type: Literal["speed"]
-    percent: Percent
-
-
-_COMMANDS: TypeAdapter[_CommandModel | _SpeedModel] = TypeAdapter(
-    Annotated[_CommandModel | _SpeedModel, Field(discriminator="type")]
+_COMMANDS: TypeAdapter[Command | SetSpeed] = TypeAdapter(
+    Annotated[Command | SetSpeed, Field(discriminator="type")]
 )
 
 
-def _parse_command(text: str) -> Command | SpeedMessage:
+def _parse_command(text: str) -> Command | SetSpeed:
     try:
-        command = _COMMANDS.validate_json(text)
+        return _COMMANDS.validate_json(text)
     except ValidationError as error:
         raise BadMessage(
             f'Expected {{"type": "ready"}} or another of {", ".join(get_args(CommandType))}, or'
             f' {{"type": "speed", "percent": 25 to 100}}, got {text[:80]!r}'
         ) from error
-    if isinstance(command, _SpeedModel):
-        return SpeedMessage(command.percent)
-    return Command(command.type)
 
 
 class Message(BaseModel):

@@ -27,7 +27,7 @@ from server.play.wire.protocol import (
     Command,
     FrameMessage,
     InputMessage,
-    SpeedMessage,
+    SetSpeed,
     client_bytes,
     frame_bytes,
     parse_client,
@@ -117,12 +117,12 @@ def test_latencies_travel_in_tenths_of_a_millisecond(latency_ms: float) -> None:
 
 @pytest.mark.parametrize("kind", ["ready", "stop", "pause", "go_on", "step", "rewind", "release"])
 def test_commands_are_understood(kind: str) -> None:
-    assert parse_client(json.dumps({"type": kind})) == Command(kind)  # type: ignore[arg-type]
+    assert parse_client(json.dumps({"type": kind})) == Command(type=kind)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("percent", [25, 60, 100])
 def test_a_speed_is_understood(percent: int) -> None:
-    assert parse_client(f'{{"type": "speed", "percent": {percent}}}') == SpeedMessage(percent)
+    assert parse_client(f'{{"type": "speed", "percent": {percent}}}') == SetSpeed(percent=percent)
 
 
 @pytest.mark.parametrize("percent", ["24", "101", "50.5", "true", '"50"', "null", "1e400"])

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from trainer.policy.evaluation import EvaluatedGame, beginnings, play, stickiness
 from trainer.progress import Progress, ScaledProgress
+from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
@@ -14,9 +14,6 @@ from tril.game.console import Console
 from tril.game.episode import Ending
 from tril.game.starts import evaluation_number
 from tril.recipes import recipe_from_dict
-from tril.recording import verify
-from tril.store import recordings
-from tril.store.models import Source
 from tril.store.training import evaluations, leases, runs
 from tril.store.training.evaluations import (
     ACTION_SELECTIONS,
@@ -65,22 +62,12 @@ def keep_games(
     """Verify a policy's games by replaying them on a console and store them, all or none."""
     context = data.context
     seen = starts_seen(data)
-    verified = []
-    for game in games:
-        verified.append(verify(game.recording, console=console))
-        context.check_cancelled()
+    verified = verify_games(context, games, console)
+    sticky = stickiness(action_selection)
     with context.database.writing() as session:
         leases.owned(session, context.lease)
         for number, game, confirmed in zip(numbers, games, verified, strict=True):
-            row = recordings.add(
-                session,
-                context.run.behaviour_id,
-                confirmed.recording,
-                confirmed.replay,
-                Source.POLICY,
-                run_id=context.run_id,
-                conditions=conditions_of(policy, action_selection),
-            )
+            row = add_game(session, context, confirmed, policy, action_selection, sticky)
             found = score(
                 context.behaviour, tuple((hit.row, hit.column) for hit in confirmed.replay.hits)
             )
@@ -93,14 +80,6 @@ def keep_games(
                 predicted_return=game.predicted_return,
                 score=found,
             )
-
-
-def conditions_of(policy: str, action_selection: ActionSelection) -> dict[str, Any]:
-    """Return how a policy's game was played, as its recording says it."""
-    sticky = stickiness(action_selection)
-    return {"policy": policy, "action_selection": action_selection} | (
-        {"sticky_action_probability": sticky} if sticky else {}
-    )
 
 
 def starts_seen(data: RunData) -> set[int]:

@@ -6,11 +6,9 @@ from pathlib import Path
 
 from trainer.policy.imitation import Snapshot
 from trainer.policy.networks import save_policy
+from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.game.console import Console
-from tril.recording import verify
-from tril.store import recordings
-from tril.store.models import Source
 from tril.store.training import leases, training_games
 
 
@@ -35,26 +33,14 @@ def keep_snapshot(data: RunData, snapshot: Snapshot, path: Path, console: Consol
     with context.database.reading() as session:
         if training_games.latest(session, context.run_id)[0] == snapshot.steps:
             return
-    sticky = context.recipe.policy.sticky_action_probability
-    conditions = {"policy": "imitator", "action_selection": "greedy"} | (
-        {"sticky_action_probability": sticky} if sticky else {}
-    )
     outcomes = [
         (tuple((hit.row, hit.column) for hit in game.hits), game.end) for game in snapshot.games
     ]
-    verified = []
-    for index in training_games.pick(context.behaviour, outcomes):
-        verified.append(verify(snapshot.games[index].recording, console=console))
-        context.check_cancelled()
+    picked = [snapshot.games[i] for i in training_games.pick(context.behaviour, outcomes)]
+    verified = verify_games(context, picked, console)
+    sticky = context.recipe.policy.sticky_action_probability
+    steps = {training_games.STEPS: snapshot.steps}
     with context.database.writing() as session:
         leases.owned(session, context.lease)
         for one in verified:
-            recordings.add(
-                session,
-                context.run.behaviour_id,
-                one.recording,
-                one.replay,
-                Source.POLICY,
-                run_id=context.run_id,
-                conditions=conditions | {training_games.STEPS: snapshot.steps},
-            )
+            add_game(session, context, one, "imitator", "greedy", sticky, **steps)
