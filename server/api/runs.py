@@ -19,6 +19,9 @@ from tril.store import behaviours, players
 from tril.store.models import NOT_OVER
 from tril.store.training import metrics, runs
 
+MOST_STEPS = 2_000
+"""Of a stage in one answer: a screen is no wider."""
+
 router = APIRouter(tags=["runs"])
 
 
@@ -129,9 +132,12 @@ def resume_run(request: Request, run_id: RunId) -> Run:
 def get_run_metrics(
     session: ReadSession, run_id: RunId, after: Annotated[int, Query(ge=0, le=2**63 - 1)] = 0
 ) -> Metrics:
-    """Return the points of a training's curves that are newer than an earlier answer's ``last``."""
+    """Return the points of a training's curves that are newer than an earlier answer's ``last``.
+
+    Of a stage with more than 2,000 newer steps about as many are returned, evenly spaced.
+    """
     runs.get(session, str(run_id))
-    last, series = metrics.series(session, str(run_id), after)
+    last, series = metrics.series(session, str(run_id), after, MOST_STEPS)
     return Metrics(last=last, series=series)
 
 

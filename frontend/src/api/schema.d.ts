@@ -893,6 +893,8 @@ export interface paths {
         /**
          * Get Run Metrics
          * @description Return the points of a training's curves that are newer than an earlier answer's ``last``.
+         *
+         *     Of a stage with more than 2,000 newer steps about as many are returned, evenly spaced.
          */
         get: operations["get_run_metrics"];
         put?: never;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from sqlalchemy import delete, select
+from sqlalchemy import ColumnElement, Subquery, delete, func, or_, select
 from sqlalchemy.orm import Session
 
 from tril.store.models import MetricRow
@@ -61,24 +61,56 @@ def curves(session: Session, run_id: str, stage: str, names: Sequence[str]) -> d
     }
 
 
-def series(session: Session, run_id: str, after: int = 0) -> tuple[int, Series]:
+def series(
+    session: Session, run_id: str, after: int = 0, most: int | None = None
+) -> tuple[int, Series]:
     """Return the points that were written after the one with the id ``after``.
 
     A point replaces an earlier one of the same stage, name and step: those beyond a checkpoint
     are written again when a run goes on from it.
 
+    Args:
+        session: The database session.
+        run_id: The run.
+        after: The newest point that is known.
+        most: Of more steps of a stage about as many are returned, evenly spaced, with the first
+            and the last; None returns all.
+
     Returns:
         The newest point's id, for the next call, and the points.
     """
-    rows = session.scalars(
-        select(MetricRow)
-        .where(MetricRow.run_id == run_id, MetricRow.id > after)
-        .order_by(MetricRow.stage, MetricRow.step)
+    wanted = (MetricRow.run_id == run_id, MetricRow.id > after)
+    last = session.scalar(select(func.max(MetricRow.id)).where(*wanted))
+    points = select(MetricRow.stage, MetricRow.step, MetricRow.values)
+    if most is None:
+        points = points.where(*wanted)
+    else:
+        kept = _evenly_spaced(wanted, most)
+        points = points.join(kept, kept.c.id == MetricRow.id)
+    found = Series()
+    for stage, step, values in session.execute(points.order_by(MetricRow.stage, MetricRow.step)):
+        by_name = found.setdefault(stage, {})
+        for name, value in values.items():
+            by_name.setdefault(name, []).append((step, value))
+    return last or after, found
+
+
+def _evenly_spaced(wanted: Sequence[ColumnElement[bool]], most: int) -> Subquery:
+    """Return the ids of about ``most`` of the wanted points of each stage."""
+    numbered = (
+        select(
+            MetricRow.id,
+            func.row_number()
+            .over(partition_by=MetricRow.stage, order_by=MetricRow.step)
+            .label("number"),
+            func.count().over(partition_by=MetricRow.stage).label("count"),
+        )
+        .where(*wanted)
+        .subquery()
     )
-    last, found = after, Series()
-    for row in rows:
-        last = max(last, row.id)
-        by_name = found.setdefault(row.stage, {})
-        for name, value in row.values.items():
-            by_name.setdefault(name, []).append((row.step, value))
-    return last, found
+    every = (numbered.c.count + most - 1) // most
+    return (
+        select(numbered.c.id)
+        .where(or_((numbered.c.number - 1) % every == 0, numbered.c.number == numbered.c.count))
+        .subquery()
+    )

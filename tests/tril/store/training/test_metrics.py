@@ -47,3 +47,35 @@ def test_points_that_replace_dropped_ones_come_after_what_was_read(workplace: Wo
     assert whole == {"imitator": {"kl": [(100, 0.1), (200, 0.9)]}}
     with workplace.database.reading() as session:
         assert metrics.series(session, run_id, newer) == (newer, {})
+
+
+def test_long_curves_are_thinned_evenly_with_both_ends(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        points = [("imitator", step, {"kl": step / 10}) for step in range(10, 1_010, 10)]
+        metrics.add_curves(session, run_id, [*points, ("reward", 1, {"loss": 0.7})])
+        last, thinned = metrics.series(session, run_id, most=30)
+        newest, whole = metrics.series(session, run_id)
+    assert last == newest
+    assert whole["imitator"]["kl"] == [(step, step / 10) for step in range(10, 1_010, 10)]
+    assert [step for step, _ in thinned["imitator"]["kl"]] == [*range(10, 1_010, 40), 1_000]
+    assert thinned["reward"] == {"loss": [(1, 0.7)]}
+
+
+def test_curves_that_are_short_enough_are_whole(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        metrics.add_curves(session, run_id, [("imitator", n, {"kl": 0.5}) for n in range(1, 31)])
+        assert metrics.series(session, run_id, most=30) == metrics.series(session, run_id)
+
+
+def test_newer_points_are_thinned_among_themselves(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        metrics.add_curves(session, run_id, [("imitator", n, {"kl": 0.5}) for n in range(1, 11)])
+        first, _ = metrics.series(session, run_id, most=5)
+        metrics.add(session, run_id, "imitator", 11, {"kl": 0.1})
+        last, newer = metrics.series(session, run_id, first, most=5)
+        nothing = metrics.series(session, run_id, last, most=5)
+    assert newer == {"imitator": {"kl": [(11, 0.1)]}}
+    assert nothing == (last, {})
