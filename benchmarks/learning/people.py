@@ -23,6 +23,7 @@ import json
 import tempfile
 import time
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
+from trainer.reward.pretraining import read_memory
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN, Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
@@ -51,6 +53,7 @@ from tril.demonstrator.varied_play import play_varied
 from tril.game.console import Console
 from tril.game.episode import DEATHS
 from tril.game.openings import Opening, draw_opening, evaluation_opening
+from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.game.starts import (
     EVALUATION_START_COUNT,
     EVALUATION_STARTS,
@@ -61,6 +64,12 @@ from tril.ranking import kendall_tau, normalise
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recording, Trajectory, trajectory
 from tril.store.training.evaluations import ActionSelection
+
+REWARDS = ("ranking", "hits", "shuffled")
+"""What the reward is learned from: the ranking, the true hits, the games in a random order."""
+
+N_SCORED = 96
+"""Games of varied play whose true hits a reward is fitted to."""
 
 WRONG_ANSWERS = 0.1
 """Share of the answers about the imitator's games that put them in a random place."""
@@ -213,6 +222,33 @@ def _figures(behaviour: Behaviour, game: EvaluatedGame) -> dict[str, float]:
     }
 
 
+def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
+    """Return a pretrained model whose output is fitted to the true hits, by ridge regression.
+
+    PPO on it is the bound of what a ranking can teach: R is (targets - strays) of all targets, as
+    far as what the network reads off the screen tells.
+    """
+    behaviour = games.behaviour
+    assert behaviour.target is not None
+    network = deepcopy(model.members[0])
+    size = network.output.in_features
+    products, sums = torch.zeros(size + 1, size + 1), torch.zeros(size + 1)
+    for seen in games.trajectories:
+        read = read_memory(seen.observations)
+        inputs = torch.cat([read, torch.ones(len(read), 1)], 1)
+        worth = np.zeros(len(read), np.float32)
+        for hit in seen.hits:
+            step = -(-hit.frame // FRAMES_PER_STEP)
+            worth[step:] += 1.0 if (hit.row, hit.column) in behaviour.target else -1.0
+        products += inputs.T @ inputs
+        sums += inputs.T @ torch.from_numpy(worth / len(behaviour.target))
+    solution = torch.linalg.solve(products + torch.eye(size + 1), sums)
+    with torch.no_grad():
+        network.output.weight.copy_(solution[None, :-1])
+        network.output.bias.copy_(solution[-1:])
+    return RewardModel((network,))
+
+
 class Lesson:
     """A scripted person's demonstrations, and the imitator that learns from them.
 
@@ -235,6 +271,8 @@ class Lesson:
                 self.ranked.add(one.recording, self.console)
         self.ranked.order(kind.n_mistakes, self.rng)
         self._add_varied_games(kind.n_mistakes)
+        if arguments.reward == "shuffled":
+            np.random.default_rng([self.seed, 3]).shuffle(self.ranked.tiers)
         self.perfect = [one.recording for one in shown if one.perfect]
         self.seen = [trajectory(recording, self.console) for recording in self.perfect]
         self.unseen = UnseenGames(self.behaviour, self.console)
@@ -250,6 +288,15 @@ class Lesson:
             self.ranked.tiers.append(games)
         elif games:
             self.ranked.order(n_mistakes, self.rng)
+
+    def _scored_games(self) -> Ranked:
+        rng = np.random.default_rng([self.seed, 1_000_081])
+        games = Ranked(self.behaviour)
+        for one in make_example(self.behaviour, rng, n_perfect=12):
+            games.add(one.recording, self.console)
+        for _ in range(N_SCORED):
+            games.add(play_varied(rng, self.console).recording, self.console)
+        return games
 
     def dataset(self) -> PreferenceDataset:
         """Return what the reward is learned from, by the ranking as it is now."""
@@ -278,6 +325,8 @@ class Lesson:
             began = time.monotonic()
             dataset = self.dataset()
             model = train_reward_model(dataset, self.seed, NullProgress())
+            if self.arguments.reward == "hits":
+                model = fitted_to_hits(model, self._scored_games())
             learned = time.monotonic()
             taus = self.unseen.taus(model)
             print(number, json.dumps(taus), flush=True)
@@ -343,6 +392,7 @@ def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--varied-games", type=int, default=0)
     parser.add_argument("--random-play", action="store_true", help="of random play alone")
     parser.add_argument("--unsorted", action="store_true", help="all of them below the worst")
+    parser.add_argument("--reward", choices=REWARDS, default="ranking", help="is learned from this")
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--answers", type=int, default=8, help="games inserted between two rounds")
     parser.add_argument(
