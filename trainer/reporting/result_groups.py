@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trainer.reporting.digests import base_recipes, changed_recipe, recipe_digest
 from trainer.reporting.ledger import Entry, LedgerCell, LedgerGame
-from tril.analysis.summary import Interval, interval, winner
+from tril.analysis.summary import Interval, interquartile_interval, nested_interval, winner
 from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.recipes import RECIPES
 
@@ -103,13 +103,21 @@ class ResultGroup:
 
     def mean(self, policy: str, action_selection: str, name: str) -> Interval | None:
         """Return the mean of a figure over the held-out games; None where they lack it."""
-        values = [
-            float(value)
+        values = self.values(policy, action_selection, name)
+        return nested_interval(values) if values else None
+
+    def values(self, policy: str, action_selection: str, name: str) -> list[list[float]]:
+        """Return a figure of the held-out games of each training that has it."""
+        found = (
+            [
+                float(value)
+                for game in entry.of(policy, action_selection)
+                if game.held_out
+                and (value := getattr(game.figures(self.behaviour), name)) is not None
+            ]
             for entry in self.entries
-            for game in entry.of(policy, action_selection)
-            if game.held_out and (value := getattr(game.figures(self.behaviour), name)) is not None
-        ]
-        return interval(values) if values else None
+        )
+        return [values for values in found if values]
 
     def lowest(self, name: str) -> float | None:
         """Return the lowest of a figure of the reward models' checks; None if there is none."""
@@ -130,3 +138,11 @@ def group_results(entries: Iterable[Entry]) -> list[ResultGroup]:
         key = (place, cell.steps, cell.recipe, changed, cell.digest, cell.demonstrations)
         found.setdefault(key, []).append(entry)
     return [ResultGroup(BUILT_IN[key[0]], tuple(found[key])) for key in sorted(found)]
+
+
+def over_behaviours(
+    groups: Iterable[ResultGroup], policy: str, action_selection: str, name: str
+) -> Interval | None:
+    """Return a figure's interquartile mean over behaviours and seeds; None if none has it."""
+    strata = [values for g in groups if (values := g.values(policy, action_selection, name))]
+    return interquartile_interval(strata) if strata else None

@@ -16,7 +16,13 @@ from trainer.reporting.figures import (
 )
 from trainer.reporting.ledger import Entry, Ledger, LedgerCell
 from trainer.reporting.rendering import render
-from trainer.reporting.result_groups import PLACES, Duel, ResultGroup, group_results
+from trainer.reporting.result_groups import (
+    PLACES,
+    Duel,
+    ResultGroup,
+    group_results,
+    over_behaviours,
+)
 from trainer.reporting.skilled_games import QUANTITIES, tau_of
 from tril.analysis.outcome import AttentionState
 from tril.behaviours import BUILT_IN, score
@@ -141,6 +147,7 @@ def page_text(folder: Path) -> str:
         quantities=QUANTITIES,
         has_attention=(folder / ATTENTION).exists(),
         score=score,
+        over_behaviours=over_behaviours,
         tau_of=tau_of,
         sticky_action_probability=STICKY_ACTION_PROBABILITY,
     )

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
+Numbers = npt.NDArray[np.float64]
 Policy = Literal["imitator", "clone"]
 Winner = Literal["imitator", "clone", "tie"]
 
@@ -86,6 +88,75 @@ def interval(values: Sequence[float]) -> Interval:
     means = rng.choice(numbers, (RESAMPLES, len(numbers))).mean(1)
     low, high = np.percentile(means, [2.5, 97.5])
     return Interval(float(numbers.mean()), float(low), float(high), len(numbers))
+
+
+def nested_interval(groups: Sequence[Sequence[float]]) -> Interval:
+    """Return the mean of groups' means and its 95% interval by resampling groups and their values.
+
+    So the interval of figures from several trainings holds what another training would change, and
+    not only what other games would (Agarwal et al. 2021, section 4.1). Of one group it is
+    ``interval``.
+
+    Args:
+        groups: The values of each training, none of them empty.
+
+    Raises:
+        ValueError: There are no values.
+    """
+    if len(groups) == 1:
+        return interval(groups[0])
+    means = np.stack([_resampled_means(values, seed) for seed, values in enumerate(groups)])
+    rng = np.random.default_rng(RESAMPLING_SEED)
+    drawn = rng.integers(len(groups), size=(len(groups), RESAMPLES))
+    low, high = np.percentile(means[drawn, np.arange(RESAMPLES)].mean(0), [2.5, 97.5])
+    mean = float(np.mean([np.mean(values) for values in groups]))
+    return Interval(mean, float(low), float(high), sum(map(len, groups)))
+
+
+def interquartile_interval(strata: Sequence[Sequence[Sequence[float]]]) -> Interval:
+    """Return the interquartile mean of all groups' means, with its stratified 95% interval.
+
+    The mean of the middle half, which neither a few failures nor a few perfect results decide
+    (Agarwal et al. 2021, section 4.3). Groups are resampled within their stratum, and their values.
+
+    Args:
+        strata: For each behaviour the values of each training, none of them empty.
+
+    Raises:
+        ValueError: There are no values.
+    """
+    rng = np.random.default_rng(RESAMPLING_SEED)
+    parts = []
+    for number, groups in enumerate(strata):
+        means = np.stack([_resampled_means(v, (number, seed)) for seed, v in enumerate(groups)])
+        drawn = rng.integers(len(groups), size=(len(groups), RESAMPLES))
+        parts.append(means[drawn, np.arange(RESAMPLES)])
+    low, high = np.percentile(_interquartile_means(np.concatenate(parts)), [2.5, 97.5])
+    found = np.array([[np.mean(values)] for groups in strata for values in groups])
+    n = sum(len(values) for groups in strata for values in groups)
+    return Interval(float(_interquartile_means(found)[0]), float(low), float(high), n)
+
+
+def _resampled_means(values: Sequence[float], seed: int | tuple[int, int]) -> Numbers:
+    """Return the means of resampled values, float64 (RESAMPLES,)."""
+    if not values:
+        raise ValueError("Expected at least one value.")
+    rng = np.random.default_rng((RESAMPLING_SEED, *np.atleast_1d(seed).tolist()))
+    means: Numbers = rng.choice(np.asarray(values, np.float64), (RESAMPLES, len(values))).mean(1)
+    return means
+
+
+def _interquartile_means(values: Numbers) -> Numbers:
+    """Return the interquartile mean of each column of (N, K) values, float64 (K,).
+
+    The quarters cut off count the values that they cut through in part.
+    """
+    n = len(values)
+    ordered = np.sort(values, axis=0)
+    begins = np.arange(n)
+    inside = np.clip(np.minimum(begins + 1, 0.75 * n) - np.maximum(begins, 0.25 * n), 0.0, None)
+    means: Numbers = inside @ ordered / inside.sum()
+    return means
 
 
 def summarise(games: Sequence[GameFigures]) -> PolicySummary:
