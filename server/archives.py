@@ -19,6 +19,8 @@ _LOG = logging.getLogger(__name__)
 
 TIMEOUT_S = 300.0
 """An archive takes about 15 s on an idle core: PyTorch is loaded, and two clips are made."""
+NICENESS = "10"
+"""Somebody waits for it: before trainings (19), after play (0)."""
 MAX_WAITING = 2
 
 
@@ -65,7 +67,7 @@ class ArchiveMaker:
             export = [sys.executable, "-m", "cli", "runs", "export", run_id, "-o", str(path)]
             # Games come first.
             done = run_program(
-                ["nice", "-n", "19", *export], self._timeout_s, "archive", environ=self._environ
+                ["nice", "-n", NICENESS, *export], self._timeout_s, "archive", environ=self._environ
             )
             if done.returncode != 0:
                 _LOG.error("An archive could not be made: %s", done.stderr.decode(errors="replace"))
