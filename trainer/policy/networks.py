@@ -182,6 +182,14 @@ class Policy:
     def __init__(self, network: ScreenPolicy) -> None:
         self._network = network
 
+    def logits(self, pixels: Tensor) -> Tensor:
+        """Return the logit of each action, float32 (N, 6), differentiable.
+
+        Args:
+            pixels: uint8 or float32 (N, 4, 84, 84), 0 to 255.
+        """
+        return self._network.logits_and_values(pixels)[0]
+
     def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
         """Return the probability of each action, float32 (N, 6).
 

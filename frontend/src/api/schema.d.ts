@@ -849,10 +849,13 @@ export interface paths {
         };
         /**
          * Get Attention
-         * @description Return what a training's reward model looks at in a state of a recording.
+         * @description Return what a network of a training looks at in a state of a recording.
          *
-         *     The map is non-negative, in the observation's 84x84 pixels, and summed over its four screens.
-         *     Its computation stops when the client disconnects.
+         *     The map is non-negative, in the observation's 84x84 pixels. It says how much R changes, or the
+         *     log odds of the action that a policy would choose: by the gradient if a pixel became background,
+         *     to first order; by occlusion if patches of 3x3 pixels of one screen did, the sum of all over a
+         *     pixel; by patches of 9x9 pixels of all screens, the mean of those over a pixel. Its computation
+         *     stops when the client disconnects.
          */
         get: operations["get_attention"];
         put?: never;
@@ -1912,13 +1915,18 @@ export interface components {
          * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          *
-         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
+         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end. The deviations
+         *     are the standard deviations of both, null if the reward model does not know them.
          */
         RewardTrace: {
+            /** Level Deviations */
+            level_deviations: number[] | null;
             /** Levels */
             levels: number[];
             /** Recording Id */
             recording_id: number;
+            /** Reward Deviations */
+            reward_deviations: number[] | null;
             /** Rewards */
             rewards: number[];
             /** Run Id */
@@ -6657,7 +6665,8 @@ export interface operations {
     get_attention: {
         parameters: {
             query: {
-                method: "gradient" | "occlusion";
+                method: "gradient" | "occlusion" | "patches";
+                network?: "reward" | "imitator" | "clone";
                 step: number;
             };
             header?: never;
@@ -6672,6 +6681,8 @@ export interface operations {
             /** @description float32 (84, 84), little-endian. */
             200: {
                 headers: {
+                    /** @description Number of the action that a policy would choose. */
+                    "X-Tril-Action"?: number;
                     [name: string]: unknown;
                 };
                 content: {

@@ -30,6 +30,7 @@ export type RecordingCourse = Schemas["RecordingCourse"];
 export type RecordingsChange = Schemas["RecordingsChange"];
 export type RecordingUpdate = Schemas["RecordingUpdate"];
 export type RewardState = Schemas["RewardState"];
+export type RewardTrace = Schemas["RewardTrace"];
 export type Run = Schemas["Run"];
 export type RunNew = Schemas["RunNew"];
 export type RunResults = Schemas["RunResults"];
