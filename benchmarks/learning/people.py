@@ -283,7 +283,7 @@ class Lesson:
             print(number, json.dumps(taus), flush=True)
             check = None
             if self.arguments.check:
-                check = check_ranking(model, dataset, self.seed, NullProgress())
+                check, _ = check_ranking(model, dataset, self.seed, NullProgress())
             place = folder / str(number)
             place.mkdir()
             start = self._imitate(model, start, place, number)

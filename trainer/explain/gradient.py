@@ -1,7 +1,8 @@
 """A quick attention map: gradient times input (Shrikumar et al. 2016).
 
-To first order it is the change of R, or of an action's odds, if one pixel became background, so it estimates the map by
-occlusion from one pass through the network and back. docs/benchmarks.md compares the two.
+To first order it is the change of R, or of an action's odds, if one pixel became background, so it
+estimates the map by occlusion from one pass through the network and back. docs/benchmarks.md
+compares the two.
 """
 
 from __future__ import annotations

@@ -1033,6 +1033,7 @@ export interface components {
          * @description Attention of the reward model at one state; pictures are PNG artifacts.
          */
         AttentionMap: {
+            faithfulness: components["schemas"]["Faithfulness"] | null;
             /** Frame Url */
             frame_url: string;
             /** Map Url */
@@ -1245,6 +1246,14 @@ export interface components {
             start_number: number;
         };
         /**
+         * Faithfulness
+         * @description How faithful an attention map is: its order of pixels, and the mean of random ones.
+         */
+        Faithfulness: {
+            map: components["schemas"]["MeasuredOrder"];
+            random: components["schemas"]["MeasuredOrder"];
+        };
+        /**
          * Game
          * @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md).
          */
@@ -1446,6 +1455,25 @@ export interface components {
             p95_ms: number | null;
             /** Presses */
             presses: number;
+        };
+        /**
+         * MeasuredOrder
+         * @description What happens to R while pixels are hidden or shown in an order.
+         *
+         *     Shares are of the change when all pixels are hidden, see trainer.explain.faithfulness.
+         *
+         *     Attributes:
+         *         deletion: Mean change while pixels are hidden; large if the important ones come first.
+         *         insertion: Mean change that is left while they are put into an empty screen; small then.
+         *         hidden_fifth: Change when the first fifth is hidden.
+         */
+        MeasuredOrder: {
+            /** Deletion */
+            deletion: number;
+            /** Hidden Fifth */
+            hidden_fifth: number;
+            /** Insertion */
+            insertion: number;
         };
         /**
          * MemoryCell

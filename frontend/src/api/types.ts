@@ -29,6 +29,7 @@ export type Recording = Schemas["Recording"];
 export type RecordingCourse = Schemas["RecordingCourse"];
 export type RecordingsChange = Schemas["RecordingsChange"];
 export type RecordingUpdate = Schemas["RecordingUpdate"];
+export type Faithfulness = Schemas["Faithfulness"];
 export type RewardState = Schemas["RewardState"];
 export type RewardTrace = Schemas["RewardTrace"];
 export type Run = Schemas["Run"];

@@ -9,12 +9,13 @@ import socket
 import stat
 import struct
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from testsupport.processes import tril_process
@@ -22,7 +23,7 @@ from testsupport.workplace import Workplace, make_workplace
 from trainer.explain.attention import attention_map
 from trainer.explain.gradient import gradient_map
 from trainer.explain.patches import patch_map
-from trainer.explain.subject import ActionOdds
+from trainer.explain.subject import ActionOdds, Subject
 from trainer.policy.networks import Policy, load_policy, new_policy, save_policy
 from trainer.progress import Progress
 from trainer.reward.model import RewardModel, new_network
@@ -30,7 +31,7 @@ from trainer.runtime import inference
 from trainer.runtime.inference import InferenceServer, Models
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import Observations
+from tril.game.observation import Observation, Observations
 from tril.inference import (
     MAX_BODY_BYTES,
     MAX_HEADER_BYTES,
@@ -303,7 +304,7 @@ def framed(header: object) -> bytes:
     return struct.pack("<I", len(text)) + text
 
 
-MAPS = {
+MAPS: dict[AttentionMethod, Callable[[Subject, Observation], npt.NDArray[np.float32]]] = {
     "gradient": lambda subject, state: gradient_map(subject, state).sum(0),
     "occlusion": lambda subject, state: attention_map(subject, state).sum(0),
     "patches": patch_map,

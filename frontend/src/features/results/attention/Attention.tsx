@@ -1,9 +1,9 @@
 import { useMemo, useState } from "react";
 import { Link } from "react-router";
 
-import type { AttentionMap, Recording, RunResults } from "@/api/types";
+import type { AttentionMap, Faithfulness, Recording, RunResults } from "@/api/types";
 import type { Watched } from "@/features/results/watched";
-import { FRAMES_PER_STEP, measured } from "@/lib/format";
+import { fixed, FRAMES_PER_STEP, measured, percent } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Attention.module.css";
@@ -79,6 +79,22 @@ export function Attention({ results, onWatch }: AttentionProps) {
   );
 }
 
+/** Whether the map's bright pixels matter to R: the deletion and insertion tests in words. */
+function FaithfulnessFacts({ map, random }: Faithfulness) {
+  return (
+    <>
+      <span>
+        Hiding the brightest fifth of the pixels changes R by {percent(map.hidden_fifth, 0)} of what
+        hiding all of them does; hiding as many random ones by {percent(random.hidden_fifth, 0)}.
+      </span>
+      <span title="Mean change of R while pixels are hidden, or put into an empty screen, the brightest first; shares of the change when all are hidden. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.">
+        Deletion {fixed(map.deletion, 2)} ({fixed(random.deletion, 2)}), insertion{" "}
+        {fixed(map.insertion, 2)} ({fixed(random.insertion, 2)})
+      </span>
+    </>
+  );
+}
+
 function MapFigure({
   map,
   colours,
@@ -127,6 +143,7 @@ function MapFigure({
         <Link to={momentPath(map, runId)}>
           {name}, step {map.step}
         </Link>
+        {map.faithfulness && <FaithfulnessFacts {...map.faithfulness} />}
       </figcaption>
     </figure>
   );
