@@ -19,11 +19,14 @@ from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
 from server.play.replays import ReplayTask
-from server.play.replays.products import read_final_picture, read_observations
+from server.play.replays.products import (
+    read_final_picture,
+    read_observation,
+    read_observations,
+)
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
 from tril.analysis.linear_reward import can_form_opinions, form_opinions
-from tril.errors import NotFound
 from tril.game.space_invaders import MAX_STEPS
 from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
 from tril.recording import Recording
@@ -233,11 +236,9 @@ async def get_attention(
             runs.get(session, str(run_id))
             recording = recordings.as_recording(recordings.get(session, recording_id))
         content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
-        observations = read_observations(content)
-        if step >= len(observations):
-            raise NotFound(f"The recording ends at step {len(observations) - 1}.")
+        observation = read_observation(content, step)
         found = services.inference.attention(
-            str(run_id), observations[step], network, method, given_up.is_set
+            str(run_id), observation, network, method, given_up.is_set
         )
         headers = {} if found.action is None else {ACTION_HEADER: str(int(found.action))}
         return Response(found.values.tobytes(), headers=headers, media_type=_BYTES)

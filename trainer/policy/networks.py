@@ -328,6 +328,8 @@ def _network_of_weights(path: Path) -> ScreenPolicy:
 def _sized(size: NetworkSize) -> ScreenPolicy:
     arguments = policy_arguments("nature")
     arguments["features_extractor_kwargs"] = {"size": size}
+    # Its weights are replaced; to make them orthogonal would take most of the time of loading.
+    arguments["ortho_init"] = False
     with torch.random.fork_rng(devices=[]):
         return channels_last(_screen_policy(arguments))
 
