@@ -202,6 +202,11 @@ def test_the_tables_hold_every_game_and_point(unpacked: Path) -> None:
     assert json.loads((unpacked / "recipe.json").read_text())["name"] == "tiny"
 
 
+def test_the_curves_are_there_for_tensorboard(unpacked: Path) -> None:
+    (events,) = (unpacked / "tensorboard").iterdir()
+    assert b"imitator/hits" in events.read_bytes()
+
+
 def test_the_recordings_are_in_the_exchange_format(unpacked: Path) -> None:
     lines = (unpacked / "recordings/ranked.jsonl").read_text().splitlines()
     given = [load_recording(json.loads(line)) for line in lines]
