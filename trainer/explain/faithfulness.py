@@ -62,7 +62,7 @@ def differences(
 
 
 def measure_faithfulness(
-    subject: Subject, observation: Observation, values: Map, rng: np.random.Generator
+    subject: Subject, observation: Observation, values: Map, scale: float, rng: np.random.Generator
 ) -> Faithfulness | None:
     """Measure a map against random orders.
 
@@ -70,24 +70,26 @@ def measure_faithfulness(
         subject: What the map explains.
         observation: uint8 (4, 84, 84).
         values: The map, float32 (84, 84).
+        scale: The change that counts as 1: of a reward model from how demonstrations begin to how
+            the best ones end. What changes when everything is hidden is no unit: an empty screen
+            may be as good as this one.
         rng: Draws the random orders.
 
     Returns:
-        The measurement; None if the screens are empty or hiding everything changes nothing.
+        The measurement; None if the screens are empty.
     """
     pixels = occupied_pixels(observation)
+    if not len(pixels):
+        return None
     drawn = [rng.permutation(pixels) for _ in range(N_RANDOM)]
     orders = [order_of(values, pixels), *drawn]
     deleted = [differences(subject, observation, order, insert=False) for order in orders]
     inserted = [differences(subject, observation, order, insert=True) for order in orders]
-    whole = float(deleted[0][-1])
-    if not whole > 0.0:
-        return None
     found = [
         MeasuredOrder(
-            deletion=float(one.mean() / whole),
-            insertion=float(other.mean() / whole),
-            hidden_fifth=float(one[round(BRIGHTEST * POINTS)] / whole),
+            deletion=float(one.mean() / scale),
+            insertion=float(other.mean() / scale),
+            hidden_fifth=float(one[round(BRIGHTEST * POINTS)] / scale),
         )
         for one, other in zip(deleted, inserted, strict=True)
     ]

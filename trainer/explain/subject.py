@@ -10,7 +10,6 @@ import torch
 from torch import Tensor
 
 from trainer.nn.devices import CPU, forward_batch
-from trainer.policy.networks import Policy
 from tril.game.observation import Observation, Observations
 from tril.game.space_invaders import Action
 
@@ -25,6 +24,16 @@ class Subject(Protocol):
         """Return the numbers, float32 (N,), differentiable, of float32 (N, 4, 84, 84)."""
 
 
+class Chooser(Protocol):
+    """What chooses actions: a trainer.policy.networks.Policy."""
+
+    def probabilities(self, observations: Observations) -> npt.NDArray[np.float32]:
+        """Return the probability of each action, float32 (N, 6)."""
+
+    def logits(self, pixels: Tensor) -> Tensor:
+        """Return the logit of each action, float32 (N, 6), differentiable."""
+
+
 class ActionOdds:
     """The log odds that a policy chooses an action, log(p / (1 - p)) with the natural logarithm.
 
@@ -36,12 +45,12 @@ class ActionOdds:
         action: The action.
     """
 
-    def __init__(self, policy: Policy, action: Action) -> None:
+    def __init__(self, policy: Chooser, action: Action) -> None:
         self.action = action
         self._policy = policy
 
     @classmethod
-    def of_choice(cls, policy: Policy, observation: Observation) -> ActionOdds:
+    def of_choice(cls, policy: Chooser, observation: Observation) -> ActionOdds:
         """Return the odds of the action that a policy finds most likely in a state."""
         probabilities = policy.probabilities(observation[None])
         return cls(policy, Action(int(probabilities[0].argmax())))

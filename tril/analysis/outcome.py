@@ -202,7 +202,8 @@ class RewardPercentiles(Stored):
 class MeasuredOrder(Stored):
     """What happens to R while pixels are hidden or shown in an order.
 
-    Shares are of the change when all pixels are hidden, see trainer.explain.faithfulness.
+    In levels: 1 is the change from how demonstrations begin to how the best ones end. See
+    trainer.explain.faithfulness.
 
     Attributes:
         deletion: Mean change while pixels are hidden; large if the important ones come first.

@@ -182,6 +182,7 @@ def test_the_report_is_one_page_that_loads_nothing_and_says_everything(unpacked:
     assert "<script" not in page
     assert page.count("<svg") >= 4
     assert "targets" in page.partition('class="verdict')[2][:400]
+    assert "changes R by 80% of its range, hiding as many random ones by 12%" in page
     assert page.count("data:image/webp;base64,") == 2
     assert "tril train column-1 --recipe tiny --steps 256" in page
     for said in ("policy.learning_rate", "Kendall&#39;s tau", "python", "predicted return"):

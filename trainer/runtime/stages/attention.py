@@ -65,7 +65,8 @@ def _draw_state(
     data: RunData, state: NamedState, rng: np.random.Generator, progress: Progress
 ) -> None:
     observation = data.ranked_trajectories[state.trajectory].observations[state.step]
-    maps = attention_map(data.reward_model, observation, progress)
+    model = data.reward_model
+    maps = attention_map(model, observation, progress)
     number = data.snapshot.ranked[state.trajectory]
     screen = screen_at(data.recordings([number])[number], state.step)
     name = f"attention-{state.name.replace(' ', '-')}"
@@ -74,7 +75,9 @@ def _draw_state(
         reward=state.reward,
         recording_id=number,
         step=state.step,
-        faithfulness=measure_faithfulness(data.reward_model, observation, maps.sum(0), rng),
+        faithfulness=measure_faithfulness(
+            model, observation, maps.sum(0), model.one - model.zero, rng
+        ),
     ).model_dump(mode="json")
     files = {
         ("attention_map", f"{name}.png", PNG): attention_picture(maps.sum(0), "perceptual"),

@@ -38,6 +38,8 @@ export function Attention({ results, onWatch }: AttentionProps) {
       <p className={styles.note}>
         One patch of the screen is occluded at a time; the more R changes, the brighter (or redder)
         the patch. Shown for four states of the ranked recordings, from the lowest R to the highest.
+        {results.attention.some((map) => map.faithfulness) &&
+          " The range of R is from how demonstrations begin to how the best ones end."}
       </p>
       <fieldset className={styles.bar}>
         <legend className="visually-hidden">Colour map</legend>
@@ -84,10 +86,10 @@ function FaithfulnessFacts({ map, random }: Faithfulness) {
   return (
     <>
       <span>
-        Hiding the brightest fifth of the pixels changes R by {percent(map.hidden_fifth, 0)} of what
-        hiding all of them does; hiding as many random ones by {percent(random.hidden_fifth, 0)}.
+        Hiding the brightest fifth of the pixels changes R by {percent(map.hidden_fifth, 0)} of its
+        range; hiding as many random ones by {percent(random.hidden_fifth, 0)}.
       </span>
-      <span title="Mean change of R while pixels are hidden, or put into an empty screen, the brightest first; shares of the change when all are hidden. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.">
+      <span title="Mean change of R while pixels are hidden, or put into an empty screen, the brightest first, where 1 is the range of R: from how demonstrations begin to how the best ones end. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.">
         Deletion {fixed(map.deletion, 2)} ({fixed(random.deletion, 2)}), insertion{" "}
         {fixed(map.insertion, 2)} ({fixed(random.insertion, 2)})
       </span>
