@@ -14,8 +14,10 @@ from tril.analysis.outcome import (
     AttentionDetails,
     AttentionState,
     CheckOutcome,
+    Faithfulness,
     Headline,
     ImitatorOutcome,
+    MeasuredOrder,
     RewardPercentiles,
     RewardState,
     RunOutcome,
@@ -62,9 +64,15 @@ def _keep_attention(workplace: Workplace, run_id: str) -> None:
     percentiles = RewardPercentiles(
         states=[RewardState(reward=p / 100, recording_id=first, step=p) for p in range(101)]
     )
+    faithfulness = Faithfulness(
+        map=MeasuredOrder(deletion=0.81, insertion=0.22, hidden_fifth=0.8),
+        random=MeasuredOrder(deletion=0.45, insertion=0.47, hidden_fifth=0.12),
+    )
     with workplace.database.writing() as session:
         for state in AttentionState:
-            details = AttentionDetails(state=state, reward=0.25, recording_id=first, step=7)
+            details = AttentionDetails(
+                state=state, reward=0.25, recording_id=first, step=7, faithfulness=faithfulness
+            )
             for kind in PICTURES:
                 name = picture_name(state, kind)
                 size = store.put(artifacts.path_of(run_id, name), pictures[kind])

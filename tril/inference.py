@@ -7,14 +7,16 @@ one that is idle for half a minute is closed.
 Requests, with observations uint8 (N, 4, 84, 84):
 
 - ``{"op": "ping"}``
-- ``{"op": "reward", "run_id"}`` gives R of each observation, float32 (N,).
+- ``{"op": "judge", "run_id"}`` gives R of each observation and its standard deviation, float32
+  (2, N); the deviations are NaN if the reward model does not know them.
 - ``{"op": "act", "run_id", "policies"}`` gives the probability of each action, float32 (N, 6), by
   the policy named for each observation. A connection keeps the policies it has used, so that a game
   is played by one policy even if a resumed run replaces its file.
 - ``{"op": "scale", "run_id"}`` gives R at which the level is 0 and R at which it is 1, float32
   (2,).
-- ``{"op": "attention", "run_id", "method"}`` gives the attention map of one observation, float32
-  (84, 84). The work ends when the client disconnects.
+- ``{"op": "attention", "run_id", "network", "method"}`` gives the attention map of one observation,
+  float32 (84, 84), and in the reply's header the ``action`` that a policy would choose, null of a
+  reward model. The work ends when the client disconnects.
 
 A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
 """
@@ -29,6 +31,7 @@ import struct
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -43,6 +46,7 @@ from tril.game.observation import (
     Observations,
     check_observations,
 )
+from tril.game.space_invaders import Action
 
 MAX_HEADER_BYTES = 16 * 1024
 MAX_OBSERVATIONS = 1024
@@ -61,8 +65,46 @@ GIVEN_UP_POLL_S = 0.05
 
 Values = npt.NDArray[np.float32]
 
-AttentionMethod = Literal["gradient", "occlusion"]
-"""How attention is mapped: at once by the gradient, or by occlusion, as published."""
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a reward model says of observations.
+
+    Attributes:
+        rewards: R, float32 (N,).
+        deviations: The standard deviation of R, float32 (N,); None if the model does not know it.
+    """
+
+    rewards: Values
+    deviations: Values | None
+
+    @classmethod
+    def of(cls, values: Values) -> Judgement:
+        """Return what the process answered, float32 (2, N), NaN where nothing is known."""
+        return cls(values[0], None if np.isnan(values[1]).any() else values[1])
+
+
+AttentionMethod = Literal["gradient", "occlusion", "patches"]
+"""How attention is mapped: at once by the gradient, by occlusion of 3x3 pixels of one screen, as
+published, or by patches of 9x9 pixels of all four."""
+
+AttentionNetwork = Literal["reward", "imitator", "clone"]
+"""Whose attention is mapped."""
+
+
+@dataclass(frozen=True)
+class AttentionMap:
+    """What a network looks at in a state.
+
+    Attributes:
+        values: float32 (84, 84), non-negative. By the gradient and by occlusion the sum over the
+            observation's screens.
+        action: The action that a policy would choose, whose log odds the map explains; None of a
+            reward model, whose R it explains.
+    """
+
+    values: Values
+    action: Action | None
 
 
 class GivenUp(Exception):
@@ -92,17 +134,17 @@ class InferenceClient:
         """Check that the process replies; raises Unavailable otherwise."""
         self._request({"op": "ping"})
 
-    def reward(self, run_id: str, observations: Observations) -> Values:
-        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84), by a run's reward model.
+    def judge(self, run_id: str, observations: Observations) -> Judgement:
+        """Return R of observations, uint8 (N, 4, 84, 84), by a run's reward model.
 
         Raises:
             NotFound: The run has no reward model.
             Unavailable: The process does not reply.
         """
-        parts = [
-            self._request({"op": "reward", "run_id": run_id}, part) for part in _parts(observations)
-        ]
-        return np.frombuffer(b"".join(parts), np.float32)
+        request = {"op": "judge", "run_id": run_id}
+        parts = [self._request(request, part) for part in _parts(observations)]
+        values = [np.frombuffer(part, np.float32).reshape(2, -1) for part in parts]
+        return Judgement.of(np.concatenate(values, axis=1))
 
     def scale(self, run_id: str) -> tuple[float, float]:
         """Return R at which a run's level is 0, and R at which it is 1.
@@ -119,46 +161,52 @@ class InferenceClient:
         self,
         run_id: str,
         observation: Observation,
+        network: AttentionNetwork,
         method: AttentionMethod,
         is_given_up: Callable[[], bool],
-    ) -> Values:
-        """Return the attention map of a run's reward model, float32 (84, 84), non-negative.
-
-        It is the sum over the observation's screens.
+    ) -> AttentionMap:
+        """Return the attention map of one of a run's networks.
 
         Args:
             run_id: The run.
             observation: uint8 (4, 84, 84).
+            network: Whose.
             method: How.
             is_given_up: Whether nobody waits for the map any more; the process then drops it.
 
         Raises:
-            NotFound: The run has no reward model.
+            NotFound: The run has no such network.
             Unavailable: The process does not reply.
             GivenUp: ``is_given_up`` said so.
         """
-        request = {"op": "attention", "run_id": run_id, "method": method}
-        body = _checked(observation[None])
-        values = np.frombuffer(self._request(request, body, is_given_up), np.float32)
-        return values.reshape(SIZE, SIZE)
+        request = {"op": "attention", "run_id": run_id, "network": network, "method": method}
+        header, values = self._exchange(request, _checked(observation[None]), is_given_up)
+        action = header.get("action")
+        return AttentionMap(
+            np.frombuffer(values, np.float32).reshape(SIZE, SIZE),
+            None if action is None else Action(action),
+        )
 
-    def _request(
+    def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
+        return self._exchange(request, body)[1]
+
+    def _exchange(
         self,
         request: dict[str, Any],
-        body: bytes = b"",
+        body: bytes,
         is_given_up: Callable[[], bool] | None = None,
-    ) -> bytearray:
+    ) -> tuple[dict[str, Any], bytearray]:
         try:
             try:
-                return self._request_once(request, body, is_given_up)
+                return self._exchange_once(request, body, is_given_up)
             except ConnectionError:
-                return self._request_once(request, body, is_given_up)
+                return self._exchange_once(request, body, is_given_up)
         except OSError as problem:
             raise unavailable(problem) from problem
 
-    def _request_once(
+    def _exchange_once(
         self, request: dict[str, Any], body: bytes, is_given_up: Callable[[], bool] | None
-    ) -> bytearray:
+    ) -> tuple[dict[str, Any], bytearray]:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(self._timeout_s)
             with address_of(self._path) as address:
@@ -168,7 +216,7 @@ class InferenceClient:
                 self._await_reply(connection, is_given_up)
             header, values = receive_message(connection)
         raise_refusal(header)
-        return values
+        return header, values
 
     def _await_reply(self, connection: socket.socket, is_given_up: Callable[[], bool]) -> None:
         deadline = time.monotonic() + self._timeout_s

@@ -4,11 +4,8 @@
 
 A reward is learned from the scripted example of a behaviour, or read from a file. On states spread
 over its ranked games, each method draws a map, summed over the four screens, and the deletion and
-insertion tests of Petsiuk et al. (2018, section 4.1) judge the order of its pixels: those that are
-not background in every screen are replaced by background, or put into an empty screen, the most
-important first. R is no probability, so the area is not that under R: it is the mean over 21 points
-of the absolute difference of the level from that of the whole state. Deletion should make it large
-early, insertion small early. A random order is what a map without meaning would score.
+insertion tests of Petsiuk et al. (2018, section 4.1) judge the order of its pixels, see
+trainer.explain.faithfulness. Areas are in levels.
 
 The page draws the gradient's map at once and that by 3x3 occlusion after it. Times are of one
 thread: seconds, and seconds of CPU, which depend less on other work. Prints a table and JSON.
@@ -25,7 +22,9 @@ import numpy.typing as npt
 import torch
 
 from trainer.explain.attention import attention_map
+from trainer.explain.faithfulness import Pixels, differences, occupied_pixels, order_of
 from trainer.explain.gradient import gradient_map
+from trainer.explain.patches import SIDE, STRIDE, patch_map
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import perturb_demonstrations
@@ -42,31 +41,10 @@ from tril.recording import Trajectory, trajectory
 Map = npt.NDArray[np.float32]
 Method = Callable[[RewardModel, Observation], Map]
 
-POINTS = 20
-"""Parts into which the pixels are deleted or inserted."""
-
 
 def by_patches(side: int, stride: int) -> Method:
     """Return the method that occludes larger patches, in all four screens at once."""
-
-    def draw(model: RewardModel, observation: Observation) -> Map:
-        size = observation.shape[1]
-        corners = [
-            (row, column)
-            for row in range(0, size - side + 1, stride)
-            for column in range(0, size - side + 1, stride)
-            if (observation[:, row : row + side, column : column + side] != BACKGROUND).any()
-        ]
-        occluded = np.repeat(observation[None], len(corners) + 1, axis=0)
-        for target, (row, column) in zip(occluded, corners, strict=False):
-            target[:, row : row + side, column : column + side] = BACKGROUND
-        rewards = model.score(occluded)
-        result = np.zeros((size, size), np.float32)
-        for change, (row, column) in zip(np.abs(rewards - rewards[-1]), corners, strict=False):
-            result[row : row + side, column : column + side] += change
-        return result
-
-    return draw
+    return lambda model, observation: patch_map(model, observation, side, stride)
 
 
 def integrated_gradients(model: RewardModel, observation: Observation, n: int = 8) -> Map:
@@ -85,6 +63,7 @@ METHODS: dict[str, Method] = {
     "occlusion, 3x3": lambda model, state: attention_map(model, state).sum(0),
     "occlusion, 4x4 every 2": by_patches(4, 2),
     "occlusion, 6x6 every 3": by_patches(6, 3),
+    "occlusion, 9x9 every 3": by_patches(SIDE, STRIDE),
     "gradient x input": lambda model, state: gradient_map(model, state).sum(0),
     "integrated gradients": integrated_gradients,
     "random": lambda _, state: np.random.default_rng(int(state.sum())).random(
@@ -93,25 +72,9 @@ METHODS: dict[str, Method] = {
 }
 
 
-def differences(
-    model: RewardModel, state: Observation, order: npt.NDArray[np.int64], *, insert: bool
-) -> float:
-    """Return the mean difference of the level while pixels are deleted or inserted in an order.
-
-    Args:
-        model: The reward model.
-        state: uint8 (4, 84, 84).
-        order: int64 (N, 2): row and column, the most important pixel first.
-        insert: Whether pixels are put into an empty screen.
-    """
-    changed = np.repeat(state[None], POINTS + 1, axis=0)
-    if insert:
-        changed[:] = BACKGROUND
-    for one, count in zip(changed, np.linspace(0, len(order), POINTS + 1).astype(int), strict=True):
-        rows, columns = order[:count].T
-        one[:, rows, columns] = state[:, rows, columns] if insert else BACKGROUND
-    levels = model.level(model.score(np.concatenate([changed, state[None]])))
-    return float(np.abs(levels[:-1] - levels[-1]).mean())
+def area(model: RewardModel, state: Observation, order: Pixels, *, insert: bool) -> float:
+    """Return the mean difference of the level while pixels are deleted or inserted in an order."""
+    return float(differences(model, state, order, insert=insert).mean() / (model.one - model.zero))
 
 
 def learned(
@@ -155,7 +118,7 @@ def main() -> None:
     model, games = learned(behaviours[arguments.behaviour], arguments.updates, arguments.model)
     torch.set_num_threads(1)
     states = states_of(games, arguments.states)
-    pixels = [np.argwhere((state != BACKGROUND).any(0)) for state in states]
+    pixels = [occupied_pixels(state) for state in states]
     print(f"{'':<24}{'CPU ms':>8}{'p50 ms':>9}{'p95 ms':>9}{'deletion':>10}{'insertion':>11}")
     results = {}
     for name, draw in METHODS.items():
@@ -166,9 +129,9 @@ def main() -> None:
             values = draw(model, state)
             seconds.append(time.perf_counter() - begin)
             cpu.append(time.process_time() - begin_cpu)
-            order = where[np.argsort(-values[tuple(where.T)], kind="stable")]
-            deleted.append(differences(model, state, order, insert=False))
-            inserted.append(differences(model, state, order, insert=True))
+            order = order_of(values, where)
+            deleted.append(area(model, state, order, insert=False))
+            inserted.append(area(model, state, order, insert=True))
         p50, p95 = np.percentile(seconds, [50, 95]) * 1e3
         found = {
             "cpu_ms": float(np.median(cpu)) * 1e3,

@@ -185,6 +185,11 @@ class UnseenGames:
         for _ in range(N_UNSEEN_VARIED):
             self._varied.add(play_varied(rng, console).recording, console)
 
+    @property
+    def kinds(self) -> dict[str, Ranked]:
+        """The games: own ones of the behaviour, and games of varied play."""
+        return {"own": self._own, "varied": self._varied}
+
     def taus(self, model: RewardModel) -> dict[str, float | None]:
         """Return Kendall's tau of final levels with the games' worth, by kind of games.
 
@@ -332,7 +337,7 @@ class Lesson:
             print(number, json.dumps(taus), flush=True)
             check = None
             if self.arguments.check:
-                check = check_ranking(model, dataset, self.seed, NullProgress())
+                check, _ = check_ranking(model, dataset, self.seed, NullProgress())
             place = folder / str(number)
             place.mkdir()
             start = self._imitate(model, start, place, number)

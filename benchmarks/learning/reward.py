@@ -66,7 +66,9 @@ def main() -> None:
     )
     dataset = PreferenceDataset.from_demonstrations(trajectories, tiers, recipe, perfect)
     model, train_s, train_cpu_s = timed(lambda: train_reward_model(dataset, 0, NullProgress()))
-    check, check_s, check_cpu_s = timed(lambda: check_ranking(model, dataset, 0, NullProgress()))
+    (check, _), check_s, check_cpu_s = timed(
+        lambda: check_ranking(model, dataset, 0, NullProgress())
+    )
     assert check.held_out_accuracy is not None
     together_s, together_cpu_s = (
         copies_s + train_s + check_s,

@@ -216,6 +216,23 @@ def export(
     errors.print(f"Wrote {output} ({output.stat().st_size / 1e6:.1f} MB).")
 
 
+@app.command("tensorboard")
+def tensorboard(
+    run_id: str,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder to write to. Default: tensorboard/RUN_ID."),
+    ] = None,
+) -> None:
+    """Write a run's curves, results and hyperparameters as an event file for TensorBoard."""
+    from trainer.archive.tensorboard import write_tensorboard
+
+    with open_workspace() as workspace:
+        folder = output or Path("tensorboard") / run_id
+        file = write_tensorboard(workspace.database, run_id, folder)
+    errors.print(f"Wrote {file}. Show it with: tensorboard --logdir {folder}")
+
+
 @app.command("import")
 def import_file(
     file: Annotated[Path, typer.Argument(help="What `tril runs export` wrote.")],

@@ -19,13 +19,16 @@ from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
 from server.play.replays import ReplayTask
-from server.play.replays.products import read_final_picture, read_observations
+from server.play.replays.products import (
+    read_final_picture,
+    read_observation,
+    read_observations,
+)
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
 from tril.analysis.linear_reward import can_form_opinions, form_opinions
-from tril.errors import NotFound
 from tril.game.space_invaders import MAX_STEPS
-from tril.inference import AttentionMethod, GivenUp
+from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
 from tril.recording import Recording
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RecordingRow
@@ -40,6 +43,7 @@ OPINION_REPLAYS_S = 1.0
 """Time for replays in one request for an opinion."""
 MAX_UNRANKED_OPINIONS = 60
 
+ACTION_HEADER = "X-Tril-Action"
 _DISCONNECT_POLL_S = 0.05
 _CLIENT_CLOSED_REQUEST = 499
 """Nobody receives it; the status that nginx logs for this."""
@@ -177,13 +181,16 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
         runs.get(session, str(run_id))
         recording = recordings.as_recording(recordings.get(session, recording_id))
     content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
-    rewards = services.inference.reward(str(run_id), read_observations(content))
+    judged = services.inference.judge(str(run_id), read_observations(content))
     zero, one = services.inference.scale(str(run_id))
+    deviations = judged.deviations
     return RewardTrace(
         run_id=str(run_id),
         recording_id=recording_id,
-        rewards=rewards.tolist(),
-        levels=((rewards - zero) / (one - zero)).tolist(),
+        rewards=judged.rewards.tolist(),
+        levels=((judged.rewards - zero) / (one - zero)).tolist(),
+        reward_deviations=None if deviations is None else deviations.tolist(),
+        level_deviations=None if deviations is None else (deviations / (one - zero)).tolist(),
     )
 
 
@@ -191,7 +198,18 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
     "/runs/{run_id}/attention/{recording_id}",
     response_class=Response,
     responses=NOT_FOUND
-    | {200: {"content": {_BYTES: {}}, "description": "float32 (84, 84), little-endian."}},
+    | {
+        200: {
+            "content": {_BYTES: {}},
+            "description": "float32 (84, 84), little-endian.",
+            "headers": {
+                ACTION_HEADER: {
+                    "description": "Number of the action that a policy would choose.",
+                    "schema": {"type": "integer"},
+                }
+            },
+        }
+    },
     tags=["runs"],
 )
 async def get_attention(
@@ -200,26 +218,30 @@ async def get_attention(
     recording_id: RecordingId,
     step: Annotated[int, Query(ge=0, le=MAX_STEPS)],
     method: AttentionMethod,
+    network: AttentionNetwork = "reward",
 ) -> Response:
-    """Return what a training's reward model looks at in a state of a recording.
+    """Return what a network of a training looks at in a state of a recording.
 
-    The map is non-negative, in the observation's 84x84 pixels, and summed over its four screens.
-    Its computation stops when the client disconnects.
+    The map is non-negative, in the observation's 84x84 pixels. It says how much R changes, or the
+    log odds of the action that a policy would choose: by the gradient if a pixel became background,
+    to first order; by occlusion if patches of 3x3 pixels of one screen did, the sum of all over a
+    pixel; by patches of 9x9 pixels of all screens, the mean of those over a pixel. Its computation
+    stops when the client disconnects.
     """
     services = services_of(request)
     given_up = threading.Event()
 
-    def compute() -> bytes:
+    def compute() -> Response:
         with services.database.reading() as session:
             runs.get(session, str(run_id))
             recording = recordings.as_recording(recordings.get(session, recording_id))
         content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
-        observations = read_observations(content)
-        if step >= len(observations):
-            raise NotFound(f"The recording ends at step {len(observations) - 1}.")
-        return services.inference.attention(
-            str(run_id), observations[step], method, given_up.is_set
-        ).tobytes()
+        observation = read_observation(content, step)
+        found = services.inference.attention(
+            str(run_id), observation, network, method, given_up.is_set
+        )
+        headers = {} if found.action is None else {ACTION_HEADER: str(int(found.action))}
+        return Response(found.values.tobytes(), headers=headers, media_type=_BYTES)
 
     async def watch() -> None:
         while not await request.is_disconnected():
@@ -228,7 +250,7 @@ async def get_attention(
 
     watching = asyncio.create_task(watch())
     try:
-        return Response(await run_in_threadpool(compute), media_type=_BYTES)
+        return await run_in_threadpool(compute)
     except GivenUp:
         return Response(status_code=_CLIENT_CLOSED_REQUEST)
     finally:

@@ -164,6 +164,9 @@ def test_a_run_is_exported_and_imported_where_it_is_not(
     monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
     assert "Wrote" in _run("runs", "export", run_id, "-o", str(file))
     assert "is here already" in _run("runs", "import", str(file))
+    folder = tmp_path / "events"
+    assert "Wrote" in _run("runs", "tensorboard", run_id, "-o", str(folder))
+    assert [one.name.startswith("events.out.tfevents.") for one in folder.iterdir()] == [True]
     unfinished = _run("runs", "export", workplace.make_run(), "-o", str(file), status=1)
     assert "It can be taken away once it is done" in " ".join(unfinished.split())
 

@@ -18,6 +18,7 @@ import numpy as np
 from trainer.archive.commands import commands
 from trainer.archive.games import best_and_worst
 from trainer.archive.tables import curves_table, evaluation_table
+from trainer.archive.tensorboard import write_tensorboard
 from trainer.policy.networks import load_network, save_policy, save_weights
 from trainer.reporting.figures import PRINT, VECTOR
 from trainer.reporting.rendering import render
@@ -86,6 +87,8 @@ def write_archive(
             members |= {name: (STANDALONE / name).read_bytes() for name in PROGRAMS}
             members["curves.csv"] = curves_table(series).encode()
             members["evaluation.csv"] = evaluation_table(games).encode()
+            events = write_tensorboard(database, run_id, folder / "tensorboard")
+            members[f"tensorboard/{events.name}"] = events.read_bytes()
             members["recipe.json"] = _json(exported.run.recipe)
             members |= dict(_pages(report, exported, make_clip))
         write_whole(path, _zipped(folder / "archive.zip", members))

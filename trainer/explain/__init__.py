@@ -1,1 +1,1 @@
-"""Attention maps of the reward model: by occlusion, and quickly by gradient."""
+"""Attention maps of reward models and policies: by occlusion, and quickly by gradient."""

@@ -1,7 +1,8 @@
-"""Attention maps by occlusion: what the reward model looks at in a state (thesis, section 6.1).
+"""Attention maps by occlusion: what a network looks at in a state (thesis, section 6.1).
 
 A 3x3 patch of the game's background occludes each place of each of an observation's four screens.
-The absolute change of R is added to the nine pixels under the patch.
+The absolute change of R, or of the odds of a policy's action, is added to the nine pixels under the
+patch.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy.typing as npt
 import torch
 
 from trainer.explain.occlusion import PATCH, OccludedOutputs
+from trainer.explain.subject import Subject
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.analysis.outcome import AttentionState
@@ -78,15 +80,15 @@ def states_at(
 
 
 def attention_map(
-    model: RewardModel, observation: npt.NDArray[np.uint8], progress: Progress | None = None
+    subject: Subject, observation: npt.NDArray[np.uint8], progress: Progress | None = None
 ) -> npt.NDArray[np.float32]:
-    """Return the attention map of the reward model in one state.
+    """Return the attention map of a network in one state.
 
-    Patches that change no pixel are skipped, and only what a patch changes of the first two layers
-    is recomputed (see OccludedOutputs). The result equals brute force up to rounding.
+    Patches that change no pixel are skipped. Of a reward model only what a patch changes of the
+    first two layers is recomputed (see OccludedOutputs), which equals brute force up to rounding.
 
     Args:
-        model: The reward model; its raw R is used.
+        subject: What is explained; of a reward model it is its raw R.
         observation: uint8 (4, 84, 84).
         progress: Counts patches.
 
@@ -102,7 +104,10 @@ def attention_map(
             f" {observation.shape}."
         )
     positions = changing_positions(observation)
-    return spread(positions, changes_at(model, observation, positions, progress or NullProgress()))
+    progress = progress or NullProgress()
+    if isinstance(subject, RewardModel):
+        return spread(positions, changes_at(subject, observation, positions, progress))
+    return spread(positions, _brute_force_changes(subject, observation, positions, progress))
 
 
 def changes_at(
@@ -125,6 +130,25 @@ def changes_at(
             difference = (model.combine([member.at(part) for member in members]) - plain).abs()
             changes[begin : begin + BATCH] = difference.numpy()
             progress.advance(min(begin + BATCH, len(positions)), len(positions))
+    return changes
+
+
+def _brute_force_changes(
+    subject: Subject,
+    observation: npt.NDArray[np.uint8],
+    positions: npt.NDArray[np.int64],
+    progress: Progress,
+) -> npt.NDArray[np.float32]:
+    """Return what ``changes_at`` does for any subject, scoring whole observations."""
+    changes = np.empty(len(positions), np.float32)
+    plain = subject.score(observation[None])[0]
+    for begin in range(0, len(positions), BATCH):
+        part = positions[begin : begin + BATCH]
+        occluded = np.repeat(observation[None], len(part), axis=0)
+        for target, (screen, row, column) in zip(occluded, part.tolist(), strict=True):
+            target[screen, row : row + PATCH, column : column + PATCH] = BACKGROUND
+        changes[begin : begin + BATCH] = np.abs(subject.score(occluded) - plain)
+        progress.advance(begin + len(part), len(positions))
     return changes
 
 

@@ -182,6 +182,14 @@ class Policy:
     def __init__(self, network: ScreenPolicy) -> None:
         self._network = network
 
+    def logits(self, pixels: Tensor) -> Tensor:
+        """Return the logit of each action, float32 (N, 6), differentiable.
+
+        Args:
+            pixels: uint8 or float32 (N, 4, 84, 84), 0 to 255.
+        """
+        return self._network.logits_and_values(pixels)[0]
+
     def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
         """Return the probability of each action, float32 (N, 6).
 
@@ -320,6 +328,8 @@ def _network_of_weights(path: Path) -> ScreenPolicy:
 def _sized(size: NetworkSize) -> ScreenPolicy:
     arguments = policy_arguments("nature")
     arguments["features_extractor_kwargs"] = {"size": size}
+    # Its weights are replaced; to make them orthogonal would take most of the time of loading.
+    arguments["ortho_init"] = False
     with torch.random.fork_rng(devices=[]):
         return channels_last(_screen_policy(arguments))
 

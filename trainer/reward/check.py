@@ -16,9 +16,9 @@ from trainer.nn.devices import CPU
 from trainer.progress import OffsetProgress, Progress
 from trainer.reward.fragment_logits import Seed
 from trainer.reward.fragments import Fragmenter, fragment_returns
-from trainer.reward.model import RewardModel
+from trainer.reward.model import RewardModel, RewardNetwork, Spread
 from trainer.reward.preference_dataset import PreferenceDataset
-from trainer.reward.reward_trainer import RewardTrainer
+from trainer.reward.reward_trainer import RewardTrainer, standardisation
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import LEVEL_STEPS
@@ -124,8 +124,12 @@ def check_ranking(
     progress: Progress,
     checkpoint_folder: Path | None = None,
     device: torch.device = CPU,
-) -> RankingCheck:
+) -> tuple[RankingCheck, RewardModel]:
     """Check a reward model against the ranking it was learned from.
+
+    Returns:
+        The check, and the model; of a single pretrained network it then knows how sure it is, see
+        ``jackknife``.
 
     Args:
         model: What train_reward_model returned for the dataset.
@@ -145,11 +149,12 @@ def check_ranking(
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in rewards.items()}
     levels = {i: final_level(model.level(values)) for i, values in rewards.items()}
     tau = kendall_tau(tiers, levels)
-    held_out = _cross_validate(dataset, seed, progress, checkpoint_folder, device)
+    folds: list[RewardNetwork] = []
+    held_out = _cross_validate(dataset, seed, progress, folds, checkpoint_folder, device)
     accuracy = _accuracy(held_out) if held_out else None
     tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
     by_level = [(pair, levels[pair[0]] > levels[pair[1]]) for pair in pairs]
-    return RankingCheck(
+    check = RankingCheck(
         predicted_returns=returns,
         final_levels=levels,
         tau=tau,
@@ -160,6 +165,38 @@ def check_ranking(
         confused=_confused(tier_of, by_level, held_out),
         passed=tau >= PASSING_TAU and (accuracy is None or accuracy >= PASSING_ACCURACY),
     )
+    recipe = dataset.recipe
+    if recipe.pretrained and recipe.method == "fast" and len(model.members) == 1:
+        model = replace(model, spread=jackknife(folds, dataset))
+    return check, model
+
+
+def jackknife(folds: Sequence[RewardNetwork], dataset: PreferenceDataset) -> Spread | None:
+    """Return how sure R is, by networks that were each trained without a group of the games.
+
+    The variance of an estimate is (K - 1) / K times the sum of the squared deviations of its K
+    values without one group each (the delete-a-group jackknife, Kott 2001). The networks' outputs
+    are standardised as the final one's, see trainer.reward.reward_trainer.calibrate.
+
+    Args:
+        folds: Pretrained networks, which differ in their outputs alone.
+        dataset: All games.
+
+    Returns:
+        None if there are fewer than two networks, or one that gives all states the same value.
+    """
+    outputs = []
+    for network in folds:
+        offset, scale = standardisation(network, dataset)
+        if scale < 1e-6:
+            return None
+        outputs.append(((network.output.weight[0]) / scale, (network.output.bias - offset) / scale))
+    if len(outputs) < 2:
+        return None
+    factor = math.sqrt(1.0 - 1.0 / len(outputs))
+    weights = torch.stack([weight.detach().cpu() for weight, _ in outputs])
+    biases = torch.cat([bias.detach().cpu() for _, bias in outputs])
+    return Spread(factor * (weights - weights.mean(0)), factor * (biases - biases.mean()))
 
 
 def final_level(levels: npt.NDArray[np.float32]) -> float:
@@ -190,13 +227,14 @@ def _cross_validate(
     dataset: PreferenceDataset,
     seed: Seed,
     progress: Progress,
+    networks: list[RewardNetwork],
     checkpoint_folder: Path | None,
     device: torch.device,
 ) -> list[PairOutcome]:
     """Train networks with some demonstrations held out, and return how they order pairs with these.
 
-    A pair counts in each fold that holds out at least one of its two demonstrations. They are
-    compared by their final levels.
+    The networks are appended to ``networks``. A pair counts in each fold that holds out at least
+    one of its two demonstrations. They are compared by their final levels.
     """
     recipe, ranked = dataset.recipe, dataset.ranked
     n_folds = min(recipe.folds, len(ranked))
@@ -216,6 +254,7 @@ def _cross_validate(
         first, total = fold * updates, n_folds * updates
         # Loss and accuracy are curves of the final model's training.
         network = trainer.train(OffsetProgress(progress, first, total, with_values=False))
+        networks.append(network)
         model = RewardModel((network,))
         last = {i: dataset.trajectories[i].observations[-LEVEL_STEPS:] for i in ranked}
         levels = {i: final_level(model.score(observations)) for i, observations in last.items()}

@@ -24,6 +24,8 @@ from tril.game.observation import check_observations
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
+_SPREAD = "spread"
+"""Prefix of the tensors of a Spread in a file."""
 
 
 class RewardNetwork(nn.Module):
@@ -125,6 +127,51 @@ def network_of(weights: Mapping[str, Tensor]) -> RewardNetwork:
 
 
 @dataclass(frozen=True)
+class Spread:
+    """How sure a pretrained network's R is: its standard deviation at an observation.
+
+    R is linear in the network's features, and so is the deviation of each refit of its output from
+    their mean. The standard deviation is the norm of these deviations, each scaled as the estimator
+    says that made them, see trainer.reward.check.
+
+    Attributes:
+        weight: float32 (K, n_features).
+        bias: float32 (K,).
+    """
+
+    weight: Tensor
+    bias: Tensor
+
+    def __post_init__(self) -> None:
+        """Check the shapes; raises ValueError."""
+        if self.weight.ndim != 2 or self.bias.shape != self.weight.shape[:1]:
+            raise ValueError(
+                f"Expected a row of weights per bias, got {tuple(self.weight.shape)} and"
+                f" {tuple(self.bias.shape)}."
+            )
+
+    def at(self, features: Tensor) -> Tensor:
+        """Return the standard deviation of R, float32 (N,), from features (N, n_features)."""
+        deviations = F.linear(features, self.weight.to(features), self.bias.to(features))
+        norms: Tensor = torch.linalg.vector_norm(deviations, dim=1)
+        return norms
+
+
+@dataclass(frozen=True)
+class JudgedObservations:
+    """R of observations, and how sure the model is.
+
+    Attributes:
+        rewards: R, float32 (N,).
+        deviations: The standard deviation of R, float32 (N,), non-negative; None if the model does
+            not know it.
+    """
+
+    rewards: npt.NDArray[np.float32]
+    deviations: npt.NDArray[np.float32] | None
+
+
+@dataclass(frozen=True)
 class RewardModel:
     """R(observation), the mean of one or more networks.
 
@@ -138,6 +185,7 @@ class RewardModel:
         scales: Divisor of each difference, positive.
         zero: R at which the level is 0, see ``level``.
         one: R at which the level is 1.
+        spread: How sure a single pretrained network is; None where nobody measured it.
     """
 
     members: tuple[RewardNetwork, ...]
@@ -145,6 +193,7 @@ class RewardModel:
     scales: tuple[float, ...] = (1.0,)
     zero: float = 0.0
     one: float = 1.0
+    spread: Spread | None = None
 
     def __post_init__(self) -> None:
         """Freeze the members.
@@ -159,6 +208,10 @@ class RewardModel:
             )
         if not all(np.isfinite(self.offsets)) or not all(0 < s < np.inf for s in self.scales):
             raise ValueError(f"Offsets or scales are unusable: {self.offsets}, {self.scales}.")
+        if self.spread is not None:
+            n_features = {member.output.in_features for member in self.members}
+            if len(self.members) > 1 or n_features != {self.spread.weight.shape[1]}:
+                raise ValueError("Expected a spread of a single network and of its features.")
         for member in self.members:
             member.requires_grad_(False)
 
@@ -168,18 +221,53 @@ class RewardModel:
         Raises:
             ValueError: The observations have another shape or dtype.
         """
+        rewards: npt.NDArray[np.float32] = self._evaluate(observations, with_deviations=False)[0]
+        return rewards
+
+    @property
+    def knows_deviations(self) -> bool:
+        """Whether the model knows how sure it is."""
+        return self.spread is not None or len(self.members) > 1
+
+    def judge(self, observations: npt.NDArray[np.uint8]) -> JudgedObservations:
+        """Return R of observations, uint8 (N, 4, 84, 84), and how sure the model is.
+
+        The standard deviation is that of an ensemble's standardised members, or ``spread``'s.
+
+        Raises:
+            ValueError: The observations have another shape or dtype.
+        """
+        if not self.knows_deviations:
+            return JudgedObservations(self.score(observations), None)
+        return JudgedObservations(*self._evaluate(observations, with_deviations=True))
+
+    def _evaluate(
+        self, observations: npt.NDArray[np.uint8], *, with_deviations: bool
+    ) -> npt.NDArray[np.float32]:
+        """Return R, and, if asked for, its standard deviations: float32 (1 or 2, N)."""
         check_observations(observations)
-        result = np.empty(len(observations), np.float32)
+        result = np.empty((1 + with_deviations, len(observations)), np.float32)
         device = device_of(self.members[0])
         size = forward_batch(device)
         with torch.inference_mode():
             for begin in range(0, len(observations), size):
                 part = slice(begin, begin + size)
                 batch = channels_last_screens(observations[part]).to(device)
-                inputs = batch.to(torch.float32, memory_format=torch.channels_last)
-                outputs = [member.after_first(member.first(inputs)) for member in self.members]
-                result[part] = self.combine(outputs).cpu().numpy()
+                features = [member.read(batch) for member in self.members]
+                outputs = [
+                    member.from_features(values)
+                    for member, values in zip(self.members, features, strict=True)
+                ]
+                rows = [self.combine(outputs)]
+                if with_deviations:
+                    rows.append(self._deviations(features[0], outputs))
+                result[:, part] = torch.stack(rows).cpu().numpy()
         return result
+
+    def _deviations(self, features: Tensor, outputs: Sequence[Tensor]) -> Tensor:
+        if self.spread is not None:
+            return self.spread.at(features)
+        return self._standardised(outputs).std(0)
 
     def score_features(self, features: Tensor) -> npt.NDArray[np.float32]:
         """Return R, float32 (N,), from what a pretrained network reads, see RewardNetwork.read."""
@@ -188,10 +276,17 @@ class RewardModel:
             outputs = [member.from_features(inputs) for member in self.members]
             return self.combine(outputs).cpu().numpy()
 
+    def of_pixels(self, pixels: Tensor) -> Tensor:
+        """Return R, float32 (N,), differentiable, of float32 (N, 4, 84, 84), 0 to 255."""
+        return self.combine([member.after_first(member.first(pixels)) for member in self.members])
+
     def combine(self, outputs: Sequence[Tensor]) -> Tensor:
         """Return R from the outputs of all members, tensors of the same shape."""
+        return self._standardised(outputs).mean(0)
+
+    def _standardised(self, outputs: Sequence[Tensor]) -> Tensor:
         parts = zip(outputs, self.offsets, self.scales, strict=True)
-        return torch.stack([(out - offset) / scale for out, offset, scale in parts]).mean(0)
+        return torch.stack([(out - offset) / scale for out, offset, scale in parts])
 
     def level(self, rewards: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, float32."""
@@ -208,6 +303,10 @@ class RewardModel:
         tensors: dict[str, Tensor] = {}
         for number, member in enumerate(self.members):
             tensors |= prefixed(str(number), member.state_dict(), ".")
+        if self.spread is not None:
+            # Versions that do not know it read the networks alone.
+            own = {"weight": self.spread.weight, "bias": self.spread.bias}
+            tensors |= prefixed(_SPREAD, own, ".")
         header = {
             "offsets": self.offsets,
             "scales": self.scales,
@@ -242,15 +341,20 @@ class RewardModel:
             members = []
             for number in range(len(header["offsets"])):
                 members.append(network_of(weights[str(number)]))
-        except (SafetensorError, json.JSONDecodeError, KeyError, RuntimeError) as error:
+            return cls(
+                tuple(members),
+                tuple(header["offsets"]),
+                tuple(header["scales"]),
+                header["zero"],
+                header["one"],
+                _spread_of(weights[_SPREAD]) if _SPREAD in weights else None,
+            )
+        except (SafetensorError, KeyError, RuntimeError, ValueError) as error:
             raise Invalid(f"{path.name} cannot be read as a reward model: {error}") from error
-        return cls(
-            tuple(members),
-            tuple(header["offsets"]),
-            tuple(header["scales"]),
-            header["zero"],
-            header["one"],
-        )
+
+
+def _spread_of(tensors: Mapping[str, Tensor]) -> Spread:
+    return Spread(tensors["weight"].float(), tensors["bias"].float())
 
 
 def predicted_return(model: RewardModel, observations: npt.NDArray[np.uint8]) -> float:

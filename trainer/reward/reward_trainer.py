@@ -178,11 +178,7 @@ def calibrate(
     offsets, scales = [0.0] * len(members), [1.0] * len(members)
     if standardise:
         for number, member in enumerate(members):
-            outputs = _rewards(RewardModel((member,)), dataset, dataset.ranked)
-            scales[number] = float(np.concatenate(list(outputs.values())).std())
-            offsets[number] = min(
-                float(np.mean([outputs[i].mean() for i in tier])) for tier in dataset.tiers
-            )
+            offsets[number], scales[number] = standardisation(member, dataset)
         if min(scales) < 1e-6:
             raise Invalid(
                 "The reward model gives all states the same value: nothing was learned from this"
@@ -197,6 +193,13 @@ def calibrate(
         # Nothing was learned, which the check of the ranking reports. Any scale keeps R usable.
         one = zero + 1.0
     return replace(model, zero=zero, one=one)
+
+
+def standardisation(network: RewardNetwork, dataset: PreferenceDataset) -> tuple[float, float]:
+    """Return the offset and the scale of a network's output, see ``calibrate``."""
+    outputs = _rewards(RewardModel((network,)), dataset, dataset.ranked)
+    offset = min(float(np.mean([outputs[i].mean() for i in tier])) for tier in dataset.tiers)
+    return offset, float(np.concatenate(list(outputs.values())).std())
 
 
 def _rewards(

@@ -23,6 +23,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from trainer.explain.attention import attention_map
 from trainer.explain.gradient import gradient_map
+from trainer.explain.patches import patch_map
+from trainer.explain.subject import ActionOdds, Subject
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import CallbackProgress, Progress
 from trainer.reward.model import RewardModel
@@ -183,8 +185,8 @@ class _Handler(socketserver.BaseRequestHandler):
             header, body = receive_message(self.request)
             is_understood = True
             progress = CallbackProgress(self._stop_if_disconnected)
-            values = answers.to(header, body, progress)
-            reply: dict[str, Any] = {"ok": True}
+            facts, values = answers.to(header, body, progress)
+            reply: dict[str, Any] = {"ok": True, **facts}
         except Disconnected:
             return False
         except (TrilError, SQLAlchemyError) as problem:
@@ -213,8 +215,10 @@ class Answers:
         self._models = models
         self._policies: dict[tuple[str, str], Policy] = {}
 
-    def to(self, header: dict[str, Any], body: bytearray, progress: Progress) -> bytes:
-        """Return the values that answer a request.
+    def to(
+        self, header: dict[str, Any], body: bytearray, progress: Progress
+    ) -> tuple[dict[str, Any], bytes]:
+        """Return what the header of the answer to a request says, and its values.
 
         Args:
             header: The request's header.
@@ -227,31 +231,43 @@ class Answers:
         """
         op, run_id = header.get("op"), header.get("run_id")
         if op == "ping":
-            return b""
-        if op not in {"reward", "scale", "attention", "act"}:
+            return {}, b""
+        if op not in {"judge", "scale", "attention", "act"}:
             raise Invalid(
-                f"There is no operation {op!r}; choose ping, reward, scale, attention or act."
+                f"There is no operation {op!r}; choose ping, judge, scale, attention or act."
             )
         if not isinstance(run_id, str):
             raise Invalid("The request lacks 'run_id'.")
         if op == "scale":
             model = self._models.reward_model(run_id)
-            return np.array([model.zero, model.one], np.float32).tobytes()
+            return {}, np.array([model.zero, model.one], np.float32).tobytes()
         if len(body) % OBSERVATION_BYTES:
             raise Invalid(
                 f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
             )
         observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
-        if op == "reward":
-            return self._models.reward_model(run_id).score(observations).tobytes()
+        if op == "judge":
+            judged = self._models.reward_model(run_id).judge(observations)
+            deviations = judged.deviations
+            if deviations is None:
+                deviations = np.full(len(observations), np.nan, np.float32)
+            return {}, np.stack([judged.rewards, deviations]).tobytes()
         if op == "attention":
             if len(observations) != 1:
                 raise Invalid(f"Expected one observation, got {len(observations)}.")
-            model = self._models.reward_model(run_id)
-            maps = _attention(model, header.get("method"), observations[0], progress)
-            whole: bytes = maps.sum(0).tobytes()
-            return whole
-        return self._probabilities(run_id, header.get("policies"), observations).tobytes()
+            subject = self._subject(run_id, header.get("network"), observations[0])
+            values = _attention(subject, header.get("method"), observations[0], progress)
+            action = subject.action if isinstance(subject, ActionOdds) else None
+            return {"action": action}, values.tobytes()
+        probabilities = self._probabilities(run_id, header.get("policies"), observations)
+        return {}, probabilities.tobytes()
+
+    def _subject(self, run_id: str, network: object, observation: Observation) -> Subject:
+        if network == "reward":
+            return self._models.reward_model(run_id)
+        if network not in POLICIES:
+            raise Invalid(f"There is no network {network!r}; choose reward, imitator or clone.")
+        return ActionOdds.of_choice(self._policy(run_id, str(network)), observation)
 
     def _probabilities(
         self, run_id: str, policies: object, observations: Observations
@@ -273,14 +289,17 @@ class Answers:
 
 
 def _attention(
-    model: RewardModel, method: object, observation: Observation, progress: Progress
+    subject: Subject, method: object, observation: Observation, progress: Progress
 ) -> npt.NDArray[np.float32]:
+    """Return a map, float32 (84, 84)."""
     match method:
         case "gradient":
-            return gradient_map(model, observation)
+            return np.asarray(gradient_map(subject, observation).sum(0))
         case "occlusion":
-            return attention_map(model, observation, progress)
-    raise Invalid(f"There is no method {method!r}; choose gradient or occlusion.")
+            return np.asarray(attention_map(subject, observation, progress).sum(0))
+        case "patches":
+            return patch_map(subject, observation, progress=progress)
+    raise Invalid(f"There is no method {method!r}; choose gradient, occlusion or patches.")
 
 
 def _error_reply(problem: Exception) -> dict[str, Any]:

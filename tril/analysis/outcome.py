@@ -199,7 +199,35 @@ class RewardPercentiles(Stored):
     states: list[RewardState]
 
 
+class MeasuredOrder(Stored):
+    """What happens to R while pixels are hidden or shown in an order.
+
+    In levels: 1 is the change from how demonstrations begin to how the best ones end. See
+    trainer.explain.faithfulness.
+
+    Attributes:
+        deletion: Mean change while pixels are hidden; large if the important ones come first.
+        insertion: Mean change that is left while they are put into an empty screen; small then.
+        hidden_fifth: Change when the first fifth is hidden.
+    """
+
+    deletion: float
+    insertion: float
+    hidden_fifth: float
+
+
+class Faithfulness(Stored):
+    """How faithful an attention map is: its order of pixels, and the mean of random ones."""
+
+    map: MeasuredOrder
+    random: MeasuredOrder
+
+
 class AttentionDetails(RewardState):
-    """What the pictures of an attention map show, as their artifacts store it."""
+    """What the pictures of an attention map show, as their artifacts store it.
+
+    ``faithfulness`` is None where it was not measured, as in runs of earlier versions.
+    """
 
     state: AttentionState
+    faithfulness: Faithfulness | None = None

@@ -68,9 +68,14 @@ export async function unwrap<T>(call: Promise<Answer<T>>): Promise<T> {
 
 /** Fetches a binary file, such as a recording's frames. */
 export async function fetchBytes(url: string, signal?: AbortSignal): Promise<ArrayBuffer> {
+  return (await fetchFile(url, signal)).arrayBuffer();
+}
+
+/** Fetches a file whose headers matter, too; throws a ProblemError if it is an error. */
+export async function fetchFile(url: string, signal?: AbortSignal): Promise<Response> {
   const response = await trackedFetch(url, { signal: signal ?? null });
   if (!response.ok) throw problemOf(response, await bodyOf(response));
-  return response.arrayBuffer();
+  return response;
 }
 
 /** Parses a response's JSON body; null if it has none. */

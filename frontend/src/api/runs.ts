@@ -1,6 +1,6 @@
 import { queryOptions } from "@tanstack/react-query";
 
-import { api, fetchBytes, unwrap } from "./client";
+import { api, fetchBytes, fetchFile, unwrap } from "./client";
 import type { Run, RunNew, RunUpdate } from "./types";
 
 function at(runId: string) {
@@ -99,21 +99,39 @@ export function restoreRun(runId: string): Promise<Run> {
   return unwrap(api.POST("/api/runs/{run_id}/restore", at(runId)));
 }
 
-/** How attention is mapped: at once by the gradient, or by occlusion, as published. */
-export type AttentionMethod = "gradient" | "occlusion";
+/** How attention is mapped: by the gradient, or by patches of 3x3 pixels, as published, or 9x9. */
+export type AttentionMethod = "gradient" | "occlusion" | "patches";
 
-/** What a run's reward model looks at in a state of a recording; 84 x 84 values, row by row. */
+/** Whose attention is mapped. */
+export type AttentionNetwork = "reward" | "imitator" | "clone";
+
+export interface AttentionMapValues {
+  /** 84 x 84 values, row by row. */
+  readonly values: Float32Array;
+  /** The number of the action that a policy would choose; null of the reward. */
+  readonly action: number | null;
+}
+
+/** What a network of a run looks at in a state of a recording. */
 export function attentionQuery(
   runId: string,
   recordingId: number,
   step: number,
+  network: AttentionNetwork,
   method: AttentionMethod,
 ) {
-  const query = new URLSearchParams({ step: String(step), method });
+  const query = new URLSearchParams({ step: String(step), network, method });
   const url = `/api/runs/${runId}/attention/${recordingId}?${query.toString()}`;
   return queryOptions({
-    queryKey: ["attention", runId, recordingId, step, method],
-    queryFn: async ({ signal }) => new Float32Array(await fetchBytes(url, signal)),
+    queryKey: ["attention", runId, recordingId, step, network, method],
+    queryFn: async ({ signal }): Promise<AttentionMapValues> => {
+      const answer = await fetchFile(url, signal);
+      const action = answer.headers.get("X-Tril-Action");
+      return {
+        values: new Float32Array(await answer.arrayBuffer()),
+        action: action === null ? null : Number(action),
+      };
+    },
     staleTime: Infinity,
     gcTime: 60_000,
     retry: false,

@@ -849,10 +849,13 @@ export interface paths {
         };
         /**
          * Get Attention
-         * @description Return what a training's reward model looks at in a state of a recording.
+         * @description Return what a network of a training looks at in a state of a recording.
          *
-         *     The map is non-negative, in the observation's 84x84 pixels, and summed over its four screens.
-         *     Its computation stops when the client disconnects.
+         *     The map is non-negative, in the observation's 84x84 pixels. It says how much R changes, or the
+         *     log odds of the action that a policy would choose: by the gradient if a pixel became background,
+         *     to first order; by occlusion if patches of 3x3 pixels of one screen did, the sum of all over a
+         *     pixel; by patches of 9x9 pixels of all screens, the mean of those over a pixel. Its computation
+         *     stops when the client disconnects.
          */
         get: operations["get_attention"];
         put?: never;
@@ -1032,6 +1035,7 @@ export interface components {
          * @description Attention of the reward model at one state; pictures are PNG artifacts.
          */
         AttentionMap: {
+            faithfulness: components["schemas"]["Faithfulness"] | null;
             /** Frame Url */
             frame_url: string;
             /** Map Url */
@@ -1244,6 +1248,14 @@ export interface components {
             start_number: number;
         };
         /**
+         * Faithfulness
+         * @description How faithful an attention map is: its order of pixels, and the mean of random ones.
+         */
+        Faithfulness: {
+            map: components["schemas"]["MeasuredOrder"];
+            random: components["schemas"]["MeasuredOrder"];
+        };
+        /**
          * Game
          * @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md).
          */
@@ -1445,6 +1457,26 @@ export interface components {
             p95_ms: number | null;
             /** Presses */
             presses: number;
+        };
+        /**
+         * MeasuredOrder
+         * @description What happens to R while pixels are hidden or shown in an order.
+         *
+         *     In levels: 1 is the change from how demonstrations begin to how the best ones end. See
+         *     trainer.explain.faithfulness.
+         *
+         *     Attributes:
+         *         deletion: Mean change while pixels are hidden; large if the important ones come first.
+         *         insertion: Mean change that is left while they are put into an empty screen; small then.
+         *         hidden_fifth: Change when the first fifth is hidden.
+         */
+        MeasuredOrder: {
+            /** Deletion */
+            deletion: number;
+            /** Hidden Fifth */
+            hidden_fifth: number;
+            /** Insertion */
+            insertion: number;
         };
         /**
          * MemoryCell
@@ -1914,13 +1946,18 @@ export interface components {
          * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          *
-         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
+         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end. The deviations
+         *     are the standard deviations of both, null if the reward model does not know them.
          */
         RewardTrace: {
+            /** Level Deviations */
+            level_deviations: number[] | null;
             /** Levels */
             levels: number[];
             /** Recording Id */
             recording_id: number;
+            /** Reward Deviations */
+            reward_deviations: number[] | null;
             /** Rewards */
             rewards: number[];
             /** Run Id */
@@ -6659,7 +6696,8 @@ export interface operations {
     get_attention: {
         parameters: {
             query: {
-                method: "gradient" | "occlusion";
+                method: "gradient" | "occlusion" | "patches";
+                network?: "reward" | "imitator" | "clone";
                 step: number;
             };
             header?: never;
@@ -6674,6 +6712,8 @@ export interface operations {
             /** @description float32 (84, 84), little-endian. */
             200: {
                 headers: {
+                    /** @description Number of the action that a policy would choose. */
+                    "X-Tril-Action"?: number;
                     [name: string]: unknown;
                 };
                 content: {

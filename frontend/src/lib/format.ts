@@ -75,6 +75,13 @@ export function fixed(n: number, digits: number): string {
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
 
+/** Adds a standard deviation to a figure: "0.42 ± 0.08". */
+export function withDeviation(figure: string, deviation: number | null | undefined): string {
+  return deviation === null || deviation === undefined
+    ? figure
+    : `${figure} ± ${fixed(deviation, 2)}`;
+}
+
 /** Formats a measurement with about three significant digits. */
 export function measured(n: number): string {
   if (!Number.isFinite(n)) return NONE;

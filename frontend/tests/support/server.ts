@@ -46,6 +46,7 @@ export function serve(answers: Readonly<Record<string, Answer>>): Asked[] {
     const given = await answer(asked);
     if (given instanceof Refusal) return json(given.status, given.body);
     if (given instanceof ArrayBuffer) return new Response(given);
+    if (given instanceof Response) return given;
     return given === undefined ? new Response(null, { status: 204 }) : json(200, given);
   });
   return all;

@@ -281,13 +281,16 @@ class Artifact(Schema):
 class RewardTrace(Schema):
     """R (raw output) of every observation of a recording, by step, beginning with the start.
 
-    ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end.
+    ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end. The deviations
+    are the standard deviations of both, null if the reward model does not know them.
     """
 
     run_id: str
     recording_id: int
     rewards: list[float]
     levels: list[float]
+    reward_deviations: list[float] | None
+    level_deviations: list[float] | None
 
 
 RunResults.model_rebuild()

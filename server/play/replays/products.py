@@ -13,10 +13,11 @@ from PIL import Image
 
 from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
 from tril.analysis.linear_reward import Picture, final_picture
+from tril.errors import NotFound
 from tril.game import space_invaders as game
 from tril.game.console import Console
 from tril.game.episode import Episode
-from tril.game.observation import SIZE, STACK, Observations
+from tril.game.observation import SIZE, STACK, Observation, Observations
 from tril.game.palette import palette_rgb
 from tril.recording import Recording, replay, trajectory
 
@@ -116,6 +117,18 @@ def read_observations(content: bytes) -> Observations:
     newest = np.frombuffer(zlib.decompress(content), np.uint8).reshape(-1, SIZE, SIZE)
     steps = np.arange(len(newest))[:, None] + np.arange(1 - STACK, 1)
     return np.asarray(newest[np.maximum(steps, 0)], np.uint8)
+
+
+def read_observation(content: bytes, step: int) -> Observation:
+    """Return one of the observations of a file, uint8 (4, 84, 84); see ``read_observations``.
+
+    Raises:
+        NotFound: The recording ends before this step.
+    """
+    newest = np.frombuffer(zlib.decompress(content), np.uint8).reshape(-1, SIZE, SIZE)
+    if step >= len(newest):
+        raise NotFound(f"The recording ends at step {len(newest) - 1}.")
+    return np.asarray(newest[np.maximum(step + np.arange(1 - STACK, 1), 0)], np.uint8)
 
 
 def read_final_picture(content: bytes) -> Picture:

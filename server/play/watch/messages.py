@@ -210,12 +210,16 @@ class Decision(Message):
 
 
 class LaneReward(Message):
-    """R of a lane's state at a frame, by the run's reward model."""
+    """R of a lane's state at a frame, by the run's reward model.
+
+    ``deviation`` is its standard deviation, None if the model does not know it.
+    """
 
     type: Literal["reward"] = "reward"
     lane: int
     frame: int
     reward: float
+    deviation: float | None
 
 
 class LaneHit(HitAt):

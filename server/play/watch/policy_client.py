@@ -14,6 +14,7 @@ from tril.game.observation import Observations
 from tril.game.space_invaders import ACTION_COUNT
 from tril.inference import (
     LENGTH_BYTES,
+    Judgement,
     address_of,
     head_of,
     header_length_of,
@@ -61,9 +62,10 @@ class PolicyClient:
         values = await self._ask({"op": "act", "policies": list(policies)}, observations)
         return np.frombuffer(values, np.float32).reshape(len(observations), ACTION_COUNT)
 
-    async def reward(self, observations: Observations) -> npt.NDArray[np.float32]:
-        """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84); raises as ``act``."""
-        return np.frombuffer(await self._ask({"op": "reward"}, observations), np.float32)
+    async def judge(self, observations: Observations) -> Judgement:
+        """Return R of observations, uint8 (N, 4, 84, 84); raises as ``act``."""
+        values = np.frombuffer(await self._ask({"op": "judge"}, observations), np.float32)
+        return Judgement.of(values.reshape(2, len(observations)))
 
     def close(self) -> None:
         """Close the connection."""

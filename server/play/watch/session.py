@@ -330,12 +330,20 @@ class WatchSession:
         observations: Observations,
     ) -> None:
         try:
-            rewards = await critic.reward(observations)
+            judged = await critic.judge(observations)
         except TrilError as error:
             # The figure is left out; whether the games can go on is for their actions to say.
             _LOG.info("No rewards are shown: %s", error)
             self._critic = None
             critic.close()
             return
-        for lane, frame, reward in zip(lanes, frames, rewards, strict=True):
-            await self.socket.say(LaneReward(lane=lane.number, frame=frame, reward=float(reward)))
+        deviations = judged.deviations
+        for index, (lane, frame) in enumerate(zip(lanes, frames, strict=True)):
+            await self.socket.say(
+                LaneReward(
+                    lane=lane.number,
+                    frame=frame,
+                    reward=float(judged.rewards[index]),
+                    deviation=None if deviations is None else float(deviations[index]),
+                )
+            )

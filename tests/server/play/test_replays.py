@@ -13,12 +13,17 @@ import psutil
 import pytest
 
 from server.play.replays import ReplayProcess, ReplayTask, process
-from server.play.replays.products import frames_file, read_final_picture, read_observations
+from server.play.replays.products import (
+    frames_file,
+    read_final_picture,
+    read_observation,
+    read_observations,
+)
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.analysis.linear_reward import final_picture
 from tril.demonstrator import play_varied
-from tril.errors import Unavailable
+from tril.errors import NotFound, Unavailable
 from tril.recording import Recording, RecordingRefused, trajectory
 from tril.store import recordings
 
@@ -90,6 +95,10 @@ def test_observations_are_those_of_the_trajectory(
     expected = trajectory(recording).observations
     assert len(expected) == -(-n_frames // 4) + 1
     assert np.array_equal(read_observations(made), expected)
+    for step in {0, len(expected) // 2, len(expected) - 1}:
+        assert np.array_equal(read_observation(made, step), expected[step])
+    with pytest.raises(NotFound, match=f"ends at step {len(expected) - 1}"):
+        read_observation(made, len(expected))
 
 
 def test_a_game_of_varied_play_is_made_from_its_seed(replays: ReplayProcess) -> None:

@@ -182,6 +182,7 @@ def test_the_report_is_one_page_that_loads_nothing_and_says_everything(unpacked:
     assert "<script" not in page
     assert page.count("<svg") >= 4
     assert "targets" in page.partition('class="verdict')[2][:400]
+    assert "changes R by 80% of its range, hiding as many random ones by 12%" in page
     assert page.count("data:image/webp;base64,") == 2
     assert "tril train column-1 --recipe tiny --steps 256" in page
     for said in ("policy.learning_rate", "Kendall&#39;s tau", "python", "predicted return"):
@@ -200,6 +201,11 @@ def test_the_tables_hold_every_game_and_point(unpacked: Path) -> None:
         ("256", 2.56),
     ]
     assert json.loads((unpacked / "recipe.json").read_text())["name"] == "tiny"
+
+
+def test_the_curves_are_there_for_tensorboard(unpacked: Path) -> None:
+    (events,) = (unpacked / "tensorboard").iterdir()
+    assert b"imitator/hits" in events.read_bytes()
 
 
 def test_the_recordings_are_in_the_exchange_format(unpacked: Path) -> None:

@@ -6,7 +6,8 @@ import torch
 from safetensors.torch import save_file
 from torch import nn
 
-from trainer.reward.model import RewardModel, RewardNetwork, new_network, predicted_return
+from trainer.nn.checkpoints import load_tensors, save_tensors
+from trainer.reward.model import RewardModel, RewardNetwork, Spread, new_network, predicted_return
 from tril.errors import Invalid
 
 
@@ -71,6 +72,60 @@ def test_saved_model_is_the_same_model(tmp_path: Path, observations: np.ndarray)
     np.testing.assert_array_equal(loaded.score(observations), model.score(observations))
     assert (loaded.offsets, loaded.scales) == (model.offsets, model.scales)
     assert (loaded.zero, loaded.one) == (-1.0, 2.0)
+
+
+def a_spread(n_features: int = 64) -> Spread:
+    rng = torch.Generator().manual_seed(3)
+    return Spread(torch.randn(4, n_features, generator=rng), torch.randn(4, generator=rng))
+
+
+def test_deviation_is_the_norm_of_the_refits_deviations(observations: np.ndarray) -> None:
+    network, _ = two_networks()
+    spread = a_spread()
+    model = RewardModel((network,), (0.5,), (2.0,), spread=spread)
+    judged = model.judge(observations)
+    with torch.no_grad():
+        features = network.read(torch.from_numpy(observations))
+        each = features @ spread.weight.T + spread.bias
+    assert judged.deviations is not None
+    np.testing.assert_allclose(judged.deviations, each.square().sum(1).sqrt(), rtol=1e-4)
+    np.testing.assert_array_equal(judged.rewards, model.score(observations))
+
+
+def test_deviation_of_an_ensemble_is_its_members(observations: np.ndarray) -> None:
+    first, second = two_networks()
+    model = RewardModel((first, second), (0.5, -0.1), (2.0, 0.25))
+    with torch.no_grad():
+        inputs = torch.from_numpy(observations)
+        apart = (first(inputs) - 0.5) / 2.0 - (second(inputs) + 0.1) / 0.25
+    deviations = model.judge(observations).deviations
+    assert deviations is not None
+    np.testing.assert_allclose(deviations, apart.abs() / 2**0.5, rtol=1e-3, atol=1e-5)
+
+
+def test_a_single_network_without_a_spread_knows_no_deviation(observations: np.ndarray) -> None:
+    assert RewardModel(two_networks()[:1]).judge(observations).deviations is None
+
+
+def test_a_spread_is_kept_with_its_model(tmp_path: Path, observations: np.ndarray) -> None:
+    model = RewardModel(two_networks()[:1], spread=a_spread())
+    model.save(tmp_path / "reward.safetensors")
+    loaded = RewardModel.load(tmp_path / "reward.safetensors")
+    expected, found = model.judge(observations), loaded.judge(observations)
+    assert expected.deviations is not None
+    assert found.deviations is not None
+    np.testing.assert_array_equal(found.deviations, expected.deviations)
+
+
+def test_a_spread_of_other_features_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="of its features"):
+        RewardModel(two_networks()[:1], spread=a_spread(63))
+    path = tmp_path / "reward.safetensors"
+    RewardModel(two_networks()[:1], spread=a_spread()).save(path)
+    tensors, metadata = load_tensors(path)
+    save_tensors(path, {**tensors, "spread.weight": torch.zeros(4, 63)}, metadata)
+    with pytest.raises(Invalid, match="cannot be read"):
+        RewardModel.load(path)
 
 
 @pytest.mark.parametrize(

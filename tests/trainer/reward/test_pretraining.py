@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from tests.trainer.samples import TIERS, planted_trajectories
 from trainer.nn.checkpoints import load_tensors
 from trainer.nn.memory_reading import RARE, Screens, play_games
 from trainer.progress import NullProgress
+from trainer.reward.check import check_ranking, jackknife
 from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import (
@@ -33,6 +35,10 @@ FIRST_ALIENS = 18 * 8
 
 
 N_GAMES = 5
+
+PRETRAINED = RewardRecipe(
+    method="fast", pretrained=True, updates=3, pairs_per_update=16, fragment_min_steps=4
+)
 
 
 @pytest.fixture(scope="module")
@@ -98,10 +104,7 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
 
 
 def test_only_the_output_is_learned_and_the_model_is_saved_whole(tmp_path: Path) -> None:
-    recipe = RewardRecipe(
-        method="fast", pretrained=True, updates=3, pairs_per_update=16, fragment_min_steps=4
-    )
-    dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, recipe)
+    dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, PRETRAINED)
     model = train_reward_model(dataset, 7, NullProgress())
     shipped = pretrained_network(np.random.default_rng(0)).state_dict()
     (member,) = model.members
@@ -111,3 +114,38 @@ def test_only_the_output_is_learned_and_the_model_is_saved_whole(tmp_path: Path)
     loaded = RewardModel.load(tmp_path / "model.safetensors")
     observations = dataset.trajectories[0].observations
     assert np.array_equal(loaded.score(observations), model.score(observations))
+
+
+def test_the_check_says_how_sure_a_pretrained_reward_is() -> None:
+    recipe = replace(PRETRAINED, folds=3, fold_updates=20)
+    dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, recipe)
+    model = train_reward_model(dataset, 3, NullProgress())
+    _, checked = check_ranking(model, dataset, 3, NullProgress())
+    assert model.spread is None
+    assert checked.spread is not None
+    assert checked.spread.weight.shape == (3, model.members[0].output.in_features)
+    states = dataset.trajectories[0].observations
+    judged = checked.judge(states)
+    np.testing.assert_array_equal(judged.rewards, model.score(states))
+    assert judged.deviations is not None
+    assert (judged.deviations > 0).all()
+
+
+def test_the_jackknife_is_that_of_its_definition() -> None:
+    recipe = replace(PRETRAINED, updates=1)
+    dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, recipe)
+    networks = [pretrained_network(np.random.default_rng(seed)) for seed in range(4)]
+    spread = jackknife(networks, dataset)
+    assert spread is not None
+    states = dataset.trajectories[1].observations
+    values = []
+    for network in networks:
+        alone = RewardModel((network,))
+        every = [alone.score(dataset.trajectories[i].observations) for i in dataset.ranked]
+        values.append(alone.score(states) / np.concatenate(every).std())
+    # What all states have in common depends on the offsets.
+    apart = np.asarray(values) - np.mean(values, 0)
+    shifts = (spread.weight @ read_memory(states).T + spread.bias[:, None]).numpy()
+    expected = np.sqrt(3 / 4) * (apart - apart[:, :1])
+    np.testing.assert_allclose(shifts - shifts[:, :1], expected, atol=1e-3)
+    assert jackknife(networks[:1], dataset) is None

@@ -77,7 +77,7 @@ def test_the_same_training_seed_gives_the_same_model(
 
 def test_a_good_model_passes_the_check(recipe: RewardRecipe, model: RewardModel) -> None:
     dataset = of_qualities((5, 4, 3, 2, 1, 0), TIERS, recipe)
-    check = check_ranking(model, dataset, 7, NullProgress())
+    check, _ = check_ranking(model, dataset, 7, NullProgress())
     assert check.tau >= 0.9
     assert check.pair_accuracy > 0.8
     assert check.held_out_accuracy is not None
@@ -91,7 +91,7 @@ def test_a_contradictory_ranking_fails_the_check_and_names_the_tiers() -> None:
     # Three games of the same quality, one of them ranked above the better ones.
     dataset = of_qualities((0, 5, 4, 0, 5, 0), [[i] for i in range(6)], recipe)
     model = train_reward_model(dataset, 1, NullProgress())
-    check = check_ranking(model, dataset, 1, NullProgress())
+    check, _ = check_ranking(model, dataset, 1, NullProgress())
     assert not check.passed
     assert check.confused
     assert all(1 <= pair.better < pair.worse <= 6 for pair in check.confused)
@@ -102,7 +102,7 @@ def test_two_tiers_without_a_difference_are_not_told_apart_though_the_check_pass
     tiers = [[0], [1], [2], [3], [4], [5, 6], [7, 8]]
     dataset = of_qualities((6, 5, 4, 3, 2, 1, 0, 0, 1), tiers, REWARD_RECIPES["fast"])
     model = train_reward_model(dataset, 1, NullProgress())
-    check = check_ranking(model, dataset, 1, NullProgress())
+    check, _ = check_ranking(model, dataset, 1, NullProgress())
     assert check.passed, check
     assert check.not_told_apart == [(6, 7)]
 
@@ -169,11 +169,11 @@ def test_an_interrupted_check_gives_the_same_accuracy(
 ) -> None:
     monkeypatch.setattr(reward_trainer, "CHECKPOINT_INTERVAL_S", 0.0)
     dataset = planted(replace(recipe, fold_updates=3, folds=2))
-    expected = check_ranking(model, dataset, 7, NullProgress())
+    expected, _ = check_ranking(model, dataset, 7, NullProgress())
     with pytest.raises(RunCancelled):
         check_ranking(model, dataset, 7, RecordingProgress(cancel_at=6), tmp_path)
     resumed = RecordingProgress()
-    assert check_ranking(model, dataset, 7, resumed, tmp_path) == expected
+    assert check_ranking(model, dataset, 7, resumed, tmp_path)[0] == expected
     assert (resumed.done[0], resumed.totals) == (3, {6})
     assert {name for _, values in resumed.points for name in values} == {"held_out_accuracy"}
 

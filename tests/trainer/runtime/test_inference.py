@@ -9,18 +9,21 @@ import socket
 import stat
 import struct
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from testsupport.processes import tril_process
 from testsupport.workplace import Workplace, make_workplace
 from trainer.explain.attention import attention_map
 from trainer.explain.gradient import gradient_map
+from trainer.explain.patches import patch_map
+from trainer.explain.subject import ActionOdds, Subject
 from trainer.policy.networks import Policy, load_policy, new_policy, save_policy
 from trainer.progress import Progress
 from trainer.reward.model import RewardModel, new_network
@@ -28,7 +31,7 @@ from trainer.runtime import inference
 from trainer.runtime.inference import InferenceServer, Models
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import Observations
+from tril.game.observation import Observation, Observations
 from tril.inference import (
     MAX_BODY_BYTES,
     MAX_HEADER_BYTES,
@@ -116,8 +119,27 @@ def test_rewards_equal_the_models_own(
     observations = some_observations(5)
     with serving(workplace):
         client.ping()
-        rewards = client.reward(run_id, observations)
-    np.testing.assert_allclose(rewards, a_reward_model().score(observations), rtol=1e-5)
+        judged = client.judge(run_id, observations)
+    np.testing.assert_allclose(judged.rewards, a_reward_model().score(observations), rtol=1e-5)
+    assert judged.deviations is None
+
+
+def test_deviations_are_answered_where_the_model_knows_them(
+    workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
+) -> None:
+    run_id = workplace.make_run()
+    networks = tuple(new_network(np.random.default_rng(seed)) for seed in (0, 1))
+    model = RewardModel(networks, (0.0, 0.0), (1.0, 1.0))
+    keep_model(workplace, store, run_id, tmp_path, model)
+    observations = some_observations(3)
+    with serving(workplace):
+        judged = client.judge(run_id, observations)
+    expected = model.judge(observations)
+    assert judged.deviations is not None
+    assert expected.deviations is not None
+    np.testing.assert_allclose(judged.rewards, expected.rewards, rtol=1e-5)
+    np.testing.assert_allclose(judged.deviations, expected.deviations, rtol=1e-4)
+    assert judged.deviations.min() > 0
 
 
 def test_the_scale_is_that_of_the_models_level(
@@ -137,8 +159,8 @@ def test_more_observations_than_fit_one_message_are_sent_in_parts(
     run_id = run_with_model(workplace, store, tmp_path)
     observations = np.repeat(some_observations(2), [MAX_OBSERVATIONS, 3], axis=0)
     with serving(workplace):
-        rewards = client.reward(run_id, observations)
-        assert client.reward(run_id, observations[:0]).shape == (0,)
+        rewards = client.judge(run_id, observations).rewards
+        assert client.judge(run_id, observations[:0]).rewards.shape == (0,)
     one, other = a_reward_model().score(some_observations(2))
     assert rewards.shape == (MAX_OBSERVATIONS + 3,)
     np.testing.assert_allclose(rewards[:MAX_OBSERVATIONS], one, rtol=1e-4)
@@ -148,9 +170,9 @@ def test_more_observations_than_fit_one_message_are_sent_in_parts(
 def test_a_run_without_a_model_is_refused(workplace: Workplace, client: InferenceClient) -> None:
     with serving(workplace):
         with pytest.raises(NotFound, match="no reward model yet"):
-            client.reward("unknown", some_observations(1))
+            client.judge("unknown", some_observations(1))
         with pytest.raises(Invalid, match="Expected observations uint8"):
-            client.reward("unknown", np.zeros((1, 84, 84), np.uint8))
+            client.judge("unknown", np.zeros((1, 84, 84), np.uint8))
 
 
 def test_a_replaced_model_is_loaded_again(
@@ -159,9 +181,9 @@ def test_a_replaced_model_is_loaded_again(
     run_id = run_with_model(workplace, store, tmp_path)
     observations = some_observations(3)
     with serving(workplace):
-        client.reward(run_id, observations)
+        client.judge(run_id, observations)
         keep_model(workplace, store, run_id, tmp_path, a_reward_model(7))
-        rewards = client.reward(run_id, observations)
+        rewards = client.judge(run_id, observations).rewards
     np.testing.assert_allclose(rewards, a_reward_model(7).score(observations), rtol=1e-5)
 
 
@@ -282,8 +304,15 @@ def framed(header: object) -> bytes:
     return struct.pack("<I", len(text)) + text
 
 
-@pytest.mark.parametrize("method", ["gradient", "occlusion"])
-def test_attention_is_that_of_the_model_summed_over_screens(
+MAPS: dict[AttentionMethod, Callable[[Subject, Observation], npt.NDArray[np.float32]]] = {
+    "gradient": lambda subject, state: gradient_map(subject, state).sum(0),
+    "occlusion": lambda subject, state: attention_map(subject, state).sum(0),
+    "patches": patch_map,
+}
+
+
+@pytest.mark.parametrize("method", list(MAPS))
+def test_attention_is_that_of_the_model(
     workplace: Workplace,
     store: ArtifactStore,
     client: InferenceClient,
@@ -293,10 +322,33 @@ def test_attention_is_that_of_the_model_summed_over_screens(
     run_id = run_with_model(workplace, store, tmp_path)
     (observation,) = sparse_observations(1)
     with serving(workplace):
-        found = client.attention(run_id, observation, method, lambda: False)
-    expected = {"gradient": gradient_map, "occlusion": attention_map}[method]
-    np.testing.assert_allclose(found, expected(a_reward_model(), observation).sum(0), rtol=1e-4)
-    assert found.max() > 0
+        found = client.attention(run_id, observation, "reward", method, lambda: False)
+    np.testing.assert_allclose(
+        found.values, MAPS[method](a_reward_model(), observation), rtol=1e-4, atol=1e-7
+    )
+    assert found.values.max() > 0
+    assert found.action is None
+
+
+@pytest.mark.parametrize("method", list(MAPS))
+def test_a_policys_attention_is_that_of_the_action_it_would_choose(
+    workplace: Workplace,
+    store: ArtifactStore,
+    client: InferenceClient,
+    tmp_path: Path,
+    method: AttentionMethod,
+) -> None:
+    run_id = workplace.make_run()
+    policy = keep_policy(workplace, store, run_id, "clone", tmp_path, seed=3)
+    (observation,) = sparse_observations(1)
+    with serving(workplace):
+        found = client.attention(run_id, observation, "clone", method, lambda: False)
+        with pytest.raises(NotFound):
+            client.attention(run_id, observation, "imitator", method, lambda: False)
+    assert found.action == policy.probabilities(observation[None])[0].argmax()
+    expected = MAPS[method](ActionOdds.of_choice(policy, observation), observation)
+    np.testing.assert_allclose(found.values, expected, rtol=1e-4, atol=1e-7)
+    assert found.values.max() > 0
 
 
 def test_attention_that_nobody_waits_for_is_dropped_by_both_ends(
@@ -320,7 +372,7 @@ def test_attention_that_nobody_waits_for_is_dropped_by_both_ends(
     monkeypatch.setattr(inference, "attention_map", endless)
     with serving(workplace):
         with pytest.raises(GivenUp):
-            client.attention(run_id, some_observations(1)[0], "occlusion", lambda: True)
+            client.attention(run_id, some_observations(1)[0], "reward", "occlusion", lambda: True)
         assert stopped.wait(20.0)
         client.ping()
 
@@ -331,12 +383,12 @@ def test_attention_that_nobody_waits_for_is_dropped_by_both_ends(
         (struct.pack("<I", MAX_HEADER_BYTES + 1), "header of at most"),
         (struct.pack("<I", 4) + b"\xff\xfe{}", "not JSON"),
         (framed([1, 2]), "not a JSON object"),
-        (framed({"op": "reward", "n_bytes": MAX_BODY_BYTES + 1}), "Expected at most"),
-        (framed({"op": "reward", "n_bytes": -1}), "Expected at most"),
+        (framed({"op": "judge", "n_bytes": MAX_BODY_BYTES + 1}), "Expected at most"),
+        (framed({"op": "judge", "n_bytes": -1}), "Expected at most"),
         (framed({"op": "ping"}), "Expected at most"),
         (framed({"op": "delete", "n_bytes": 0}), "no operation 'delete'"),
-        (framed({"op": "reward", "n_bytes": 0}), "lacks 'run_id'"),
-        (framed({"op": "reward", "run_id": "x", "n_bytes": 3}) + b"abc", "whole observations"),
+        (framed({"op": "judge", "n_bytes": 0}), "lacks 'run_id'"),
+        (framed({"op": "judge", "run_id": "x", "n_bytes": 3}) + b"abc", "whole observations"),
         (framed({"op": "act", "run_id": "x", "policies": ["clone"], "n_bytes": 0}), "for each of"),
         (framed({"op": "act", "run_id": "x", "policies": 3, "n_bytes": 0}), "for each of"),
         (
@@ -362,7 +414,7 @@ def test_a_client_that_disconnects_in_mid_message_harms_nothing(
     workplace: Workplace, client: InferenceClient
 ) -> None:
     with serving(workplace):
-        for content in (b"", b"\x05", framed({"op": "reward", "n_bytes": 100}) + b"half"):
+        for content in (b"", b"\x05", framed({"op": "judge", "n_bytes": 100}) + b"half"):
             with socket.socket(socket.AF_UNIX) as connection:
                 connection.connect(str(workplace.settings.inference_socket))
                 connection.sendall(content)

@@ -117,6 +117,8 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
     kinds = {file.kind for file in files.values()}
     assert {"reward_model", "imitator", "clone", "attention_map", "attention_red_blue"} <= kinds
     assert {"attention_frame", "figure", "summary"} <= kinds
+    maps = [file for file in files.values() if file.kind == "attention_map"]
+    assert [one.details["faithfulness"] is not None for one in maps] == [True] * 4
     root = Path(workplace.settings.artifact_root)
     model = RewardModel.load(root / files["reward-model.safetensors"].path)
     assert model.one > model.zero

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.explain.attention import NamedState, attention_map, pick_states, states_at
+from trainer.explain.faithfulness import measure_faithfulness
 from trainer.progress import Progress, ScaledProgress
 from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
@@ -20,6 +21,8 @@ from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.recording import Recording, replay
 
 PNG = "image/png"
+_ORDERS_STREAM = 1_000_037
+"""Keeps the random orders apart from other draws of the same training seed."""
 SUMMARY = "summary.md"
 FIGURES = ("aliens.png", "returns.png", "extrapolation.png", "curves.png")
 
@@ -32,9 +35,10 @@ def draw_attention(data: RunData, progress: Progress) -> None:
         data.context.check_cancelled()
     _keep_percentiles(data, rewards)
     states = pick_states(rewards)
+    rng = np.random.default_rng([data.context.run.training_seed, _ORDERS_STREAM])
     for index, state in enumerate(states):
         part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
-        _draw_state(data, state, part)
+        _draw_state(data, state, rng, part)
     _sum_up(data)
 
 
@@ -57,14 +61,23 @@ def _keep_percentiles(data: RunData, rewards: Sequence[npt.NDArray[np.float32]])
     )
 
 
-def _draw_state(data: RunData, state: NamedState, progress: Progress) -> None:
+def _draw_state(
+    data: RunData, state: NamedState, rng: np.random.Generator, progress: Progress
+) -> None:
     observation = data.ranked_trajectories[state.trajectory].observations[state.step]
-    maps = attention_map(data.reward_model, observation, progress)
+    model = data.reward_model
+    maps = attention_map(model, observation, progress)
     number = data.snapshot.ranked[state.trajectory]
     screen = screen_at(data.recordings([number])[number], state.step)
     name = f"attention-{state.name.replace(' ', '-')}"
     details = AttentionDetails(
-        state=state.name, reward=state.reward, recording_id=number, step=state.step
+        state=state.name,
+        reward=state.reward,
+        recording_id=number,
+        step=state.step,
+        faithfulness=measure_faithfulness(
+            model, observation, maps.sum(0), model.one - model.zero, rng
+        ),
     ).model_dump(mode="json")
     files = {
         ("attention_map", f"{name}.png", PNG): attention_picture(maps.sum(0), "perceptual"),

@@ -40,9 +40,9 @@ def learn_reward(data: RunData, progress: Progress) -> None:
 
 
 def check_reward(data: RunData, progress: Progress) -> RunOutcome:
-    """Check whether the reward model has understood the ranking."""
+    """Check whether the reward model has understood the ranking, and keep how sure it is."""
     context = data.context
-    check = check_ranking(
+    check, model = check_ranking(
         data.reward_model,
         data.preference_dataset,
         context.run.training_seed,
@@ -50,6 +50,8 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
         context.stage_folder("check"),
         context.device,
     )
+    if model.spread is not None:
+        data.keep_reward_model(model)
     data.forget_perturbed()
     ranked = data.snapshot.ranked
     found = asdict(check) | {

@@ -11,12 +11,12 @@ const SIDE = 84;
 /** An attention map over the game's picture, at the picture's scale. */
 export function AttentionLayer({
   map,
-  step,
+  label,
   size,
   opacity,
 }: {
   map: Float32Array;
-  step: number;
+  label: string;
   size: ScreenSize;
   opacity: number;
 }) {
@@ -33,7 +33,7 @@ export function AttentionLayer({
       ref={ref}
       className={styles.layer}
       role="img"
-      aria-label={`What the reward looks at in step ${step}`}
+      aria-label={label}
       width={SIDE}
       height={SIDE}
       style={{ width: size.width, height: size.height, opacity }}

@@ -1,9 +1,9 @@
-import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
 
 import styles from "./Attention.module.css";
 import { attentionGradient } from "./colours";
 import type { Attention } from "./use-attention";
+import { describe, describeMost, METHODS, NETWORKS } from "./words";
 
 interface AttentionPanelProps {
   attention: Attention;
@@ -11,19 +11,35 @@ interface AttentionPanelProps {
   onOpacity: (opacity: number) => void;
 }
 
-/** The switch of the attention map, its colour bar and its opacity. */
+/** The switch of the attention map, whose it is and how it is made, its colour bar and opacity. */
 export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanelProps) {
   return (
     <div className={styles.panel}>
       <Button icon="eye" aria-pressed={attention.on} onClick={attention.toggle}>
-        What the reward looks at
+        What the {attention.network} looks at
       </Button>
       {attention.on && (
         <>
-          <span className={styles.bar} role="img" aria-label="Colours: from nothing to most">
-            <span>nothing</span>
+          <Choice
+            label="Whose attention"
+            options={NETWORKS}
+            value={attention.network}
+            onChange={attention.setNetwork}
+          />
+          <Choice
+            label="How it is mapped"
+            options={METHODS}
+            value={attention.method}
+            onChange={attention.setMethod}
+          />
+          <span
+            className={styles.bar}
+            role="img"
+            aria-label={`Colours: from 0 to ${describeMost(attention)}`}
+          >
+            <span>0</span>
             <i style={{ backgroundImage: attentionGradient() }} />
-            <span>most</span>
+            <span>{describeMost(attention)}</span>
           </span>
           <label className={styles.opacity}>
             Opacity
@@ -46,10 +62,34 @@ export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanel
   );
 }
 
-function describe({ step, map, isExact, error }: Attention): string {
-  if (step === null) return "Pause to see what the reward looks at.";
-  if (error) return `The map can’t be shown: ${messageOf(error)}`;
-  if (!map) return `Looking at step ${step}…`;
-  if (isExact) return `Step ${step}, exact: how much R changes where 3×3 pixels are occluded.`;
-  return `Step ${step}, estimated by the gradient of R; the exact map follows.`;
+function Choice<Id extends string>({
+  label,
+  options,
+  value,
+  onChange,
+}: {
+  label: string;
+  options: readonly { readonly id: Id; readonly name: string }[];
+  value: Id;
+  onChange: (id: Id) => void;
+}) {
+  return (
+    <label>
+      <span className="visually-hidden">{label}</span>
+      <select
+        className={styles.choice}
+        value={value}
+        onChange={(event) => {
+          const chosen = options.find(({ id }) => id === event.currentTarget.value);
+          if (chosen) onChange(chosen.id);
+        }}
+      >
+        {options.map(({ id, name }) => (
+          <option key={id} value={id}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
 }

@@ -12,6 +12,7 @@ import type { Recording } from "@/api/types";
 import { AttentionLayer } from "@/components/attention/AttentionLayer";
 import { AttentionPanel } from "@/components/attention/AttentionPanel";
 import { useAttention } from "@/components/attention/use-attention";
+import { mapLabel } from "@/components/attention/words";
 import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
@@ -79,7 +80,12 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
       <div className={styles.stage} ref={stage}>
         <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
         {attention.map && attention.step !== null && (
-          <AttentionLayer map={attention.map} step={attention.step} size={size} opacity={opacity} />
+          <AttentionLayer
+            map={attention.map.values}
+            label={mapLabel(attention)}
+            size={size}
+            opacity={opacity}
+          />
         )}
       </div>
       <Scrubber playback={playback} last={frames.last} hits={hits} />

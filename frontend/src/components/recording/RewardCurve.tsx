@@ -3,10 +3,10 @@ import { memo, type PointerEvent, type ReactNode, useSyncExternalStore } from "r
 
 import { messageOf } from "@/api/client";
 import { rewardTraceQuery } from "@/api/runs";
-import type { Recording } from "@/api/types";
+import type { Recording, RewardTrace } from "@/api/types";
 import { Loading, Notice } from "@/components/feedback/States";
 import { classes } from "@/lib/classes";
-import { fixed, FRAMES_PER_STEP, measured } from "@/lib/format";
+import { fixed, FRAMES_PER_STEP, measured, withDeviation } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./RewardCurve.module.css";
@@ -37,13 +37,7 @@ export function RewardCurve({ reward, playback, last, hits }: RewardCurveProps) 
         {reward.menu}
       </div>
       {data ? (
-        <Curve
-          levels={data.levels}
-          rewards={data.rewards}
-          playback={playback}
-          last={last}
-          hits={hits}
-        />
+        <Curve trace={data} playback={playback} last={last} hits={hits} />
       ) : error ? (
         <Notice tone="calm" live>
           <p>R over time can&rsquo;t be shown: {messageOf(error)}</p>
@@ -60,14 +54,15 @@ const HEIGHT = 96;
 const PADDING = 6;
 
 interface CurveProps {
-  levels: readonly number[];
-  rewards: readonly number[];
+  trace: RewardTrace;
   playback: Playback;
   last: number;
   hits: Recording["hits"];
 }
 
-function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
+function Curve({ trace, playback, last, hits }: CurveProps) {
+  const { levels, rewards } = trace;
+  const levelDeviations = trace.level_deviations;
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   const step = stepAt(frame, levels.length);
   const level = levels[step] ?? NaN;
@@ -76,7 +71,8 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
     playback.pause();
     playback.seek(((event.clientX - box.left) / Math.max(box.width, 1)) * last);
   };
-  const y = scaleOf(levels);
+  const y = scaleOf(levels, levelDeviations);
+  const levelText = withDeviation(fixed(level, 2), levelDeviations?.[step]);
   return (
     <>
       <div
@@ -88,7 +84,7 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
         aria-valuemin={0}
         aria-valuemax={last}
         aria-valuenow={frame}
-        aria-valuetext={`step ${step}, level ${fixed(level, 2)}`}
+        aria-valuetext={`step ${step}, level ${levelText}`}
         onPointerDown={(event) => {
           if (event.button !== 0) return;
           event.currentTarget.setPointerCapture(event.pointerId);
@@ -98,7 +94,7 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
           if (event.currentTarget.hasPointerCapture(event.pointerId)) seek(event);
         }}
       >
-        <CurveLines levels={levels} last={last} hits={hits} />
+        <CurveLines levels={levels} deviations={levelDeviations} last={last} hits={hits} />
         <svg className={styles.layer} aria-hidden="true">
           <g className={styles.cursor}>
             <line x1={percentOf(frame, last)} x2={percentOf(frame, last)} y1="0" y2="100%" />
@@ -108,23 +104,34 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
       </div>
       <p className={styles.legend}>
         <span>
-          Level {fixed(level, 2)} (R {measured(rewards[step] ?? NaN)}) at step {step}
+          Level {levelText} (R{" "}
+          {withDeviation(measured(rewards[step] ?? NaN), trace.reward_deviations?.[step])}) at step{" "}
+          {step}
         </span>
         <span>0: how demonstrations begin, 1: how the best ones end</span>
+        {levelDeviations && (
+          <span>Band: ± one standard deviation, the larger the less the ranking says</span>
+        )}
       </p>
     </>
   );
 }
 
-const CurveLines = memo(function CurveLines({
-  levels,
-  last,
-  hits,
-}: Pick<CurveProps, "levels" | "last" | "hits">) {
-  const y = scaleOf(levels);
-  const points = levels.map(
-    (level, step) => `${Math.min(step * FRAMES_PER_STEP, last)} ${y(level).toFixed(2)}`,
-  );
+interface CurveLinesProps extends Pick<CurveProps, "last" | "hits"> {
+  levels: readonly number[];
+  /** Their standard deviations, where the reward model knows them. */
+  deviations: readonly number[] | null;
+}
+
+const CurveLines = memo(function CurveLines({ levels, deviations, last, hits }: CurveLinesProps) {
+  const y = scaleOf(levels, deviations);
+  const at = (level: number, step: number) =>
+    `${Math.min(step * FRAMES_PER_STEP, last)} ${y(level).toFixed(2)}`;
+  const points = levels.map(at);
+  const band = deviations && [
+    ...levels.map((level, step) => at(level + (deviations[step] ?? 0), step)),
+    ...levels.map((level, step) => at(level - (deviations[step] ?? 0), step)).reverse(),
+  ];
   return (
     <>
       <svg
@@ -136,6 +143,7 @@ const CurveLines = memo(function CurveLines({
         {[0, 1].map((level) => (
           <line key={level} className={styles.grid} x1={0} x2={last} y1={y(level)} y2={y(level)} />
         ))}
+        {band && <path className={styles.band} d={`M${band.join("L")}Z`} />}
         <path className={styles.line} d={`M${points.join("L")}`} />
       </svg>
       {[0, 1].map((level) => (
@@ -168,10 +176,15 @@ const CurveLines = memo(function CurveLines({
 const RING = "M0-4.5A4.5 4.5 0 1 0 0 4.5 4.5 4.5 0 1 0 0-4.5";
 const CROSS = "M-4-4 4 4M4-4-4 4";
 
-/** Returns the vertical position of a level; 0 and 1 are always within the plot. */
-function scaleOf(levels: readonly number[]): (level: number) => number {
-  const low = Math.min(0, ...levels);
-  const high = Math.max(1, ...levels);
+/** Returns the vertical position of a level; 0, 1 and the band are always within the plot. */
+function scaleOf(
+  levels: readonly number[],
+  deviations: readonly number[] | null,
+): (level: number) => number {
+  const around = (sign: 1 | -1) =>
+    levels.map((level, step) => level + sign * (deviations?.[step] ?? 0));
+  const low = Math.min(0, ...around(-1));
+  const high = Math.max(1, ...around(1));
   return (level) => HEIGHT - PADDING - ((level - low) / (high - low)) * (HEIGHT - 2 * PADDING);
 }
 

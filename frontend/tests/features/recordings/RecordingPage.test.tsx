@@ -38,7 +38,15 @@ const OLDER = "bbbbbb00-0000-4000-8000-000000000000";
 function trace(runId: string) {
   const sign = runId === NEWEST ? 1 : -1;
   const levels = Array.from({ length: 7 }, (_, step) => (sign * step) / 6);
-  return { run_id: runId, recording_id: 1, rewards: levels, levels };
+  const deviations = runId === NEWEST ? levels.map(() => 0.08) : null;
+  return {
+    run_id: runId,
+    recording_id: 1,
+    rewards: levels,
+    levels,
+    reward_deviations: deviations,
+    level_deviations: deviations,
+  };
 }
 
 function page(
@@ -64,7 +72,10 @@ function page(
     [`GET /api/runs/${OLDER}/reward/1`]: () => trace(OLDER),
     [`GET /api/runs/${NEWEST}/attention/1`]: async ({ query }) => {
       if (query.get("method") === "occlusion") await exactMap;
-      return new Float32Array(84 * 84).fill(1).buffer;
+      const values = new Float32Array(84 * 84).fill(0.31).buffer;
+      const headers = new Headers();
+      if (query.get("network") !== "reward") headers.set("X-Tril-Action", "5");
+      return new Response(values, { headers });
     },
     "GET /api/recordings/1/course": () => course(of),
     "GET /api/recordings/1/memory": memory,
@@ -205,13 +216,14 @@ describe("the page of a recording", () => {
 
     it("plots the reward of the newest finished one, in step with the picture", async () => {
       page({}, {}, "/?step=3", runs);
-      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50");
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50 ± 0.08");
       (await curve()).focus();
       await userEvent.keyboard("{Shift>}{ArrowRight}{/Shift}");
       expect((await position()).valueAsNumber).toBe(16);
-      expect(screen.getByText("Level 0.67 (R 0.67) at step 4")).toBeVisible();
+      expect(screen.getByText("Level 0.67 ± 0.08 (R 0.67 ± 0.08) at step 4")).toBeVisible();
+      expect(screen.getByText(/Band: ± one standard deviation/)).toBeVisible();
       await userEvent.keyboard("{Home}");
-      expect(await curve()).toHaveAttribute("aria-valuetext", "step 0, level 0.00");
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 0, level 0.00 ± 0.08");
     });
 
     it("moves the picture when the curve is dragged", async () => {
@@ -235,11 +247,12 @@ describe("the page of a recording", () => {
     it("chooses another one from the menu, and from the address", async () => {
       page({}, {}, `/?step=3&run=${OLDER}`, runs);
       expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level −0.50");
+      expect(screen.queryByText(/standard deviation/)).toBeNull();
       const menu = screen.getByRole("combobox", { name: "Reward model of" });
       expect(within(menu).getAllByRole("option")).toHaveLength(2);
       await userEvent.selectOptions(menu, NEWEST);
       await waitFor(async () =>
-        expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50"),
+        expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50 ± 0.08"),
       );
     });
 
@@ -271,6 +284,28 @@ describe("the page of a recording", () => {
       expect(screen.getByRole("img", { name: /looks at in step 3/ })).toHaveStyle({
         opacity: "0.3",
       });
+    });
+
+    it("shows what a policy looks at, and by larger patches", async () => {
+      const asked = page({}, {}, "/?step=2", runs);
+      await curve();
+      await userEvent.click(screen.getByRole("button", { name: "What the reward looks at" }));
+      expect(await screen.findByRole("img", { name: "Colours: from 0 to 0.31 R" })).toBeVisible();
+      const whose = screen.getByRole("combobox", { name: "Whose attention" });
+      await userEvent.selectOptions(whose, "Clone");
+      const how = screen.getByRole("combobox", { name: "How it is mapped" });
+      await userEvent.selectOptions(how, "9×9 pixels, all four screens");
+      expect(
+        await screen.findByText(
+          /the log odds of “left and fire”, which the clone chooses, changes/,
+        ),
+      ).toHaveTextContent("9×9 pixels of all four screens");
+      expect(screen.getByRole("img", { name: "Colours: from 0 to 0.31 log odds" })).toBeVisible();
+      expect(screen.getByRole("img", { name: "What the clone looks at in step 2" })).toBeVisible();
+      await userEvent.selectOptions(how, "Gradient");
+      expect(await screen.findByText(/estimated by the gradient of the log odds/)).toBeVisible();
+      const last = asked.filter(({ path }) => path.includes("/attention/")).at(-1)?.query;
+      expect([last?.get("network"), last?.get("method")]).toEqual(["clone", "patches"]);
     });
 
     it("says where there is no reward, and what to do", async () => {

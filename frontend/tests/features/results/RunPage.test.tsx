@@ -308,6 +308,10 @@ describe("the results", () => {
         reward: 3.65,
         recording_id: 12,
         step: 248,
+        faithfulness: {
+          map: { deletion: 0.81, insertion: 0.22, hidden_fifth: 0.8 },
+          random: { deletion: 0.45, insertion: 0.47, hidden_fifth: 0.12 },
+        },
         frame_url: "/f.png",
         map_url: "/m.png",
         red_blue_url: "/rb.png",
@@ -438,6 +442,10 @@ describe("the results", () => {
     expect(map).toHaveAttribute("src", "/m.png");
     await userEvent.click(screen.getByRole("radio", { name: "Red-blue" }));
     expect(map).toHaveAttribute("src", "/rb.png");
+    expect(
+      screen.getByText(/brightest fifth of the pixels changes R by 80% .* random ones by 12%/),
+    ).toBeVisible();
+    expect(screen.getByText("Deletion 0.81 (0.45), insertion 0.22 (0.47)")).toBeVisible();
     expect(screen.getByRole("button", { name: "Watch Recording 12 from step 248" })).toBeVisible();
   });
 

@@ -1,6 +1,6 @@
 import { type RefObject, useImperativeHandle, useRef } from "react";
 
-import { fixed, NONE, percent } from "@/lib/format";
+import { fixed, NONE, percent, withDeviation } from "@/lib/format";
 
 import styles from "./DecisionBars.module.css";
 import type { Decision } from "./watch-messages";
@@ -8,7 +8,7 @@ import type { Decision } from "./watch-messages";
 /** Updates the bars without rendering: they change 15 times a second. */
 export interface DecisionHandle {
   decide: (decision: Decision) => void;
-  reward: (reward: number) => void;
+  reward: (reward: number, deviation: number | null) => void;
 }
 
 /** The actions from left to right, by their number. */
@@ -35,8 +35,8 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
         if (text) text.textContent = percent(share, 0);
       }
     },
-    reward: (reward) => {
-      if (figure.current) figure.current.textContent = fixed(reward, 2);
+    reward: (reward, deviation) => {
+      if (figure.current) figure.current.textContent = withDeviation(fixed(reward, 2), deviation);
     },
   }));
   return (
@@ -52,7 +52,7 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
           </li>
         ))}
       </ol>
-      <p title="The learned reward R of what is on the screen now. The policy does not see it.">
+      <p title="The learned reward R of what is on the screen now, ± its standard deviation. The policy does not see it.">
         Reward R <b ref={figure}>{NONE}</b>
       </p>
     </div>

@@ -59,7 +59,7 @@ export function LaneView(props: LaneViewProps) {
           onFrame(frame, maxFrames);
         },
         decide: (decision) => decisions.current?.decide(decision),
-        reward: (reward) => decisions.current?.reward(reward),
+        reward: (reward, deviation) => decisions.current?.reward(reward, deviation),
       }),
     [relay, onFrame],
   );

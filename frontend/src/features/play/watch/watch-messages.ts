@@ -30,6 +30,8 @@ interface LaneReward {
   readonly lane: number;
   readonly frame: number;
   readonly reward: number;
+  /** Its standard deviation; null if the reward model does not know it. */
+  readonly deviation: number | null;
 }
 
 interface LaneHit extends HitAt {

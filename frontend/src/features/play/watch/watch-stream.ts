@@ -50,7 +50,7 @@ export interface LaneScreen {
   /** @param pixels Palette values, valid only during the call. */
   show: (pixels: Uint8Array, info: FrameInfo, maxFrames: number) => void;
   decide: (decision: Decision) => void;
-  reward: (reward: number) => void;
+  reward: (reward: number, deviation: number | null) => void;
 }
 
 const FULL_SPEED: number = SPEEDS[0];
@@ -177,7 +177,7 @@ export class WatchStream {
         this.screens[message.lane]?.decide(message);
         break;
       case "reward":
-        this.screens[message.lane]?.reward(message.reward);
+        this.screens[message.lane]?.reward(message.reward, message.deviation);
         break;
       case "taken":
         this.update({ phase: "taken", taken: message });

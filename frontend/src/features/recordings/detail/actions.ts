@@ -1,14 +1,5 @@
 /** Names of a recording's actions, and the spans in which each key was held. */
-
-/** Indexed as in the exchange format; two keys together are one action. */
-const ACTION_NAMES = [
-  "nothing",
-  "fire",
-  "right",
-  "left",
-  "right and fire",
-  "left and fire",
-] as const;
+import { actionName } from "@/lib/game/actions";
 
 const FIRING: ReadonlySet<number> = new Set([1, 4, 5]);
 const RIGHT: ReadonlySet<number> = new Set([2, 4]);
@@ -33,7 +24,7 @@ interface Lane {
 export function describeAction(actions: readonly number[], frame: number): string {
   if (frame <= 0) return "the start";
   const action = actions[frame - 1];
-  return action === undefined ? "none" : (ACTION_NAMES[action] ?? `action ${action}`);
+  return action === undefined ? "none" : actionName(action);
 }
 
 /** Returns the spans in which each key was held. */

@@ -1,9 +1,9 @@
 import { useMemo, useState } from "react";
 import { Link } from "react-router";
 
-import type { AttentionMap, Recording, RunResults } from "@/api/types";
+import type { AttentionMap, Faithfulness, Recording, RunResults } from "@/api/types";
 import type { Watched } from "@/features/results/watched";
-import { FRAMES_PER_STEP, measured } from "@/lib/format";
+import { fixed, FRAMES_PER_STEP, measured, percent } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Attention.module.css";
@@ -38,6 +38,8 @@ export function Attention({ results, onWatch }: AttentionProps) {
       <p className={styles.note}>
         One patch of the screen is occluded at a time; the more R changes, the brighter (or redder)
         the patch. Shown for four states of the ranked recordings, from the lowest R to the highest.
+        {results.attention.some((map) => map.faithfulness) &&
+          " The range of R is from how demonstrations begin to how the best ones end."}
       </p>
       <fieldset className={styles.bar}>
         <legend className="visually-hidden">Colour map</legend>
@@ -75,6 +77,22 @@ export function Attention({ results, onWatch }: AttentionProps) {
           runId={results.run.id}
         />
       )}
+    </>
+  );
+}
+
+/** Whether the map's bright pixels matter to R: the deletion and insertion tests in words. */
+function FaithfulnessFacts({ map, random }: Faithfulness) {
+  return (
+    <>
+      <span>
+        Hiding the brightest fifth of the pixels changes R by {percent(map.hidden_fifth, 0)} of its
+        range; hiding as many random ones by {percent(random.hidden_fifth, 0)}.
+      </span>
+      <span title="Mean change of R while pixels are hidden, or put into an empty screen, the brightest first, where 1 is the range of R: from how demonstrations begin to how the best ones end. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.">
+        Deletion {fixed(map.deletion, 2)} ({fixed(random.deletion, 2)}), insertion{" "}
+        {fixed(map.insertion, 2)} ({fixed(random.insertion, 2)})
+      </span>
     </>
   );
 }
@@ -127,6 +145,7 @@ function MapFigure({
         <Link to={momentPath(map, runId)}>
           {name}, step {map.step}
         </Link>
+        {map.faithfulness && <FaithfulnessFacts {...map.faithfulness} />}
       </figcaption>
     </figure>
   );

@@ -1,0 +1,101 @@
+"""How faithful an attention map is: the deletion and insertion tests of Petsiuk et al. (2018, 4.1).
+
+Pixels that are not background in every screen are replaced by background, or put into an empty
+screen, the most important first. R is no probability, so the area is not that under R: it is the
+mean over 21 points of the absolute difference from the value of the whole state. Deletion should
+make it large early, insertion small early. A random order is what a map without meaning scores.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from trainer.explain.subject import Subject
+from tril.analysis.outcome import Faithfulness, MeasuredOrder
+from tril.game.observation import Observation
+from tril.game.space_invaders import BACKGROUND
+
+POINTS = 20
+"""Parts into which the pixels are deleted or inserted."""
+BRIGHTEST = 0.2
+"""Share of the pixels whose effect is told in words."""
+N_RANDOM = 4
+"""Random orders that a map is compared with."""
+
+Map = npt.NDArray[np.float32]
+Pixels = npt.NDArray[np.int64]
+
+
+def occupied_pixels(observation: Observation) -> Pixels:
+    """Return the pixels that are not background in every screen, int64 (N, 2): row and column."""
+    return np.argwhere((observation != BACKGROUND).any(0))
+
+
+def order_of(values: Map, pixels: Pixels) -> Pixels:
+    """Return pixels in the order of a map's values, float32 (84, 84), the largest first."""
+    return pixels[np.argsort(-values[tuple(pixels.T)], kind="stable")]
+
+
+def differences(
+    subject: Subject, observation: Observation, order: Pixels, *, insert: bool
+) -> npt.NDArray[np.float64]:
+    """Return how far the value is from that of the whole state while pixels change in an order.
+
+    Args:
+        subject: What is explained.
+        observation: uint8 (4, 84, 84).
+        order: The pixels, the most important first.
+        insert: Whether they are put into an empty screen, instead of deleted.
+
+    Returns:
+        float64 (POINTS + 1,), non-negative, from no pixels changed to all of them.
+    """
+    changed = np.repeat(observation[None], POINTS + 1, axis=0)
+    if insert:
+        changed[:] = BACKGROUND
+    for one, count in zip(changed, np.linspace(0, len(order), POINTS + 1).astype(int), strict=True):
+        rows, columns = order[:count].T
+        one[:, rows, columns] = observation[:, rows, columns] if insert else BACKGROUND
+    values = subject.score(np.concatenate([changed, observation[None]])).astype(np.float64)
+    return np.asarray(np.abs(values[:-1] - values[-1]), np.float64)
+
+
+def measure_faithfulness(
+    subject: Subject, observation: Observation, values: Map, scale: float, rng: np.random.Generator
+) -> Faithfulness | None:
+    """Measure a map against random orders.
+
+    Args:
+        subject: What the map explains.
+        observation: uint8 (4, 84, 84).
+        values: The map, float32 (84, 84).
+        scale: The change that counts as 1: of a reward model from how demonstrations begin to how
+            the best ones end. What changes when everything is hidden is no unit: an empty screen
+            may be as good as this one.
+        rng: Draws the random orders.
+
+    Returns:
+        The measurement; None if the screens are empty.
+    """
+    pixels = occupied_pixels(observation)
+    if not len(pixels):
+        return None
+    drawn = [rng.permutation(pixels) for _ in range(N_RANDOM)]
+    orders = [order_of(values, pixels), *drawn]
+    deleted = [differences(subject, observation, order, insert=False) for order in orders]
+    inserted = [differences(subject, observation, order, insert=True) for order in orders]
+    found = [
+        MeasuredOrder(
+            deletion=float(one.mean() / scale),
+            insertion=float(other.mean() / scale),
+            hidden_fifth=float(one[round(BRIGHTEST * POINTS)] / scale),
+        )
+        for one, other in zip(deleted, inserted, strict=True)
+    ]
+    return Faithfulness(map=found[0], random=_mean(found[1:]))
+
+
+def _mean(orders: list[MeasuredOrder]) -> MeasuredOrder:
+    values = [one.model_dump() for one in orders]
+    return MeasuredOrder(**{key: float(np.mean([v[key] for v in values])) for key in values[0]})
