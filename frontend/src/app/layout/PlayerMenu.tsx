@@ -4,9 +4,9 @@ import { useState } from "react";
 import { messageOf } from "@/api/client";
 import { playerQuery, renamePlayer } from "@/api/system";
 import { Button } from "@/components/controls/Button";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
+import { FormDialog } from "@/components/controls/FormDialog";
 
 import styles from "./PlayerMenu.module.css";
 
@@ -46,42 +46,30 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
   const answered = rename.error && refused === value ? messageOf(rename.error) : null;
   const problem = value.trim() ? answered : "Give a name.";
   return (
-    <Dialog title="Your name" onClose={onClose} width="24rem">
-      <form
-        className={styles.form}
-        onSubmit={(event) => {
-          event.preventDefault();
-          if (!value.trim()) return;
-          setRefused(value);
-          rename.mutate(value.trim());
-        }}
-      >
-        <Field label="Name" hint="Shown beside the games you play." error={problem}>
-          {(control) => (
-            <input
-              {...control}
-              value={value}
-              maxLength={80}
-              autoComplete="nickname"
-              onChange={(event) => draft.set(event.currentTarget.value)}
-            />
-          )}
-        </Field>
-        <div className={styles.actions}>
-          <Button kind="primary" type="submit" disabled={!value.trim() || rename.isPending}>
-            Save
-          </Button>
-          <Button
-            kind="quiet"
-            onClick={() => {
-              draft.drop();
-              onClose();
-            }}
-          >
-            Cancel
-          </Button>
-        </div>
-      </form>
-    </Dialog>
+    <FormDialog
+      title="Your name"
+      width="24rem"
+      draft={draft}
+      submit="Save"
+      disabled={!value.trim() || rename.isPending}
+      onSubmit={() => {
+        if (!value.trim()) return;
+        setRefused(value);
+        rename.mutate(value.trim());
+      }}
+      onClose={onClose}
+    >
+      <Field label="Name" hint="Shown beside the games you play." error={problem}>
+        {(control) => (
+          <input
+            {...control}
+            value={value}
+            maxLength={80}
+            autoComplete="nickname"
+            onChange={(event) => draft.set(event.currentTarget.value)}
+          />
+        )}
+      </Field>
+    </FormDialog>
   );
 }

@@ -9,6 +9,7 @@ import { classes } from "@/lib/classes";
 import { fixed, FRAMES_PER_STEP, measured } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
+import { Legend } from "./Legend";
 import styles from "./RewardCurve.module.css";
 import { describeHit } from "./Scrubber";
 
@@ -106,12 +107,12 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
           </g>
         </svg>
       </div>
-      <p className={styles.legend}>
+      <Legend>
         <span>
           Level {fixed(level, 2)} (R {measured(rewards[step] ?? NaN)}) at step {step}
         </span>
         <span>0: how demonstrations begin, 1: how the best ones end</span>
-      </p>
+      </Legend>
     </>
   );
 }

@@ -11,13 +11,12 @@ import {
 import { messageOf } from "@/api/client";
 import type { Behaviour, BehaviourNew } from "@/api/types";
 import { Button, IconButton } from "@/components/controls/Button";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 import { useToast } from "@/components/feedback/Toasts";
 import { AlienGrid } from "@/components/game/AlienGrid";
 
-import { BehaviourForm } from "./BehaviourForm";
-import styles from "./BehaviourForm.module.css";
+import { BehaviourDialog } from "./BehaviourDialog";
+import styles from "./BehaviourDialog.module.css";
 import { copyOf, draftOf } from "./draft";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
@@ -67,44 +66,39 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
     },
   });
   return (
-    <Dialog title="Edit the behaviour" onClose={onClose}>
-      <BehaviourForm
-        value={draft.value}
-        onChange={draft.set}
-        onSubmit={(change) => update.mutate(change)}
-        onCancel={() => {
-          draft.drop();
-          onClose();
-        }}
-        edited={behaviour}
-        fixedTarget={
-          fixed === null ? undefined : (
-            <div className={styles.fixed}>
-              <AlienGrid target={behaviour.target} label="" />
-              <div>
-                <p>{fixed}</p>
-                <Button onClick={onCopy}>Make a copy with another target</Button>
-              </div>
+    <BehaviourDialog
+      title="Edit the behaviour"
+      draft={draft}
+      onSubmit={(change) => update.mutate(change)}
+      onClose={onClose}
+      edited={behaviour}
+      fixedTarget={
+        fixed === null ? undefined : (
+          <div className={styles.fixed}>
+            <AlienGrid target={behaviour.target} label="" />
+            <div>
+              <p>{fixed}</p>
+              <Button onClick={onCopy}>Make a copy with another target</Button>
             </div>
-          )
-        }
-        submit={update.isPending ? "Saving…" : "Save"}
-        pending={update.isPending}
-        error={update.error ?? remove.error}
-      >
-        {!behaviour.built_in && (
+          </div>
+        )
+      }
+      submit={update.isPending ? "Saving…" : "Save"}
+      pending={update.isPending}
+      error={update.error ?? remove.error}
+      more={
+        !behaviour.built_in && (
           <Button
             kind="danger"
             icon="trash"
-            className={styles.last}
             disabled={remove.isPending}
             onClick={() => remove.mutate()}
           >
             Delete
           </Button>
-        )}
-      </BehaviourForm>
-    </Dialog>
+        )
+      }
+    />
   );
 }
 

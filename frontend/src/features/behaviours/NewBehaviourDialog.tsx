@@ -2,10 +2,9 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
 import { behavioursQuery, createBehaviour } from "@/api/behaviours";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 
-import { BehaviourForm } from "./BehaviourForm";
+import { BehaviourDialog } from "./BehaviourDialog";
 import { type BehaviourDraft, EMPTY_DRAFT } from "./draft";
 
 interface NewBehaviourDialogProps {
@@ -34,19 +33,14 @@ export function NewBehaviourDialog({
     },
   });
   return (
-    <Dialog title={title} onClose={onClose}>
-      <BehaviourForm
-        value={draft.value}
-        onChange={draft.set}
-        onSubmit={(behaviour) => create.mutate(behaviour)}
-        onCancel={() => {
-          draft.drop();
-          onClose();
-        }}
-        submit={create.isPending ? "Creating…" : "Create behaviour"}
-        pending={create.isPending}
-        error={create.error}
-      />
-    </Dialog>
+    <BehaviourDialog
+      title={title}
+      draft={draft}
+      onSubmit={(behaviour) => create.mutate(behaviour)}
+      onClose={onClose}
+      submit={create.isPending ? "Creating…" : "Create behaviour"}
+      pending={create.isPending}
+      error={create.error}
+    />
   );
 }

@@ -1,5 +1,6 @@
 import { memo, useSyncExternalStore } from "react";
 
+import { Legend } from "@/components/recording/Legend";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./ActionLanes.module.css";
@@ -32,12 +33,12 @@ export function ActionLanes({
         <Lanes actions={actions} last={last} />
         <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={height} />
       </svg>
-      <p className={styles.legend}>
+      <Legend>
         <span>Held: left, right, fire from top to bottom</span>
         <span>
           Action of frame {frame}: <strong>{describeAction(actions, frame)}</strong>
         </span>
-      </p>
+      </Legend>
     </div>
   );
 }

@@ -1,9 +1,7 @@
 import type { Behaviour, Recording } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import { Select } from "@/components/controls/Select";
+import { Filters, Select } from "@/components/controls/Filters";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
-import styles from "./FilterBar.module.css";
 
 const SHOW_NAMES: Readonly<Record<Filter["show"], string>> = {
   all: "All",
@@ -49,7 +47,13 @@ export function FilterBar({
   const nHits = behaviour.target?.length ?? MOST_HITS;
   const set = (change: Partial<Filter>) => onChange({ ...filter, ...change });
   return (
-    <div className={styles.filters} role="group" aria-label="Filters">
+    <Filters
+      label="Filters"
+      role="group"
+      onClear={
+        isNarrow(filter) ? () => onChange({ ...EVERYTHING, order: filter.order }) : undefined
+      }
+    >
       <Select
         label="Show"
         value={filter.show}
@@ -111,16 +115,7 @@ export function FilterBar({
         options={ORDERS.map((one) => [one, ORDER_NAMES[one]])}
         onChange={(order) => set({ order })}
       />
-      {isNarrow(filter) && (
-        <Button
-          kind="quiet"
-          icon="close"
-          onClick={() => onChange({ ...EVERYTHING, order: filter.order })}
-        >
-          Clear the filters
-        </Button>
-      )}
-    </div>
+    </Filters>
   );
 }
 

@@ -1,8 +1,6 @@
-import { Button } from "@/components/controls/Button";
-import { Select } from "@/components/controls/Select";
+import { Filters, Search, Select } from "@/components/controls/Filters";
 
 import { ALL_RUNS, isNarrow, ORDERS, type RunsFilter, STATES } from "./runs-filter";
-import styles from "./RunsFilterBar.module.css";
 
 const ANY = "";
 const STATE_NAMES = {
@@ -34,15 +32,12 @@ export function RunsFilterBar({ filter, recipes, hasTarget, onChange }: RunsFilt
   const set = (change: Partial<RunsFilter>) => onChange({ ...filter, ...change });
   const offered = [...new Set([...recipes, ...(filter.recipe === null ? [] : [filter.recipe])])];
   return (
-    <div className={styles.filters} role="search" aria-label="Filter the runs">
-      <label className={styles.search}>
-        <span>Search name, notes or recipe</span>
-        <input
-          type="search"
-          value={filter.q}
-          onChange={(event) => set({ q: event.currentTarget.value })}
-        />
-      </label>
+    <Filters
+      label="Filter the runs"
+      role="search"
+      onClear={isNarrow(filter) ? () => onChange({ ...ALL_RUNS, order: filter.order }) : undefined}
+    >
+      <Search label="Search name, notes or recipe" value={filter.q} onChange={(q) => set({ q })} />
       <Select
         label="State"
         value={filter.state ?? ANY}
@@ -64,15 +59,6 @@ export function RunsFilterBar({ filter, recipes, hasTarget, onChange }: RunsFilt
         ])}
         onChange={(order) => set({ order })}
       />
-      {isNarrow(filter) && (
-        <Button
-          kind="quiet"
-          icon="close"
-          onClick={() => onChange({ ...ALL_RUNS, order: filter.order })}
-        >
-          Clear the filters
-        </Button>
-      )}
-    </div>
+    </Filters>
   );
 }

@@ -1,23 +1,23 @@
 import { useQuery } from "@tanstack/react-query";
-import { type ReactNode, type SubmitEvent, useState } from "react";
+import { type ReactNode, useState } from "react";
 
 import { behavioursQuery } from "@/api/behaviours";
-import { fieldMessageOf, messageOf } from "@/api/client";
+import { fieldMessageOf } from "@/api/client";
 import type { Behaviour, BehaviourNew } from "@/api/types";
-import { Button } from "@/components/controls/Button";
+import type { Draft } from "@/components/controls/drafts";
 import { Checkbox, Field } from "@/components/controls/Field";
-import { Notice } from "@/components/feedback/States";
+import { FormDialog } from "@/components/controls/FormDialog";
 import type { Cell } from "@/lib/game/aliens";
 
 import { AlienPicker } from "./AlienPicker";
-import styles from "./BehaviourForm.module.css";
+import styles from "./BehaviourDialog.module.css";
 import { type BehaviourDraft, nameProblem } from "./draft";
 
-interface BehaviourFormProps {
-  value: BehaviourDraft;
-  onChange: (value: BehaviourDraft) => void;
+interface BehaviourDialogProps {
+  title: string;
+  draft: Draft<BehaviourDraft>;
   onSubmit: (behaviour: BehaviourNew) => void;
-  onCancel: () => void;
+  onClose: () => void;
   /** The behaviour that is being edited, which may keep its name. */
   edited?: Behaviour;
   /** Why the target can't be changed; it is not shown then. */
@@ -26,16 +26,17 @@ interface BehaviourFormProps {
   pending: boolean;
   error: unknown;
   /** Further buttons, at the end of the row. */
-  children?: ReactNode;
+  more?: ReactNode;
 }
 
-/** The name, description and target of a behaviour. */
-export function BehaviourForm(props: BehaviourFormProps) {
-  const { value, onChange, edited, fixedTarget, pending, error } = props;
+/** Edits the name, description and target of a behaviour. */
+export function BehaviourDialog(props: BehaviourDialogProps) {
+  const { draft, edited, fixedTarget, error } = props;
+  const { value } = draft;
   const { data: others } = useQuery(behavioursQuery);
   const [left, setLeft] = useState(false);
   const [refused, setRefused] = useState<string | null>(null);
-  const set = (change: Partial<BehaviourDraft>) => onChange({ ...value, ...change });
+  const set = (change: Partial<BehaviourDraft>) => draft.set({ ...value, ...change });
 
   const problem = nameProblem(value.name, others ?? [], edited?.id);
   // While an empty field has not been left, nothing is wrong with it yet.
@@ -44,13 +45,10 @@ export function BehaviourForm(props: BehaviourFormProps) {
   const nameError = said ?? (refused === value.name ? answered : null);
   const noTarget = value.hasTarget && value.target.length === 0;
 
-  function submit(event: SubmitEvent) {
-    event.preventDefault();
+  function submit(form: HTMLFormElement) {
     setLeft(true);
     if (problem !== null || noTarget) {
-      event.currentTarget
-        .querySelector<HTMLElement>("[aria-invalid], [data-empty] button")
-        ?.focus();
+      form.querySelector<HTMLElement>("[aria-invalid], [data-empty] button")?.focus();
       return;
     }
     setRefused(value.name);
@@ -63,7 +61,16 @@ export function BehaviourForm(props: BehaviourFormProps) {
   }
 
   return (
-    <form className={styles.form} onSubmit={submit} noValidate>
+    <FormDialog
+      title={props.title}
+      draft={draft}
+      submit={props.submit}
+      disabled={props.pending}
+      error={answered ? null : error}
+      onSubmit={submit}
+      onClose={props.onClose}
+      more={props.more}
+    >
       <Field label="Name" error={nameError}>
         {(control) => (
           <input
@@ -120,20 +127,6 @@ export function BehaviourForm(props: BehaviourFormProps) {
           )}
         </div>
       )}
-      {Boolean(error) && !answered && (
-        <Notice tone="bad" live>
-          <p>{messageOf(error)}</p>
-        </Notice>
-      )}
-      <div className={styles.actions}>
-        <Button kind="primary" type="submit" disabled={pending}>
-          {props.submit}
-        </Button>
-        <Button kind="quiet" onClick={props.onCancel}>
-          Cancel
-        </Button>
-        {props.children}
-      </div>
-    </form>
+    </FormDialog>
   );
 }
