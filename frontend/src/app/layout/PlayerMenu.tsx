@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 
@@ -7,6 +8,7 @@ import { Button } from "@/components/controls/Button";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { FormDialog } from "@/components/controls/FormDialog";
+import { type Language, LANGUAGES, readLanguage, setLanguage } from "@/app/language";
 
 import styles from "./PlayerMenu.module.css";
 
@@ -19,8 +21,8 @@ export function PlayerMenu() {
     <>
       <Button
         kind="quiet"
-        aria-label={`Player: ${player.name}. Change the name`}
-        title="Change your name"
+        aria-label={t`Player: ${player.name}. Change the name`}
+        title={t`Change your name`}
         onClick={() => setOpen(true)}
       >
         <span className={styles.name}>{player.name}</span>
@@ -44,13 +46,13 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
     },
   });
   const answered = rename.error && refused === value ? messageOf(rename.error) : null;
-  const problem = value.trim() ? answered : "Give a name.";
+  const problem = value.trim() ? answered : t`Give a name.`;
   return (
     <FormDialog
-      title="Your name"
+      title={t`Your name`}
       width="24rem"
       draft={draft}
-      submit="Save"
+      submit={t`Save`}
       disabled={!value.trim() || rename.isPending}
       onSubmit={() => {
         if (!value.trim()) return;
@@ -59,7 +61,7 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
       }}
       onClose={onClose}
     >
-      <Field label="Name" hint="Shown beside the games you play." error={problem}>
+      <Field label={t`Name`} hint={t`Shown beside the games you play.`} error={problem}>
         {(control) => (
           <input
             {...control}
@@ -70,6 +72,35 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
           />
         )}
       </Field>
+      <LanguageField />
     </FormDialog>
+  );
+}
+
+/** The language of the page, which changes at once and needs no saving. */
+function LanguageField() {
+  const [failed, setFailed] = useState(false);
+  return (
+    <Field
+      label={t`Language`}
+      hint={t`Messages of the server are in English.`}
+      error={failed ? t`This language could not be loaded. Try again.` : null}
+    >
+      {(control) => (
+        <select
+          {...control}
+          value={readLanguage()}
+          onChange={(event) => {
+            setLanguage(event.currentTarget.value as Language).catch(() => setFailed(true));
+          }}
+        >
+          {Object.entries(LANGUAGES).map(([language, name]) => (
+            <option key={language} value={language} lang={language}>
+              {name}
+            </option>
+          ))}
+        </select>
+      )}
+    </Field>
   );
 }

@@ -1,3 +1,4 @@
+import { Trans } from "@lingui/react/macro";
 import type { ReactNode } from "react";
 
 import { Button } from "./Button";
@@ -18,7 +19,7 @@ export function Filters({ label, role, onClear, children }: FiltersProps) {
       {children}
       {onClear && (
         <Button kind="quiet" icon="close" onClick={onClear}>
-          Clear the filters
+          <Trans>Clear the filters</Trans>
         </Button>
       )}
     </div>

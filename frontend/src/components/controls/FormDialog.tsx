@@ -1,3 +1,4 @@
+import { Trans } from "@lingui/react/macro";
 import type { ReactNode, SubmitEvent } from "react";
 
 import { messageOf } from "@/api/client";
@@ -56,7 +57,7 @@ export function FormDialog(props: FormDialogProps) {
               onClose();
             }}
           >
-            Cancel
+            <Trans>Cancel</Trans>
           </Button>
           {props.more && <div className={styles.more}>{props.more}</div>}
         </div>

@@ -1,9 +1,9 @@
+import { plural } from "@lingui/core/macro";
 import { type ReactNode, useState } from "react";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { count } from "@/lib/format";
 import { imperfections } from "@/lib/recordings";
 
 import styles from "./KeepOrDiscard.module.css";
@@ -55,6 +55,8 @@ export function usePerfectMark({ target }: Behaviour): PerfectMark {
 function sentenceOf(found: readonly (readonly string[])[], n: number): string {
   const [first = []] = found;
   if (n === 1) return `This game isn't perfect: ${first.join(", ")}.`;
-  const are = found.length === 1 ? "isn't" : "aren't";
-  return `${found.length} of ${count(n, "game")} ${are} perfect: they missed targets, hit strays or ended with the cannon hit.`;
+  return plural(found.length, {
+    one: `# of ${n} games isn't perfect: they missed targets, hit strays or ended with the cannon hit.`,
+    other: `# of ${n} games aren't perfect: they missed targets, hit strays or ended with the cannon hit.`,
+  });
 }

@@ -1,3 +1,4 @@
+import { plural } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
@@ -11,7 +12,6 @@ import {
 } from "@/api/recordings";
 import type { Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
 import { useToast } from "@/components/feedback/Toasts";
-import { count } from "@/lib/format";
 import { isUndecided, recordingName } from "@/lib/recordings";
 
 interface RecordingActions {
@@ -91,7 +91,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     mutationFn: (body: RecordingsChange) => changeRecordings(behaviourId, body),
     onSuccess: (_changed, { change, recording_ids: ids }) => {
       if (change !== "delete") return;
-      toast(`${count(ids.length, "recording")} deleted.`, {
+      toast(plural(ids.length, { one: "# recording deleted.", other: "# recordings deleted." }), {
         label: "Undo",
         run: () => changeAll.mutate({ recording_ids: ids, change: "restore" }),
       });

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode, useState } from "react";
 
@@ -71,13 +73,13 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
       onClose={props.onClose}
       more={props.more}
     >
-      <Field label="Name" error={nameError}>
+      <Field label={t`Name`} error={nameError}>
         {(control) => (
           <input
             {...control}
             value={value.name}
             maxLength={120}
-            placeholder="Stay on the left"
+            placeholder={t`Stay on the left`}
             onBlur={(event) => {
               // Cancel and Close need no name.
               if (event.relatedTarget?.tagName !== "BUTTON") setLeft(true);
@@ -86,7 +88,7 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
           />
         )}
       </Field>
-      <Field label="Description" hint="What a perfect game looks like, in a sentence or two.">
+      <Field label={t`Description`} hint={t`What a perfect game looks like, in a sentence or two.`}>
         {(control) => (
           <textarea
             {...control}
@@ -100,8 +102,8 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
       {fixedTarget ?? (
         <div className={styles.target} data-empty={noTarget || undefined}>
           <Checkbox
-            label="Target certain aliens"
-            hint="Hits and strays are then counted. The agent never sees this: it learns from your ranking and your perfect games."
+            label={t`Target certain aliens`}
+            hint={t`Hits and strays are then counted. The agent never sees this: it learns from your ranking and your perfect games.`}
             checked={value.hasTarget}
             onChange={(hasTarget) => set({ hasTarget })}
           />
@@ -114,12 +116,12 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
               />
               {noTarget && (
                 <p className={styles.error} role="status">
-                  Pick at least one alien, or turn the target off.
+                  <Trans>Pick at least one alien, or turn the target off.</Trans>
                 </p>
               )}
               <Checkbox
-                label="The order matters"
-                hint="They are to be hit in the order in which you pick them."
+                label={t`The order matters`}
+                hint={t`They are to be hit in the order in which you pick them.`}
                 checked={value.ordered}
                 onChange={(ordered) => set({ ordered })}
               />

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useNavigate } from "react-router";
@@ -27,13 +29,13 @@ export function EditBehaviour({ behaviour }: { behaviour: Behaviour }) {
   const close = () => setOpen(null);
   return (
     <>
-      <IconButton icon="edit" label="Edit the behaviour" onClick={() => setOpen("edit")} />
+      <IconButton icon="edit" label={t`Edit the behaviour`} onClick={() => setOpen("edit")} />
       {open === "edit" && (
         <EditDialog behaviour={behaviour} onClose={close} onCopy={() => setOpen("copy")} />
       )}
       {open === "copy" && (
         <NewBehaviourDialog
-          title="Copy with another target"
+          title={t`Copy with another target`}
           initial={copyOf(behaviour, all ?? [behaviour])}
           onClose={close}
         />
@@ -67,7 +69,7 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
   });
   return (
     <BehaviourDialog
-      title="Edit the behaviour"
+      title={t`Edit the behaviour`}
       draft={draft}
       onSubmit={(change) => update.mutate(change)}
       onClose={onClose}
@@ -78,12 +80,14 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
             <AlienGrid target={behaviour.target} label="" />
             <div>
               <p>{fixed}</p>
-              <Button onClick={onCopy}>Make a copy with another target</Button>
+              <Button onClick={onCopy}>
+                <Trans>Make a copy with another target</Trans>
+              </Button>
             </div>
           </div>
         )
       }
-      submit={update.isPending ? "Saving…" : "Save"}
+      submit={update.isPending ? t`Saving…` : t`Save`}
       pending={update.isPending}
       error={update.error ?? remove.error}
       more={
@@ -94,7 +98,7 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
             disabled={remove.isPending}
             onClick={() => remove.mutate()}
           >
-            Delete
+            <Trans>Delete</Trans>
           </Button>
         )
       }
@@ -121,14 +125,14 @@ function useDeletion(behaviour: Behaviour) {
     onSuccess: async () => {
       await navigate("/");
       settle();
-      toast(`${behaviour.name} deleted.`, { label: "Undo", run: () => restore.mutate() });
+      toast(t`${behaviour.name} deleted.`, { label: t`Undo`, run: () => restore.mutate() });
     },
   });
 }
 
 /** Why the target can't be changed; null if it can. */
 function whyFixed({ built_in, n_recordings, n_runs }: Behaviour): string | null {
-  if (built_in) return "The target of a built-in behaviour stays as it is.";
+  if (built_in) return t`The target of a built-in behaviour stays as it is.`;
   if (n_recordings === 0 && n_runs === 0) return null;
-  return "The target stays as it is, since games were ranked and runs judged by it.";
+  return t`The target stays as it is, since games were ranked and runs judged by it.`;
 }

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
@@ -17,7 +18,7 @@ interface NewBehaviourDialogProps {
 /** Creates a behaviour: name, description and optionally a target. */
 export function NewBehaviourDialog({
   onClose,
-  title = "New behaviour",
+  title = t`New behaviour`,
   initial = EMPTY_DRAFT,
 }: NewBehaviourDialogProps) {
   const client = useQueryClient();
@@ -38,7 +39,7 @@ export function NewBehaviourDialog({
       draft={draft}
       onSubmit={(behaviour) => create.mutate(behaviour)}
       onClose={onClose}
-      submit={create.isPending ? "Creating…" : "Create behaviour"}
+      submit={create.isPending ? t`Creating…` : t`Create behaviour`}
       pending={create.isPending}
       error={create.error}
     />

@@ -1,7 +1,10 @@
+import { t } from "@lingui/core/macro";
+
 import type { Recording } from "@/api/types";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { FormDialog } from "@/components/controls/FormDialog";
+import { inSentence } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 const MOST_CHARACTERS = 4000;
@@ -19,9 +22,9 @@ export function NotesDialog({
   const notes = useDraft(`note ${recording.id}`, recording.notes);
   return (
     <FormDialog
-      title={`Note on ${recordingName(recording).toLowerCase()}`}
+      title={t`Note on ${inSentence(recordingName(recording))}`}
       draft={notes}
-      submit="Save note"
+      submit={t`Save note`}
       onSubmit={() => {
         onSave(notes.value.trim());
         notes.drop();
@@ -29,7 +32,7 @@ export function NotesDialog({
       }}
       onClose={onClose}
     >
-      <Field label="Note">
+      <Field label={t`Note`}>
         {(control) => (
           <textarea
             {...control}

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
 import { fieldMessageOf } from "@/api/client";
@@ -29,16 +30,20 @@ export function DescribeRunDialog({ run, onClose }: { run: Run; onClose: () => v
   const notesError = fieldMessageOf(save.error, "notes");
   return (
     <FormDialog
-      title="Name and notes"
+      title={t`Name and notes`}
       width="30rem"
       draft={draft}
-      submit="Save"
+      submit={t`Save`}
       disabled={save.isPending}
       error={nameError || notesError ? null : save.error}
       onSubmit={() => save.mutate()}
       onClose={onClose}
     >
-      <Field label="Name" hint={`Without one it is called ${shortId(run.id)}.`} error={nameError}>
+      <Field
+        label={t`Name`}
+        hint={t`Without one it is called ${shortId(run.id)}.`}
+        error={nameError}
+      >
         {(control) => (
           <input
             {...control}
@@ -49,7 +54,7 @@ export function DescribeRunDialog({ run, onClose }: { run: Run; onClose: () => v
           />
         )}
       </Field>
-      <Field label="Notes" hint="What you tried, and what came of it." error={notesError}>
+      <Field label={t`Notes`} hint={t`What you tried, and what came of it.`} error={notesError}>
         {(control) => (
           <textarea
             {...control}

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { RunResults } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 
@@ -10,15 +13,15 @@ export function WatchLinks({ results: { run, artifacts } }: { results: RunResult
   const trained = POLICIES.filter((policy) => artifacts.some(({ kind }) => kind === policy));
   if (trained.length === 0) return null;
   return (
-    <div className={styles.actions} role="group" aria-label="Watch it play">
+    <div className={styles.actions} role="group" aria-label={t`Watch it play`}>
       {trained.map((policy) => (
         <ButtonLink key={policy} icon="play" to={watchPath(run.id, [policy])}>
-          Watch the {policy} play
+          <Trans>Watch the {policy} play</Trans>
         </ButtonLink>
       ))}
       {trained.length > 1 && (
         <ButtonLink kind="quiet" to={watchPath(run.id, trained)}>
-          Both side by side
+          <Trans>Both side by side</Trans>
         </ButtonLink>
       )}
     </div>
