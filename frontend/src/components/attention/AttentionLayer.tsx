@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useEffect, useRef } from "react";
 
 import type { ScreenSize } from "@/lib/game/use-screen-size";
@@ -33,7 +34,7 @@ export function AttentionLayer({
       ref={ref}
       className={styles.layer}
       role="img"
-      aria-label={`What the reward looks at in step ${step}`}
+      aria-label={t`What the reward looks at in step ${step}`}
       width={SIDE}
       height={SIDE}
       style={{ width: size.width, height: size.height, opacity }}

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
 
@@ -16,17 +19,21 @@ export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanel
   return (
     <div className={styles.panel}>
       <Button icon="eye" aria-pressed={attention.on} onClick={attention.toggle}>
-        What the reward looks at
+        <Trans>What the reward looks at</Trans>
       </Button>
       {attention.on && (
         <>
-          <span className={styles.bar} role="img" aria-label="Colours: from nothing to most">
-            <span>nothing</span>
+          <span className={styles.bar} role="img" aria-label={t`Colours: from nothing to most`}>
+            <span>
+              <Trans>nothing</Trans>
+            </span>
             <i style={{ backgroundImage: attentionGradient() }} />
-            <span>most</span>
+            <span>
+              <Trans>most</Trans>
+            </span>
           </span>
           <label className={styles.opacity}>
-            Opacity
+            <Trans>Opacity</Trans>
             <input
               type="range"
               min={0}
@@ -47,9 +54,9 @@ export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanel
 }
 
 function describe({ step, map, isExact, error }: Attention): string {
-  if (step === null) return "Pause to see what the reward looks at.";
-  if (error) return `The map can’t be shown: ${messageOf(error)}`;
-  if (!map) return `Looking at step ${step}…`;
-  if (isExact) return `Step ${step}, exact: how much R changes where 3×3 pixels are occluded.`;
-  return `Step ${step}, estimated by the gradient of R; the exact map follows.`;
+  if (step === null) return t`Pause to see what the reward looks at.`;
+  if (error) return t`The map can’t be shown: ${messageOf(error)}`;
+  if (!map) return t`Looking at step ${step}…`;
+  if (isExact) return t`Step ${step}, exact: how much R changes where 3×3 pixels are occluded.`;
+  return t`Step ${step}, estimated by the gradient of R; the exact map follows.`;
 }

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { memo, type PointerEvent, type ReactNode, useSyncExternalStore } from "react";
 
@@ -32,9 +34,11 @@ interface RewardCurveProps {
 export function RewardCurve({ reward, playback, last, hits }: RewardCurveProps) {
   const { data, error } = useQuery(rewardTraceQuery(reward.runId, reward.recordingId));
   return (
-    <section className={styles.reward} aria-label="Learned reward">
+    <section className={styles.reward} aria-label={t`Learned reward`}>
       <div className={styles.head}>
-        <h3>Learned reward</h3>
+        <h3>
+          <Trans>Learned reward</Trans>
+        </h3>
         {reward.menu}
       </div>
       {data ? (
@@ -47,10 +51,12 @@ export function RewardCurve({ reward, playback, last, hits }: RewardCurveProps) 
         />
       ) : error ? (
         <Notice tone="calm" live>
-          <p>R over time can&rsquo;t be shown: {messageOf(error)}</p>
+          <p>
+            <Trans>R over time can&rsquo;t be shown: {messageOf(error)}</Trans>
+          </p>
         </Notice>
       ) : (
-        <Loading what="the learned reward" rows={1} height={`${HEIGHT}px`} />
+        <Loading what={t`the learned reward`} rows={1} height={`${HEIGHT}px`} />
       )}
     </section>
   );
@@ -85,11 +91,11 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
         style={{ height: HEIGHT }}
         role="slider"
         tabIndex={0}
-        aria-label="Position on the curve of R"
+        aria-label={t`Position on the curve of R`}
         aria-valuemin={0}
         aria-valuemax={last}
         aria-valuenow={frame}
-        aria-valuetext={`step ${step}, level ${fixed(level, 2)}`}
+        aria-valuetext={t`step ${step}, level ${fixed(level, 2)}`}
         onPointerDown={(event) => {
           if (event.button !== 0) return;
           event.currentTarget.setPointerCapture(event.pointerId);
@@ -109,9 +115,13 @@ function Curve({ levels, rewards, playback, last, hits }: CurveProps) {
       </div>
       <Legend>
         <span>
-          Level {fixed(level, 2)} (R {measured(rewards[step] ?? NaN)}) at step {step}
+          <Trans>
+            Level {fixed(level, 2)} (R {measured(rewards[step] ?? NaN)}) at step {step}
+          </Trans>
         </span>
-        <span>0: how demonstrations begin, 1: how the best ones end</span>
+        <span>
+          <Trans>0: how demonstrations begin, 1: how the best ones end</Trans>
+        </span>
       </Legend>
     </>
   );

@@ -1,4 +1,4 @@
-import { plural } from "@lingui/core/macro";
+import { plural, t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
@@ -77,7 +77,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     },
     onSuccess: (_nothing, recording) =>
       toast(`${recordingName(recording)} ${isUndecided(recording) ? "discarded" : "deleted"}.`, {
-        label: "Undo",
+        label: t`Undo`,
         run: () => restore.mutate(recording.id),
       }),
     onError: (error, _recording, before) => {
@@ -92,7 +92,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     onSuccess: (_changed, { change, recording_ids: ids }) => {
       if (change !== "delete") return;
       toast(plural(ids.length, { one: "# recording deleted.", other: "# recordings deleted." }), {
-        label: "Undo",
+        label: t`Undo`,
         run: () => changeAll.mutate({ recording_ids: ids, change: "restore" }),
       });
     },

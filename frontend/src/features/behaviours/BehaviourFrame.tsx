@@ -162,7 +162,7 @@ function StepLink({
       <span className={styles.caption}>
         {step.next && (
           <span className={styles.nextWord}>
-            <Trans>next </Trans>
+            <Trans>next</Trans>{" "}
           </span>
         )}
         {step.caption}

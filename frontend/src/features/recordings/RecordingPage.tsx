@@ -20,11 +20,12 @@ import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
 import { useRewardRun } from "@/features/recordings/detail/use-reward-run";
-import { FRAME_RATE_HZ, FRAMES_PER_STEP, moment, seconds } from "@/lib/format";
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, inSentence, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { thingNames } from "@/lib/things";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
@@ -207,7 +208,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
       {recording.begun_by && (
         <p>
           <Trans>
-            The {recording.begun_by.policy} of{" "}
+            The {inSentence(thingNames()[recording.begun_by.policy])} of{" "}
             <Link to={`/runs/${recording.begun_by.run_id}`}>
               <RunName id={recording.begun_by.run_id} />
             </Link>{" "}
@@ -241,7 +242,8 @@ function Hits({ playback, recording }: { playback: Playback; recording: Recordin
             {seconds(hit.frame / FRAME_RATE_HZ, 2)} {cellName([hit.row, hit.column])}
             {hit.on_target === false && (
               <strong>
-                <Trans> × stray</Trans>
+                {" "}
+                × <Trans>stray</Trans>
               </strong>
             )}
           </Button>

@@ -43,7 +43,7 @@ export function Checklist({ behaviour }: { behaviour: Behaviour }) {
               {description}
               {id === null ? (
                 <span className="visually-hidden">
-                  <Trans>, missing</Trans>
+                  , <Trans>missing</Trans>
                 </span>
               ) : (
                 <>

@@ -1,14 +1,15 @@
 /** Names of a recording's actions, and the spans in which each key was held. */
+import { t } from "@lingui/core/macro";
 
 /** Indexed as in the exchange format; two keys together are one action. */
-const ACTION_NAMES = [
-  "nothing",
-  "fire",
-  "right",
-  "left",
-  "right and fire",
-  "left and fire",
-] as const;
+const actionNames = (): readonly string[] => [
+  t`nothing`,
+  t`fire`,
+  t`right`,
+  t`left`,
+  t`right and fire`,
+  t`left and fire`,
+];
 
 const FIRING: ReadonlySet<number> = new Set([1, 4, 5]);
 const RIGHT: ReadonlySet<number> = new Set([2, 4]);
@@ -31,9 +32,9 @@ interface Lane {
  * @param actions `actions[f]` was executed in frame f + 1.
  */
 export function describeAction(actions: readonly number[], frame: number): string {
-  if (frame <= 0) return "the start";
+  if (frame <= 0) return t`the start`;
   const action = actions[frame - 1];
-  return action === undefined ? "none" : (ACTION_NAMES[action] ?? `action ${action}`);
+  return action === undefined ? t`none` : (actionNames()[action] ?? t`action ${action}`);
 }
 
 /** Returns the spans in which each key was held. */

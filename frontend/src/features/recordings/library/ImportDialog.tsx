@@ -137,12 +137,12 @@ function Report({ result }: { result: ImportResult }) {
         </strong>
         {result.already_there.length > 0 && (
           <>
-            <Trans>, {result.already_there.length} already there and not imported again</Trans>
+            , <Trans>{result.already_there.length} already there and not imported again</Trans>
           </>
         )}
         {result.refusals.length > 0 && (
           <>
-            <Trans>, {result.refusals.length} refused</Trans>
+            , <Trans>{result.refusals.length} refused</Trans>
           </>
         )}
         .

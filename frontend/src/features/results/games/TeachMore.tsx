@@ -36,7 +36,12 @@ function proposalsIn({ proposed, games, training_games: training }: RunResults):
   const evaluated = proposed.flatMap((id) => {
     const game = games.find(({ recording }) => recording.id === id);
     if (!game) return [];
-    const how = t`${game.action_selection} actions, start ${game.start_number}`;
+    const start = game.start_number;
+    const how = {
+      greedy: t`greedy actions, start ${start}`,
+      sampled: t`sampled actions, start ${start}`,
+      sticky: t`sticky actions, start ${start}`,
+    }[game.action_selection];
     return [{ recording: game.recording, how }];
   });
   if (evaluated.length > 0 || !training) return evaluated;

@@ -197,7 +197,8 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
 function Highest() {
   return (
     <span className="visually-hidden">
-      <Trans> (highest)</Trans>
+      {" "}
+      (<Trans>highest</Trans>)
     </span>
   );
 }

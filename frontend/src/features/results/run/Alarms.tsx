@@ -20,8 +20,8 @@ export function Alarms({ results }: { results: RunResults }) {
             </a>
             {comparison.length > 0 && (
               <>
+                {" "}
                 <Trans>
-                  {" "}
                   or <a href="#games">watch the games</a>
                 </Trans>
               </>

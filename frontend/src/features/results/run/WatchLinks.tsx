@@ -3,6 +3,8 @@ import { Trans } from "@lingui/react/macro";
 
 import type { RunResults } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
+import { inSentence } from "@/lib/format";
+import { thingNames } from "@/lib/things";
 
 import styles from "./RunActions.module.css";
 
@@ -16,7 +18,7 @@ export function WatchLinks({ results: { run, artifacts } }: { results: RunResult
     <div className={styles.actions} role="group" aria-label={t`Watch it play`}>
       {trained.map((policy) => (
         <ButtonLink key={policy} icon="play" to={watchPath(run.id, [policy])}>
-          <Trans>Watch the {policy} play</Trans>
+          <Trans>Watch the {inSentence(thingNames()[policy])} play</Trans>
         </ButtonLink>
       ))}
       {trained.length > 1 && (
