@@ -4,7 +4,14 @@ import { getConfig } from "@lingui/conf";
 
 /** What each language has to have a translation for; the rest may still be in English. */
 const COMPLETE = {
-  de: ["src/app", "src/components", "src/features/play", "src/features/ranking", "src/lib"],
+  de: [
+    "src/app",
+    "src/components",
+    "src/features/behaviours",
+    "src/features/play",
+    "src/features/ranking",
+    "src/lib",
+  ],
 };
 
 const config = getConfig();
