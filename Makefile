@@ -23,7 +23,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run dev dev-server dev-page environment frontend test test-unit coverage test-e2e test-frontend check lint \
-	format types imports migrations-check api api-check wheel docs constraints bench clean
+	format types imports migrations-check api api-check texts texts-check wheel docs constraints bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -62,7 +62,7 @@ test-e2e: $(DEV_STAMP) frontend ## run the tests in a real browser
 test-frontend: $(NPM_STAMP) ## run the page's unit tests
 	cd frontend && $(NPM) test
 
-check: lint types imports migrations-check api-check ## run all checks other than tests
+check: lint types imports migrations-check api-check texts-check ## run all checks other than tests
 
 lint: $(DEV_STAMP) $(NPM_STAMP) ## lint and check the format of Python and TypeScript
 	$(VENV)/bin/ruff check
@@ -93,6 +93,12 @@ api-check: $(RUN_STAMP) $(NPM_STAMP) ## check that the page's types are current
 	@$(PY) -m server.openapi | diff frontend/openapi.json - > /dev/null || \
 		{ echo "frontend/openapi.json is not the API's description: run make api"; exit 1; }
 	cd frontend && $(NPM) run generate -- --check
+
+texts: $(NPM_STAMP) ## renew the page's catalogues of texts from its source
+	cd frontend && $(NPM) run texts
+
+texts-check: $(NPM_STAMP) ## check that the catalogues are current, and German for play and rank
+	cd frontend && $(NPM) run texts:check
 
 wheel: $(DEV_STAMP) frontend ## build the distribution into dist/
 	rm -rf $(DIST)

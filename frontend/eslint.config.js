@@ -3,6 +3,7 @@ import { readdirSync } from "node:fs";
 import js from "@eslint/js";
 import jsxA11y from "eslint-plugin-jsx-a11y";
 import reactHooks from "eslint-plugin-react-hooks";
+import lingui from "eslint-plugin-lingui";
 import globals from "globals";
 import tseslint from "typescript-eslint";
 
@@ -30,7 +31,14 @@ export default tseslint.config(
   },
   {
     files: ["src/**"],
-    rules: { "no-restricted-imports": ["error", { patterns: [PARENTS] }] },
+    plugins: { lingui },
+    rules: {
+      "no-restricted-imports": ["error", { patterns: [PARENTS] }],
+      // At the top of a module a text is read before the language is known.
+      "lingui/t-call-in-function": "error",
+      "lingui/no-single-tag-to-translate": "error",
+      "lingui/no-single-variables-to-translate": "error",
+    },
   },
   ...features.map((feature) => ({
     files: [`src/features/${feature}/**`],
@@ -71,4 +79,5 @@ export default tseslint.config(
     },
   })),
   { files: ["*.js"], ...tseslint.configs.disableTypeChecked },
+  { files: ["check-texts.js"], languageOptions: { globals: globals.node } },
 );

@@ -1,8 +1,11 @@
 import type { ClientRequest, IncomingMessage } from "node:http";
 import { fileURLToPath } from "node:url";
 
+import { transformAsync } from "@babel/core";
+import macros from "@lingui/babel-plugin-lingui-macro";
+import { lingui } from "@lingui/vite-plugin";
 import react from "@vitejs/plugin-react";
-import type { ProxyOptions } from "vite";
+import type { Plugin, ProxyOptions } from "vite";
 import { defineConfig } from "vitest/config";
 
 /** The running `tril up` that the development server passes the API and the sign-in on to. */
@@ -24,8 +27,31 @@ const proxy: ProxyOptions = {
   },
 };
 
+/**
+ * Expands Lingui's macros. The English messages stay in the code: they are shown where a catalogue has none.
+ * Types and JSX are left to Vite.
+ */
+const expandMacros: Plugin = {
+  name: "expand-macros",
+  enforce: "pre",
+  transform: {
+    filter: { id: /\/(src|tests)\/.*\.tsx?$/, code: /@lingui\/\w+\/macro/ },
+    handler: async (code, id) => {
+      const result = await transformAsync(code, {
+        filename: id,
+        babelrc: false,
+        configFile: false,
+        sourceMaps: true,
+        parserOpts: { plugins: ["typescript", ...(id.endsWith("x") ? (["jsx"] as const) : [])] },
+        plugins: [[macros, { stripMessageField: false }]],
+      });
+      return result?.code ? { code: result.code, map: result.map } : null;
+    },
+  },
+};
+
 export default defineConfig({
-  plugins: [react()],
+  plugins: [expandMacros, react(), lingui({ failOnCompileError: true })],
   resolve: { alias: { "@": fileURLToPath(new URL("./src", import.meta.url)) } },
   build: {
     // Inside the package, so that a wheel and a clone have the page in the same place.

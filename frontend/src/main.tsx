@@ -6,19 +6,30 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { RouterProvider } from "react-router/dom";
 
+import { Localised } from "@/app/Localised";
 import { createQueryClient } from "@/app/query-client";
 import { createRouter } from "@/app/router";
 import { ToastProvider } from "@/components/feedback/Toasts";
+import { startLanguage } from "@/app/language";
 
 const root = document.getElementById("root");
 if (!root) throw new Error("The page has no element with the id root.");
 
-createRoot(root).render(
-  <StrictMode>
-    <QueryClientProvider client={createQueryClient()}>
-      <ToastProvider>
-        <RouterProvider router={createRouter()} />
-      </ToastProvider>
-    </QueryClientProvider>
-  </StrictMode>,
+const page = createRoot(root);
+const client = createQueryClient();
+const router = createRouter();
+
+// The first text that is shown is in the right language.
+void startLanguage().then(() =>
+  page.render(
+    <StrictMode>
+      <Localised>
+        <QueryClientProvider client={client}>
+          <ToastProvider>
+            <RouterProvider router={router} />
+          </ToastProvider>
+        </QueryClientProvider>
+      </Localised>
+    </StrictMode>,
+  ),
 );

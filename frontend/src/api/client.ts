@@ -1,4 +1,5 @@
 /** The HTTP client: typed by the server's OpenAPI document, errors raised as exceptions. */
+import { t } from "@lingui/core/macro";
 import createClient from "openapi-fetch";
 
 import { connection } from "./connection";
@@ -23,7 +24,7 @@ class UnreachableError extends Error {
   override name = "UnreachableError";
 
   constructor(cause: unknown) {
-    super("Tril's server doesn't answer. Is `tril up` still running?", { cause });
+    super(t`Tril's server doesn't answer. Is \`tril up\` still running?`, { cause });
   }
 }
 
@@ -99,15 +100,15 @@ function detailOf(body: unknown): string | null {
 }
 
 function fallback(status: number): string {
-  if (status === 401) return "This browser isn't signed in. Open the address that Tril printed.";
-  if (status === 404) return "This doesn't exist, or was deleted.";
-  if (status === 413) return "The file is too large.";
-  return `The server failed (${status}). Its log in the terminal says why.`;
+  if (status === 401) return t`This browser isn't signed in. Open the address that Tril printed.`;
+  if (status === 404) return t`This doesn't exist, or was deleted.`;
+  if (status === 413) return t`The file is too large.`;
+  return t`The server failed (${status}). Its log in the terminal says why.`;
 }
 
 /** Returns the message of an exception to show to the user. */
 export function messageOf(error: unknown): string {
-  return error instanceof Error ? error.message : "Something went wrong. Reload the page.";
+  return error instanceof Error ? error.message : t`Something went wrong. Reload the page.`;
 }
 
 /** Returns what an exception says of one field of a form; null if it is not about that field. */

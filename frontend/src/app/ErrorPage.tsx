@@ -1,3 +1,4 @@
+import { Trans } from "@lingui/react/macro";
 import { useRouteError } from "react-router";
 
 import { messageOf } from "@/api/client";
@@ -12,11 +13,17 @@ export function ErrorPage() {
   return (
     <main className={styles.lone} role="alert">
       <Alien row={5} scale={5} />
-      <h1>This page crashed</h1>
-      <p>That is a bug in Tril. Nothing that was saved is lost; reload the page to continue.</p>
+      <h1>
+        <Trans>This page crashed</Trans>
+      </h1>
+      <p>
+        <Trans>
+          That is a bug in Tril. Nothing that was saved is lost; reload the page to continue.
+        </Trans>
+      </p>
       <p className={styles.url}>{messageOf(error)}</p>
       <Button kind="primary" icon="restart" onClick={() => location.reload()}>
-        Reload the page
+        <Trans>Reload the page</Trans>
       </Button>
     </main>
   );

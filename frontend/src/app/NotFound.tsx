@@ -1,11 +1,23 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty } from "@/components/feedback/States";
 
 /** Shown for an unknown address. */
 export function NotFound() {
   return (
-    <Empty title="Page not found" actions={<ButtonLink to="/">All behaviours</ButtonLink>}>
-      <p>The address is wrong, or what was here has been deleted.</p>
+    <Empty
+      title={t`Page not found`}
+      actions={
+        <ButtonLink to="/">
+          <Trans>All behaviours</Trans>
+        </ButtonLink>
+      }
+    >
+      <p>
+        <Trans>The address is wrong, or what was here has been deleted.</Trans>
+      </p>
     </Empty>
   );
 }

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
 import { Alien } from "@/components/game/AlienGrid";
@@ -9,20 +12,24 @@ export function Unauthorised() {
   return (
     <main className={styles.lone}>
       <Alien row={2} scale={5} />
-      <h1>This browser isn&rsquo;t signed in yet</h1>
+      <h1>
+        <Trans>This browser isn&rsquo;t signed in yet</Trans>
+      </h1>
       <p>
-        Tril prints an address with a key when it starts, on the last line in the terminal. Open
-        that address once in this browser, or enter its key here. Has the line scrolled away?{" "}
-        <code>tril address</code> in another terminal prints it again.
+        <Trans>
+          Tril prints an address with a key when it starts, on the last line in the terminal. Open
+          that address once in this browser, or enter its key here. Has the line scrolled away?{" "}
+          <code>tril address</code> in another terminal prints it again.
+        </Trans>
       </p>
       <form action="/" className={styles.form}>
-        <Field label="Key, or the whole address">
+        <Field label={t`Key, or the whole address`}>
           {(control) => (
             <input {...control} name="token" type="password" autoComplete="off" required />
           )}
         </Field>
         <Button kind="primary" type="submit">
-          Sign in
+          <Trans>Sign in</Trans>
         </Button>
       </form>
     </main>

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useQuery } from "@tanstack/react-query";
 import { lazy, type ReactNode, Suspense } from "react";
 import { createBrowserRouter, Navigate, useParams } from "react-router";
@@ -41,7 +42,7 @@ const WatchPage = lazy(async () => ({
 
 /** Shows a placeholder while the code of a page loads. */
 function Lazy({ children }: { children: ReactNode }) {
-  return <Suspense fallback={<Loading what="the page" rows={3} />}>{children}</Suspense>;
+  return <Suspense fallback={<Loading what={t`the page`} rows={3} />}>{children}</Suspense>;
 }
 
 /** A page of a behaviour, in its frame; remounted when the behaviour changes. */
@@ -61,8 +62,9 @@ function RunRoute({ page }: { page: (run: Run, behaviour: Behaviour) => ReactNod
   const { runId = "" } = useParams();
   const { data: run, error, refetch } = useQuery(runQuery(runId));
   if (isNotFound(error)) return <NotFound />;
-  if (error && !run) return <Failed what="The run" error={error} onRetry={() => void refetch()} />;
-  if (!run) return <Loading what="the run" rows={3} height="6rem" />;
+  if (error && !run)
+    return <Failed what={t`The run`} error={error} onRetry={() => void refetch()} />;
+  if (!run) return <Loading what={t`the run`} rows={3} height="6rem" />;
   return (
     <BehaviourFrame behaviourId={run.behaviour_id} looking>
       {(behaviour) => <Lazy>{page(run, behaviour)}</Lazy>}
@@ -78,9 +80,9 @@ function RecordingRoute() {
   const { data, error, refetch } = useQuery({ ...recordingQuery(id), enabled: exists });
   if (!exists || isNotFound(error)) return <NotFound />;
   if (error && !data) {
-    return <Failed what="The recording" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The recording`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!data) return <Loading what="the recording" rows={3} height="6rem" />;
+  if (!data) return <Loading what={t`the recording`} rows={3} height="6rem" />;
   return (
     <BehaviourFrame behaviourId={data.behaviour_id}>
       {(behaviour) => (

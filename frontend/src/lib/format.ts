@@ -1,5 +1,9 @@
 /** Formats numbers, times and sizes. */
 
+import { plural, selectOrdinal, t } from "@lingui/core/macro";
+
+import { i18n } from "./i18n";
+
 export const FRAME_RATE_HZ = 60;
 export const FRAMES_PER_STEP = 4;
 export const STEPS_PER_S = FRAME_RATE_HZ / FRAMES_PER_STEP;
@@ -8,16 +12,26 @@ export const MAX_STEPS = 300;
 /** Placeholder for a missing value. */
 export const NONE = "–";
 
-const grouped = new Intl.NumberFormat("en", { maximumFractionDigits: 0 });
-
-/** Formats a count with its noun: "1 run", "12 runs", "3,000 steps". */
-export function count(n: number, noun: string, plural = `${noun}s`): string {
-  return `${grouped.format(n)} ${n === 1 ? noun : plural}`;
+/** Formats an integer with the language's thousands separators. */
+export function whole(n: number): string {
+  return i18n.number(n, { maximumFractionDigits: 0 }).replace("-", "−");
 }
 
-/** Formats an integer with thousands separators. */
-export function whole(n: number): string {
-  return grouped.format(n).replace("-", "−");
+/** Writes a decimal number as the language does: "9,3" in German. */
+function inLanguage(digits: string): string {
+  const comma = i18n.number(0.1).charAt(1);
+  return digits.replace(".", comma).replace("-", "−");
+}
+
+/** Returns a noun as it is written within a sentence: in lower case, other than in German. */
+export function inSentence(noun: string): string {
+  if (i18n.locale === "de") return noun;
+  return noun.charAt(0).toLowerCase() + noun.slice(1);
+}
+
+/** Joins names: "a and b". */
+export function listed(names: readonly string[]): string {
+  return names.reduce((before, last) => t`${before} and ${last}`);
 }
 
 /** Formats a number of steps compactly: "300 k", "10 M", "1,500". */
@@ -66,13 +80,13 @@ export function percentLabels(ticks: readonly number[]): string[] {
 
 function trimmed(n: number, digits = 1): string {
   const text = n.toFixed(digits);
-  return digits > 0 ? text.replace(/\.?0+$/, "") : text;
+  return inLanguage(digits > 0 ? text.replace(/\.?0+$/, "") : text);
 }
 
 /** Formats a number with a fixed number of decimals and a true minus sign. */
 export function fixed(n: number, digits: number): string {
   const text = n.toFixed(digits);
-  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
+  return inLanguage(Number(text) === 0 ? text.replace("-", "") : text);
 }
 
 /** Adds a standard deviation to a figure: "0.42 ± 0.08". */
@@ -90,12 +104,12 @@ export function measured(n: number): string {
   if (size >= 100) return fixed(n, 0);
   if (size >= 10) return fixed(n, 1);
   if (size >= 0.01 || size === 0) return fixed(n, 2);
-  return n.toExponential(1).replaceAll("-", "−");
+  return inLanguage(n.toExponential(1).replaceAll("-", "−"));
 }
 
 /** Formats a share, 0 to 1, as a percentage: "98.4%". */
 export function percent(share: number, digits = 1): string {
-  return `${fixed(share * 100, digits)}%`;
+  return t`${fixed(share * 100, digits)}%`;
 }
 
 export interface Interval {
@@ -107,12 +121,12 @@ export interface Interval {
 
 /** Formats the bounds of a 95% interval: "3.9 to 5.4". */
 export function bounds({ low, high }: Interval, digits = 1): string {
-  return `${fixed(low, digits)} to ${fixed(high, digits)}`;
+  return t`${fixed(low, digits)} to ${fixed(high, digits)}`;
 }
 
 /** Formats seconds of play: "14.2 s". */
 export function seconds(s: number, digits = 1): string {
-  return `${s.toFixed(digits)} s`;
+  return `${fixed(s, digits)} s`;
 }
 
 /** Formats a duration in its largest units: "40 s", "17 min", "2 h 05 min". */
@@ -122,12 +136,12 @@ export function duration(s: number): string {
   if (minutes < 60) return `${minutes} min`;
   const hours = Math.floor(minutes / 60);
   if (hours < 48) return `${hours} h ${String(minutes % 60).padStart(2, "0")} min`;
-  return `${Math.round(hours / 24)} days`;
+  return plural(Math.round(hours / 24), { one: "# day", other: "# days" });
 }
 
 /** Formats the remaining time, "about 17 min left"; empty if unknown. */
 export function remaining(s: number | null): string {
-  return s === null ? "" : `about ${duration(s)} left`;
+  return s === null ? "" : t`about ${duration(s)} left`;
 }
 
 /** Formats bytes in decimal units: "1.5 kB", "14 MB". */
@@ -140,16 +154,16 @@ export function bytes(n: number): string {
     size /= 1000;
     unit += 1;
   } while (size >= 999.5 && unit < units.length - 1);
-  return `${size < 10 ? size.toFixed(1) : size.toFixed(0)} ${units[unit] ?? ""}`;
+  return `${fixed(size, size < 10 ? 1 : 0)} ${units[unit] ?? ""}`;
 }
 
 /** Formats a relative time: "just now", "5 min ago", "3 h ago", then the date. */
 export function ago(time: string, now: number): string {
   const s = (now - new Date(time).getTime()) / 1000;
-  if (s < 45) return "just now";
-  if (s < 3600) return `${Math.max(1, Math.round(s / 60))} min ago`;
-  if (s < 86_400) return `${Math.round(s / 3600)} h ago`;
-  return new Date(time).toLocaleDateString("en", {
+  if (s < 45) return t`just now`;
+  if (s < 3600) return t`${Math.max(1, Math.round(s / 60))} min ago`;
+  if (s < 86_400) return t`${Math.round(s / 3600)} h ago`;
+  return new Date(time).toLocaleDateString(i18n.locale, {
     day: "numeric",
     month: "short",
     year: "numeric",
@@ -158,7 +172,7 @@ export function ago(time: string, now: number): string {
 
 /** Formats a date and time to the minute. */
 export function moment(time: string): string {
-  return new Date(time).toLocaleString("en-GB", {
+  return new Date(time).toLocaleString(i18n.locale === "en" ? "en-GB" : i18n.locale, {
     day: "numeric",
     month: "short",
     year: "numeric",
@@ -169,7 +183,5 @@ export function moment(time: string): string {
 
 /** Formats an ordinal: 1st, 2nd, 3rd, 4th. */
 export function ordinal(n: number): string {
-  const ending = ["th", "st", "nd", "rd"];
-  const tens = n % 100;
-  return `${n}${ending[(tens - 20) % 10] ?? ending[tens] ?? "th"}`;
+  return selectOrdinal(n, { one: "#st", two: "#nd", few: "#rd", other: "#th" });
 }

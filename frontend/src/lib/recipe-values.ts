@@ -1,4 +1,7 @@
 /** The nested values of a recipe as rows of a table. */
+
+import { t } from "@lingui/core/macro";
+
 import { whole } from "./format";
 
 export interface ValueRow {
@@ -41,11 +44,11 @@ function show(value: unknown): string {
       ? `${shown.join(", ")} … ${show(last)}`
       : value.map(show).join(", ");
   }
-  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "boolean") return value ? t`yes` : t`no`;
   if (typeof value === "number") {
     if (Number.isInteger(value)) return whole(value);
     return Math.abs(value) < 0.001 ? value.toExponential().replace("-", "−") : String(value);
   }
-  if (value === null) return "none";
+  if (value === null) return t`none`;
   return typeof value === "string" ? value : JSON.stringify(value);
 }

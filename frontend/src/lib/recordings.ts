@@ -1,7 +1,10 @@
 /** Describes recordings: their names, results and lengths. */
+
+import { plural, t } from "@lingui/core/macro";
+
 import { type Cell } from "@/lib/game/aliens";
 
-import { count, FRAMES_PER_STEP, seconds, STEPS_PER_S } from "./format";
+import { FRAMES_PER_STEP, seconds, STEPS_PER_S } from "./format";
 
 /** The fields of a recording that are read here. */
 interface Played {
@@ -18,7 +21,7 @@ interface Played {
 }
 
 export function recordingName({ id }: { readonly id: number }): string {
-  return `Recording ${id}`;
+  return t`Recording ${id}`;
 }
 
 /** Returns the cells hit, in order of time. */
@@ -26,41 +29,45 @@ export function hitCells(recording: Pick<Played, "hits">): readonly Cell[] {
   return recording.hits.map(({ row, column }) => [row, column] as const);
 }
 
-const ENDS: Readonly<Record<string, string>> = {
-  hit: "hit by a bomb",
-  lives: "hit by a bomb",
-  landed: "the aliens landed",
-  cleared: "all aliens gone",
-  steps: "survived all 300 steps",
-};
+const ends = (): Readonly<Record<string, string>> => ({
+  hit: t`hit by a bomb`,
+  lives: t`hit by a bomb`,
+  landed: t`the aliens landed`,
+  cleared: t`all aliens gone`,
+  steps: t`survived all 300 steps`,
+});
 
 /** Describes why a game ended. */
 export function describeEnd(end: string | null): string {
-  if (end === null) return "ended early";
-  return ENDS[end] ?? end.replaceAll("_", " ");
+  if (end === null) return t`ended early`;
+  return ends()[end] ?? end.replaceAll("_", " ");
 }
 
 /** Describes the result of a game: "5 of 6 targets, 1 stray", or "3 aliens hit" without a target. */
 export function describeScore(recording: Played, nTargets: number | null): string {
   const { targets, strays, order_errors: errors } = recording;
-  if (targets === null || strays === null) return count(recording.hits.length, "alien") + " hit";
-  const of = nTargets === null ? "" : ` of ${nTargets}`;
-  const parts = [`${targets}${of} targets`, strays === 0 ? "no strays" : count(strays, "stray")];
-  if (errors) parts.push(`${count(errors, "hit")} out of order`);
+  if (targets === null || strays === null)
+    return plural(recording.hits.length, { one: "# alien hit", other: "# aliens hit" });
+  const parts = [
+    nTargets === null ? t`${targets} targets` : t`${targets} of ${nTargets} targets`,
+    strays === 0 ? t`no strays` : plural(strays, { one: "# stray", other: "# strays" }),
+  ];
+  if (errors)
+    parts.push(plural(errors, { one: "# hit out of order", other: "# hits out of order" }));
   return parts.join(", ");
 }
 
 /** Describes a game: "survived all 300 steps, 20.0 s" or "139 steps, 9.3 s, hit by a bomb". */
 export function describeCourse(recording: Pick<Played, "n_steps" | "end" | "state">): string {
   const { n_steps: steps, end, state } = recording;
-  if (state === "unfinished") return `${describeLength(recording)}, its page was left`;
+  if (state === "unfinished") return t`${describeLength(recording)}, its page was left`;
   if (end === "steps") return `${describeEnd(end)}, ${seconds(steps / STEPS_PER_S)}`;
   return `${describeLength(recording)}, ${describeEnd(end)}`;
 }
 
 /** Describes the length of a game: "300 steps, 20.0 s". */
 function describeLength({ n_steps }: Pick<Played, "n_steps">): string {
-  return `${count(n_steps, "step")}, ${seconds(n_steps / STEPS_PER_S)}`;
+  return `${plural(n_steps, { one: "# step", other: "# steps" })}, ${seconds(n_steps / STEPS_PER_S)}`;
 }
 
 const DEATHS: ReadonlySet<string | null> = new Set(["hit", "lives"]);
@@ -72,10 +79,14 @@ export function imperfections(
 ): readonly string[] {
   const missed = nTargets === null || targets === null ? 0 : nTargets - targets;
   return [
-    ...(missed > 0 ? [`it missed ${count(missed, "target")}`] : []),
-    ...(strays ? [`it hit ${count(strays, "stray")}`] : []),
-    ...(errors ? [`${count(errors, "hit")} came out of order`] : []),
-    ...(DEATHS.has(end) ? ["it ended with the cannon hit"] : []),
+    ...(missed > 0
+      ? [plural(missed, { one: "it missed # target", other: "it missed # targets" })]
+      : []),
+    ...(strays ? [plural(strays, { one: "it hit # stray", other: "it hit # strays" })] : []),
+    ...(errors
+      ? [plural(errors, { one: "# hit came out of order", other: "# hits came out of order" })]
+      : []),
+    ...(DEATHS.has(end) ? [t`it ended with the cannon hit`] : []),
   ];
 }
 
@@ -90,13 +101,13 @@ export function isUndecided({ state, deleted }: Pick<Played, "state" | "deleted"
 
 /** Says why a recording can't be ranked; null if it can. */
 export function whyUnrankable({ state, verification, deleted }: Rankable): string | null {
-  if (deleted) return "It was deleted.";
-  if (verification === "failed") return "It can't be ranked: a replay doesn't reproduce it.";
-  if (state === "finished") return "Keep it to rank it, or discard it.";
+  if (deleted) return t`It was deleted.`;
+  if (verification === "failed") return t`It can't be ranked: a replay doesn't reproduce it.`;
+  if (state === "finished") return t`Keep it to rank it, or discard it.`;
   if (state === "unfinished") {
-    return "Unfinished: its page was left before the game ended. Keep it to rank it all the same.";
+    return t`Unfinished: its page was left before the game ended. Keep it to rank it all the same.`;
   }
-  return verification === "pending" ? "It can be ranked once it is verified." : null;
+  return verification === "pending" ? t`It can be ranked once it is verified.` : null;
 }
 
 /** Returns the step of a frame. */

@@ -1,5 +1,8 @@
 /** Names of a run's states, its current stage, and estimates of its duration. */
-import { duration, remaining } from "./format";
+
+import { t } from "@lingui/core/macro";
+
+import { duration, percent, remaining } from "./format";
 
 type RunStatus = "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
 
@@ -10,15 +13,15 @@ export function isActive({ status }: { readonly status: RunStatus }): boolean {
   return ACTIVE.has(status);
 }
 
-export const STATUS_NAMES: Readonly<Record<RunStatus, string>> = {
-  queued: "Waiting",
-  running: "Running",
-  cancelling: "Cancelling",
-  cancelled: "Cancelled",
-  stopped: "Stopped by the check",
-  failed: "Failed",
-  done: "Done",
-};
+export const statusNames = (): Readonly<Record<RunStatus, string>> => ({
+  queued: t`Waiting`,
+  running: t`Running`,
+  cancelling: t`Cancelling`,
+  cancelled: t`Cancelled`,
+  stopped: t`Stopped by the check`,
+  failed: t`Failed`,
+  done: t`Done`,
+});
 
 interface Stage {
   readonly name: string;
@@ -47,7 +50,7 @@ export function runName({
 
 /** Names a run by the beginning of its id, whatever a person calls it: "Run 3f2a9c". */
 export function shortId(id: string): string {
-  return `Run ${id.slice(0, 6)}`;
+  return t`Run ${id.slice(0, 6)}`;
 }
 
 interface Recipe {
@@ -62,7 +65,7 @@ function estimateSeconds(recipe: Recipe, steps: number): number {
 
 /** Describes the estimated duration of a run: "about 17 min". */
 export function describeEstimate(recipe: Recipe, steps: number): string {
-  return `about ${duration(estimateSeconds(recipe, steps))}`;
+  return t`about ${duration(estimateSeconds(recipe, steps))}`;
 }
 
 interface RunProgress {
@@ -76,16 +79,16 @@ interface RunProgress {
 
 /** Names a place among the waiting runs: "next in the queue". */
 export function queuePlace(position: number): string {
-  return `${position === 1 ? "next" : `number ${position}`} in the queue`;
+  return position === 1 ? t`next in the queue` : t`number ${position} in the queue`;
 }
 
 /** Summarizes the progress of a run: "Imitator, 42%, about 9 min left". */
 export function statusLine(run: RunProgress): string {
   if (run.queue_position !== null) {
-    return `${STATUS_NAMES.queued}, ${queuePlace(run.queue_position)}`;
+    return `${statusNames().queued}, ${queuePlace(run.queue_position)}`;
   }
-  if (run.status !== "running") return STATUS_NAMES[run.status];
-  const parts = [currentStage(run)?.label, `${Math.floor(run.progress * 100)}%`];
+  if (run.status !== "running") return statusNames()[run.status];
+  const parts = [currentStage(run)?.label, percent(Math.floor(run.progress * 100) / 100, 0)];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));
   return parts.filter(Boolean).join(", ");
 }

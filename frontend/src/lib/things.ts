@@ -1,15 +1,16 @@
 /** Who or what plays, each with a fixed colour and mark on every page. */
+import { t } from "@lingui/core/macro";
 
 export const THINGS = ["imitator", "clone", "person", "demonstrator", "varied"] as const;
 export type Thing = (typeof THINGS)[number];
 
-export const THING_NAMES: Readonly<Record<Thing, string>> = {
-  imitator: "Imitator",
-  clone: "Clone",
-  person: "Person",
-  demonstrator: "Demonstrator",
-  varied: "Varied play",
-};
+export const thingNames = (): Readonly<Record<Thing, string>> => ({
+  imitator: t`Imitator`,
+  clone: t`Clone`,
+  person: t`Person`,
+  demonstrator: t`Demonstrator`,
+  varied: t`Varied play`,
+});
 
 /** SVG paths of the marks, in a 10x10 box. */
 export const THING_SHAPES: Readonly<Record<Thing, string>> = {

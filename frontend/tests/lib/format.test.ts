@@ -4,7 +4,6 @@ import {
   ago,
   bounds,
   bytes,
-  count,
   duration,
   fixed,
   measured,
@@ -17,12 +16,6 @@ import {
 } from "@/lib/format";
 
 describe("numbers", () => {
-  it.each([
-    [1, "1 run"],
-    [0, "0 runs"],
-    [3000, "3,000 runs"],
-  ])("%d counts as %s", (n, text) => expect(count(n, "run")).toBe(text));
-
   it.each([
     [20_000, "20 k"],
     [1_500_000, "1.5 M"],

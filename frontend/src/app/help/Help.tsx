@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useEffect, useState } from "react";
 
 import { IconButton } from "@/components/controls/Button";
@@ -19,7 +20,7 @@ export function Help() {
   }, []);
   return (
     <>
-      <IconButton icon="help" label="Keys and help" onClick={() => setOpen(true)} />
+      <IconButton icon="help" label={t`Keys and help`} onClick={() => setOpen(true)} />
       {open && <HelpDialog onClose={() => setOpen(false)} />}
     </>
   );

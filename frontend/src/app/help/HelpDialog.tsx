@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useLocation } from "react-router";
 
 import { ButtonLink } from "@/components/controls/Button";
@@ -13,7 +15,7 @@ export function HelpDialog({ onClose }: { onClose: () => void }) {
   const { pathname } = useLocation();
   const [keys] = useSetting(KEYS);
   return (
-    <Dialog title="Keys on this page" onClose={onClose} width="30rem">
+    <Dialog title={t`Keys on this page`} onClose={onClose} width="30rem">
       <div className={styles.body}>
         {keySections(pathname, keys).map(({ title, rows }) => (
           <section key={title} aria-label={title}>
@@ -34,7 +36,7 @@ export function HelpDialog({ onClose }: { onClose: () => void }) {
         ))}
         <div>
           <ButtonLink to="/?tour" onClick={onClose}>
-            Take the tour of Tril
+            <Trans>Take the tour of Tril</Trans>
           </ButtonLink>
         </div>
       </div>

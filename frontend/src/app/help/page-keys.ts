@@ -1,4 +1,5 @@
 /** The keys that act on a page. */
+import { t } from "@lingui/core/macro";
 import { matchPath } from "react-router";
 
 import { type Control, type KeyMap, keyName } from "@/features/play/input/keys";
@@ -16,56 +17,56 @@ export interface KeySection {
 
 const row = (effect: string, ...keys: readonly string[]): KeyRow => ({ keys, effect });
 
-const EVERYWHERE: KeySection = {
-  title: "Everywhere",
+const everywhere = (): KeySection => ({
+  title: t`Everywhere`,
   rows: [
-    row("these keys", "?"),
-    row("next and previous control", "Tab", "Shift+Tab"),
-    row("close a dialog", "Esc"),
+    row(t`these keys`, "?"),
+    row(t`next and previous control`, t`Tab`, t`Shift+Tab`),
+    row(t`close a dialog`, t`Esc`),
   ],
-};
+});
 
-const WATCH: KeySection = {
-  title: "Watching a policy play",
+const watch = (): KeySection => ({
+  title: t`Watching a policy play`,
   rows: [
-    row("pause or go on", "Space"),
-    row("one step", "."),
-    row("slower, faster", "−", "+"),
-    row("restart", "R"),
-    row("next start", "N"),
-    row("take over the game; with several, by its number", "T", "1–4"),
+    row(t`pause or go on`, t`Space`),
+    row(t`one step`, "."),
+    row(t`slower, faster`, "−", "+"),
+    row(t`restart`, "R"),
+    row(t`next start`, "N"),
+    row(t`take over the game; with several, by its number`, "T", "1–4"),
   ],
-};
+});
 
-const RANK: KeySection = {
-  title: "Ranking",
+const rank = (): KeySection => ({
+  title: t`Ranking`,
   rows: [
-    row("pick a recording up at its handle, and drop it", "Space"),
-    row("choose its place", "↑", "↓"),
-    row("put it back", "Esc"),
-    row("undo", "Ctrl+Z"),
-    row("redo", "Ctrl+Shift+Z", "Ctrl+Y"),
+    row(t`pick a recording up at its handle, and drop it`, t`Space`),
+    row(t`choose its place`, "↑", "↓"),
+    row(t`put it back`, t`Esc`),
+    row(t`undo`, t`Ctrl+Z`),
+    row(t`redo`, t`Ctrl+Shift+Z`, t`Ctrl+Y`),
   ],
-};
+});
 
-const PLAYER: KeySection = {
-  title: "Watching a recording",
+const player = (): KeySection => ({
+  title: t`Watching a recording`,
   rows: [
-    row("play or pause", "Space"),
-    row("one frame", "←", "→"),
-    row("one step", "Shift+←", "Shift+→"),
-    row("start and end", "Home", "End"),
+    row(t`play or pause`, t`Space`),
+    row(t`one frame`, "←", "→"),
+    row(t`one step`, t`Shift+←`, t`Shift+→`),
+    row(t`start and end`, t`Home`, t`End`),
   ],
-};
+});
 
-const CHARTS: KeySection = {
-  title: "On a chart",
+const charts = (): KeySection => ({
+  title: t`On a chart`,
   rows: [
-    row("read the values", "←", "→", "Home", "End"),
-    row("zoom", "+", "−"),
-    row("show everything", "0"),
+    row(t`read the values`, "←", "→", t`Home`, t`End`),
+    row(t`zoom`, "+", "−"),
+    row(t`show everything`, "0"),
   ],
-};
+});
 
 /** The pages with keys of their own, by their routes. */
 const PAGES: readonly (readonly [
@@ -73,12 +74,12 @@ const PAGES: readonly (readonly [
   sections: (keys: KeyMap) => readonly KeySection[],
 ])[] = [
   ["/behaviours/:id/play", playing],
-  ["/behaviours/:id/rank", () => [RANK, PLAYER]],
-  ["/behaviours/:id/recordings", () => [PLAYER]],
-  ["/recordings/:id", () => [PLAYER]],
-  ["/runs/:id/watch", () => [WATCH]],
-  ["/runs/compare", () => [CHARTS]],
-  ["/runs/:id", () => [CHARTS, PLAYER]],
+  ["/behaviours/:id/rank", () => [rank(), player()]],
+  ["/behaviours/:id/recordings", () => [player()]],
+  ["/recordings/:id", () => [player()]],
+  ["/runs/:id/watch", () => [watch()]],
+  ["/runs/compare", () => [charts()]],
+  ["/runs/:id", () => [charts(), player()]],
 ];
 
 /**
@@ -88,7 +89,7 @@ const PAGES: readonly (readonly [
  */
 export function keySections(path: string, keys: KeyMap): readonly KeySection[] {
   const page = PAGES.find(([pattern]) => matchPath(pattern, path));
-  return [...(page?.[1](keys) ?? []), EVERYWHERE];
+  return [...(page?.[1](keys) ?? []), everywhere()];
 }
 
 function playing(keys: KeyMap): readonly KeySection[] {
@@ -96,28 +97,28 @@ function playing(keys: KeyMap): readonly KeySection[] {
     controls.flatMap((control) => keys[control].map(keyName));
   return [
     {
-      title: "Playing",
+      title: t`Playing`,
       rows: [
-        row("move", ...of("left", "right")),
-        row("fire, may be held; begins the first game", ...of("fire")),
-        row("rewind while held", ...of("rewind")),
-        row("pause", ...of("pause")),
-        row("frame by frame", "."),
-        row("slower, faster", "−", "+"),
-        row("show the targets", "T"),
-        row("show the best demonstration's cannon", "G"),
-        row("show the latency", "L"),
-        row("sound", "M"),
-        row("fullscreen", "F"),
+        row(t`move`, ...of("left", "right")),
+        row(t`fire, may be held; begins the first game`, ...of("fire")),
+        row(t`rewind while held`, ...of("rewind")),
+        row(t`pause`, ...of("pause")),
+        row(t`frame by frame`, "."),
+        row(t`slower, faster`, "−", "+"),
+        row(t`show the targets`, "T"),
+        row(t`show the best demonstration's cannon`, "G"),
+        row(t`show the latency`, "L"),
+        row(t`sound`, "M"),
+        row(t`fullscreen`, "F"),
       ],
     },
     {
-      title: "After a game",
+      title: t`After a game`,
       rows: [
-        row("keep it", "K", "Enter"),
-        row("keep it as perfect", "P"),
-        row("discard it", "X"),
-        row("play again", "R", "Space"),
+        row(t`keep it`, "K", t`Enter`),
+        row(t`keep it as perfect`, "P"),
+        row(t`discard it`, "X"),
+        row(t`play again`, "R", t`Space`),
       ],
     },
   ];

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link, NavLink, Outlet, ScrollRestoration, useLocation } from "react-router";
@@ -31,7 +33,7 @@ function Frame({ reachable }: { reachable: boolean }) {
   return (
     <TitleContext value={title}>
       <a className={styles.skip} href="#main">
-        Skip to content
+        <Trans>Skip to content</Trans>
       </a>
       <header>
         {!reachable && <UnreachableBanner />}
@@ -41,7 +43,7 @@ function Frame({ reachable }: { reachable: boolean }) {
             Tril
           </Link>
           <NavLink to="/" end className={styles.nav ?? ""}>
-            Behaviours
+            <Trans>Behaviours</Trans>
           </NavLink>
           <div className={styles.right}>
             <StatusMenu />
@@ -97,25 +99,27 @@ function UnreachableBanner() {
   return (
     <div className={styles.banner} role="alert">
       <span>
-        <strong>Tril&rsquo;s server doesn&rsquo;t answer.</strong> Is <code>tril up</code> still
-        running? Nothing that was saved is lost.
+        <Trans>
+          <strong>Tril&rsquo;s server doesn&rsquo;t answer.</strong> Is <code>tril up</code> still
+          running? Nothing that was saved is lost.
+        </Trans>
       </span>
       <Button onClick={retry} disabled={trying} icon="restart">
-        {trying ? "Trying…" : "Try again"}
+        {trying ? t`Trying…` : t`Try again`}
       </Button>
     </div>
   );
 }
 
 const THEME_ICONS = { system: "system", light: "sun", dark: "moon" } as const;
-const THEME_NAMES = { system: "as the system", light: "light", dark: "dark" } as const;
+const themeNames = () => ({ system: t`as the system`, light: t`light`, dark: t`dark` }) as const;
 
 function ThemeButton() {
   const [theme, setTheme] = useState(readTheme);
   return (
     <IconButton
       icon={THEME_ICONS[theme]}
-      label={`Theme: ${THEME_NAMES[theme]}. Change`}
+      label={t`Theme: ${themeNames()[theme]}. Change`}
       onClick={() => {
         const next = nextTheme(theme);
         applyTheme(next);

@@ -1,12 +1,14 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 
 import { messageOf } from "@/api/client";
 import { playerQuery, renamePlayer } from "@/api/system";
 import { Button } from "@/components/controls/Button";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
+import { FormDialog } from "@/components/controls/FormDialog";
+import { type Language, LANGUAGES, readLanguage, setLanguage } from "@/app/language";
 
 import styles from "./PlayerMenu.module.css";
 
@@ -19,8 +21,8 @@ export function PlayerMenu() {
     <>
       <Button
         kind="quiet"
-        aria-label={`Player: ${player.name}. Change the name`}
-        title="Change your name"
+        aria-label={t`Player: ${player.name}. Change the name`}
+        title={t`Change your name`}
         onClick={() => setOpen(true)}
       >
         <span className={styles.name}>{player.name}</span>
@@ -44,44 +46,61 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
     },
   });
   const answered = rename.error && refused === value ? messageOf(rename.error) : null;
-  const problem = value.trim() ? answered : "Give a name.";
+  const problem = value.trim() ? answered : t`Give a name.`;
   return (
-    <Dialog title="Your name" onClose={onClose} width="24rem">
-      <form
-        className={styles.form}
-        onSubmit={(event) => {
-          event.preventDefault();
-          if (!value.trim()) return;
-          setRefused(value);
-          rename.mutate(value.trim());
-        }}
-      >
-        <Field label="Name" hint="Shown beside the games you play." error={problem}>
-          {(control) => (
-            <input
-              {...control}
-              value={value}
-              maxLength={80}
-              autoComplete="nickname"
-              onChange={(event) => draft.set(event.currentTarget.value)}
-            />
-          )}
-        </Field>
-        <div className={styles.actions}>
-          <Button kind="primary" type="submit" disabled={!value.trim() || rename.isPending}>
-            Save
-          </Button>
-          <Button
-            kind="quiet"
-            onClick={() => {
-              draft.drop();
-              onClose();
-            }}
-          >
-            Cancel
-          </Button>
-        </div>
-      </form>
-    </Dialog>
+    <FormDialog
+      title={t`Your name`}
+      width="24rem"
+      draft={draft}
+      submit={t`Save`}
+      disabled={!value.trim() || rename.isPending}
+      onSubmit={() => {
+        if (!value.trim()) return;
+        setRefused(value);
+        rename.mutate(value.trim());
+      }}
+      onClose={onClose}
+    >
+      <Field label={t`Name`} hint={t`Shown beside the games you play.`} error={problem}>
+        {(control) => (
+          <input
+            {...control}
+            value={value}
+            maxLength={80}
+            autoComplete="nickname"
+            onChange={(event) => draft.set(event.currentTarget.value)}
+          />
+        )}
+      </Field>
+      <LanguageField />
+    </FormDialog>
+  );
+}
+
+/** The language of the page, which changes at once and needs no saving. */
+function LanguageField() {
+  const [failed, setFailed] = useState(false);
+  return (
+    <Field
+      label={t`Language`}
+      hint={t`Messages of the server are in English.`}
+      error={failed ? t`This language could not be loaded. Try again.` : null}
+    >
+      {(control) => (
+        <select
+          {...control}
+          value={readLanguage()}
+          onChange={(event) => {
+            setLanguage(event.currentTarget.value as Language).catch(() => setFailed(true));
+          }}
+        >
+          {Object.entries(LANGUAGES).map(([language, name]) => (
+            <option key={language} value={language} lang={language}>
+              {name}
+            </option>
+          ))}
+        </select>
+      )}
+    </Field>
   );
 }

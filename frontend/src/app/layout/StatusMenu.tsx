@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 
@@ -16,20 +18,20 @@ export function StatusMenu() {
   const [open, setOpen] = useState(false);
   const worker = isAlive(system, "worker");
   if (!system || worker === null) return null;
-  const status = worker ? "Worker ready" : "Worker not running";
+  const status = worker ? t`Worker ready` : t`Worker not running`;
   return (
     <>
       <Button
         kind="quiet"
         className={classes(styles.process, !worker && styles.off)}
-        aria-label={`${status}. Processes and disk`}
-        title="Processes and disk"
+        aria-label={t`${status}. Processes and disk`}
+        title={t`Processes and disk`}
         onClick={() => setOpen(true)}
       >
         <span>{status}</span>
       </Button>
       {open && (
-        <Dialog title="Processes and disk" onClose={() => setOpen(false)} width="30rem">
+        <Dialog title={t`Processes and disk`} onClose={() => setOpen(false)} width="30rem">
           <div className={styles.form}>
             <Processes system={system} />
             <Disk system={system} />
@@ -40,18 +42,21 @@ export function StatusMenu() {
   );
 }
 
-const KIND_NAMES = { server: "Server", worker: "Worker", inference: "Inference" } as const;
+const kindNames = () =>
+  ({ server: t`Server`, worker: t`Worker`, inference: t`Inference` }) as const;
 
 function Processes({ system }: { system: System }) {
   return (
     <section>
-      <h3>Processes of Tril {system.version}</h3>
+      <h3>
+        <Trans>Processes of Tril {system.version}</Trans>
+      </h3>
       <table className={styles.facts}>
         <tbody>
           {system.processes.map(({ name, kind, alive }) => (
             <tr key={name}>
-              <th scope="row">{KIND_NAMES[kind]}</th>
-              <td>{alive ? "running" : "not responding"}</td>
+              <th scope="row">{kindNames()[kind]}</th>
+              <td>{alive ? t`running` : t`not responding`}</td>
             </tr>
           ))}
         </tbody>
@@ -64,41 +69,59 @@ function Disk({ system }: { system: System }) {
   const { storage, data_bytes: total, disk_free_bytes: free } = system;
   return (
     <section>
-      <h3>Disk</h3>
+      <h3>
+        <Trans>Disk</Trans>
+      </h3>
       <table className={styles.facts}>
         <tbody>
           <tr>
-            <th scope="row">Recordings, rankings and curves</th>
+            <th scope="row">
+              <Trans>Recordings, rankings and curves</Trans>
+            </th>
             <td>{bytes(storage.databases_bytes)}</td>
           </tr>
           <tr>
-            <th scope="row">Files of runs</th>
+            <th scope="row">
+              <Trans>Files of runs</Trans>
+            </th>
             <td>{bytes(storage.artifacts_bytes)}</td>
           </tr>
           <tr>
-            <th scope="row">Cache of frames and clips</th>
+            <th scope="row">
+              <Trans>Cache of frames and clips</Trans>
+            </th>
             <td>
-              {bytes(storage.cache_bytes)}, at most {bytes(storage.cache_limit_bytes)}
+              <Trans>
+                {bytes(storage.cache_bytes)}, at most {bytes(storage.cache_limit_bytes)}
+              </Trans>
             </td>
           </tr>
           <tr>
-            <th scope="row">Everything else</th>
+            <th scope="row">
+              <Trans>Everything else</Trans>
+            </th>
             <td>{bytes(storage.other_bytes)}</td>
           </tr>
         </tbody>
         <tfoot>
           <tr>
-            <th scope="row">Total</th>
+            <th scope="row">
+              <Trans>Total</Trans>
+            </th>
             <td>{bytes(total)}</td>
           </tr>
           <tr>
-            <th scope="row">Free on the disk</th>
+            <th scope="row">
+              <Trans>Free on the disk</Trans>
+            </th>
             <td>{bytes(free)}</td>
           </tr>
         </tfoot>
       </table>
       <p className={styles.hint}>
-        <code>tril backup</code> copies recordings, rankings and runs while Tril keeps running.
+        <Trans>
+          <code>tril backup</code> copies recordings, rankings and runs while Tril keeps running.
+        </Trans>
       </p>
     </section>
   );

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
@@ -16,7 +17,7 @@ export function useActiveRuns(): string | null {
 }
 
 function titleOf({ progress, behaviour_name: name }: Run): string {
-  return `${Math.floor(progress * 100)}% · ${name} – Tril`;
+  return t`${Math.floor(progress * 100)}% · ${name} – Tril`;
 }
 
 /** Shows the verdict of each run that was active and is no more, wherever the person is. */
@@ -36,8 +37,8 @@ function useEndings(runs: readonly Run[] | undefined): void {
         .then(({ run, verdict }) => {
           if (!verdict || run.status === "cancelled") return;
           const look = () => void navigate(`/runs/${id}`);
-          toast(`${run.behaviour_name}: ${verdict.sentence}`, { label: "Look", run: look });
-          notify(`Run of ${run.behaviour_name} ended`, verdict.sentence, id, look);
+          toast(`${run.behaviour_name}: ${verdict.sentence}`, { label: t`Look`, run: look });
+          notify(t`Run of ${run.behaviour_name} ended`, verdict.sentence, id, look);
         })
         .catch(() => undefined);
     }

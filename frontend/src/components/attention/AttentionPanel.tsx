@@ -1,9 +1,12 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { Button } from "@/components/controls/Button";
 
 import styles from "./Attention.module.css";
 import { attentionGradient } from "./colours";
 import type { Attention } from "./use-attention";
-import { describe, describeMost, METHODS, NETWORKS } from "./words";
+import { describe, describeMost, lookedAt, methods, networks } from "./words";
 
 interface AttentionPanelProps {
   attention: Attention;
@@ -16,33 +19,33 @@ export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanel
   return (
     <div className={styles.panel}>
       <Button icon="eye" aria-pressed={attention.on} onClick={attention.toggle}>
-        What the {attention.network} looks at
+        {lookedAt(attention.network)}
       </Button>
       {attention.on && (
         <>
           <Choice
-            label="Whose attention"
-            options={NETWORKS}
+            label={t`Whose attention`}
+            options={networks()}
             value={attention.network}
             onChange={attention.setNetwork}
           />
           <Choice
-            label="How it is mapped"
-            options={METHODS}
+            label={t`How it is mapped`}
+            options={methods()}
             value={attention.method}
             onChange={attention.setMethod}
           />
           <span
             className={styles.bar}
             role="img"
-            aria-label={`Colours: from 0 to ${describeMost(attention)}`}
+            aria-label={t`Colours: from 0 to ${describeMost(attention)}`}
           >
             <span>0</span>
             <i style={{ backgroundImage: attentionGradient() }} />
             <span>{describeMost(attention)}</span>
           </span>
           <label className={styles.opacity}>
-            Opacity
+            <Trans>Opacity</Trans>
             <input
               type="range"
               min={0}

@@ -1,4 +1,6 @@
 /** What a map of attention shows, in words. */
+import { t } from "@lingui/core/macro";
+
 import { messageOf } from "@/api/client";
 import type { AttentionMethod, AttentionNetwork } from "@/api/runs";
 import { measured } from "@/lib/format";
@@ -6,49 +8,77 @@ import { actionName } from "@/lib/game/actions";
 
 import type { Attention } from "./use-attention";
 
-export const NETWORKS: readonly { readonly id: AttentionNetwork; readonly name: string }[] = [
-  { id: "reward", name: "Reward" },
-  { id: "imitator", name: "Imitator" },
-  { id: "clone", name: "Clone" },
+interface Option<Id extends string> {
+  readonly id: Id;
+  readonly name: string;
+}
+
+/** Whose attention can be shown. */
+export const networks = (): readonly Option<AttentionNetwork>[] => [
+  { id: "reward", name: t`Reward` },
+  { id: "imitator", name: t`Imitator` },
+  { id: "clone", name: t`Clone` },
 ];
 
-export const METHODS: readonly { readonly id: AttentionMethod; readonly name: string }[] = [
-  { id: "occlusion", name: "3×3 pixels, as published" },
-  { id: "patches", name: "9×9 pixels, all four screens" },
-  { id: "gradient", name: "Gradient" },
+/** How it can be mapped. */
+export const methods = (): readonly Option<AttentionMethod>[] => [
+  { id: "occlusion", name: t`3×3 pixels, as published` },
+  { id: "patches", name: t`9×9 pixels, all four screens` },
+  { id: "gradient", name: t`Gradient` },
 ];
 
-/** Names what the map shows: "What the reward looks at in step 3". */
-export function mapLabel({ network, step }: Attention): string {
-  return `What the ${network} looks at in step ${step}`;
+/** Names what is shown: "What the reward looks at". */
+export function lookedAt(network: AttentionNetwork): string {
+  if (network === "imitator") return t`What the imitator looks at`;
+  return network === "clone" ? t`What the clone looks at` : t`What the reward looks at`;
+}
+
+/** Names the map: "What the reward looks at in step 3". */
+export function mapLabel({ network, step: shown }: Attention): string {
+  const step = shown ?? 0;
+  if (network === "imitator") return t`What the imitator looks at in step ${step}`;
+  if (network === "clone") return t`What the clone looks at in step ${step}`;
+  return t`What the reward looks at in step ${step}`;
 }
 
 /** Describes the state that is shown, and how its map was made. */
 export function describe(attention: Attention): string {
-  const { step, network, map, shown, error } = attention;
-  if (step === null) return `Pause to see what the ${network} looks at.`;
-  if (error) return `The map can’t be shown: ${messageOf(error)}`;
-  if (!map || shown === null) return `Looking at step ${step}…`;
-  const what = explained(attention);
+  const { step, network, map, error } = attention;
+  if (step === null) return pauseToSee(network);
+  if (error) return t`The map can’t be shown: ${messageOf(error)}`;
+  if (!map || attention.shown === null) return t`Looking at step ${step}…`;
+  const chosen = network === "reward" || map.action === null ? null : actionName(map.action);
+  if (chosen === null) return made(attention, step, "R");
+  const logOdds = made(attention, step, t`the log odds of “${chosen}”`);
+  const choice =
+    network === "imitator"
+      ? t`The imitator chooses “${chosen}” here.`
+      : t`The clone chooses “${chosen}” here.`;
+  return `${logOdds} ${choice}`;
+}
+
+function made({ shown, method }: Attention, step: number, what: string): string {
   if (shown === "occlusion") {
-    return `Step ${step}, exact: how much ${what} changes where 3×3 pixels of one screen are occluded, summed over the patches on a pixel.`;
+    return t`Step ${step}, exact: how much ${what} changes where 3×3 pixels of one screen are occluded, summed over the patches on a pixel.`;
   }
   if (shown === "patches") {
-    return `Step ${step}, exact: how much ${what} changes where 9×9 pixels of all four screens are occluded, on average over the patches on a pixel.`;
+    return t`Step ${step}, exact: how much ${what} changes where 9×9 pixels of all four screens are occluded, on average over the patches on a pixel.`;
   }
-  const more = attention.method === "gradient" ? "" : "; the exact map follows";
-  return `Step ${step}, estimated by the gradient of ${what}${more}.`;
+  return method === "gradient"
+    ? t`Step ${step}, estimated by the gradient of ${what}.`
+    : t`Step ${step}, estimated by the gradient of ${what}; the exact map follows.`;
 }
 
 /** Returns the range of the map's colours with its unit: "0.31 R". */
 export function describeMost({ map, network }: Attention): string {
-  if (!map) return "most";
+  if (!map) return t`most`;
   const most = map.values.reduce((high, value) => Math.max(high, value), 0);
-  return `${measured(most)} ${network === "reward" ? "R" : "log odds"}`;
+  const figure = measured(most);
+  return network === "reward" ? `${figure} R` : t`${figure} log odds`;
 }
 
-function explained({ network, map }: Attention): string {
-  const action = map?.action ?? null;
-  if (network === "reward" || action === null) return "R";
-  return `the log odds of “${actionName(action)}”, which the ${network} chooses,`;
+function pauseToSee(network: AttentionNetwork): string {
+  if (network === "imitator") return t`Pause to see what the imitator looks at.`;
+  if (network === "clone") return t`Pause to see what the clone looks at.`;
+  return t`Pause to see what the reward looks at.`;
 }

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { type CSSProperties, type ReactNode, useId, useLayoutEffect, useRef } from "react";
 
 import { IconButton } from "./Button";
@@ -54,7 +55,7 @@ export function Dialog({ title, onClose, width, children }: DialogProps) {
     >
       <div className={styles.head}>
         <h2 id={titleId}>{title}</h2>
-        {onClose && <IconButton icon="close" label="Close" onClick={onClose} />}
+        {onClose && <IconButton icon="close" label={t`Close`} onClick={onClose} />}
       </div>
       <div className={styles.body}>{children}</div>
     </dialog>

@@ -3,7 +3,7 @@ import { useState } from "react";
 /** What was typed into dialogs that were closed before it was saved, until the page is left. */
 const drafts = new Map<string, unknown>();
 
-interface Draft<T> {
+export interface Draft<T> {
   readonly value: T;
   readonly set: (value: T) => void;
   /** Forgets it, once it was saved or given up. */

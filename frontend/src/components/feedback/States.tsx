@@ -1,3 +1,4 @@
+import { Trans } from "@lingui/react/macro";
 import type { CSSProperties, ReactNode } from "react";
 
 import { messageOf } from "@/api/client";
@@ -20,7 +21,9 @@ export function Loading({
 }) {
   return (
     <div className={styles.skeleton} role="status" style={{ "--height": height } as CSSProperties}>
-      <span className="visually-hidden">Loading {what}…</span>
+      <span className="visually-hidden">
+        <Trans>Loading {what}…</Trans>
+      </span>
       {Array.from({ length: rows }, (_, row) => (
         <i key={row} />
       ))}
@@ -59,12 +62,14 @@ export function Failed({
 }) {
   return (
     <div className={styles.state} role="alert">
-      <h2>{what} could not be loaded</h2>
+      <h2>
+        <Trans>{what} could not be loaded</Trans>
+      </h2>
       <p>{messageOf(error)}</p>
       {onRetry && (
         <div className={styles.actions}>
           <Button icon="restart" onClick={onRetry}>
-            Try again
+            <Trans>Try again</Trans>
           </Button>
         </div>
       )}

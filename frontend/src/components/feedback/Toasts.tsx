@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import {
   createContext,
   type ReactNode,
@@ -47,7 +48,7 @@ export function ToastProvider({ children }: { children: ReactNode }) {
   return (
     <ToastContext value={show}>
       {children}
-      <div className={styles.region} role="status" aria-live="polite" aria-label="Messages">
+      <div className={styles.region} role="status" aria-live="polite" aria-label={t`Messages`}>
         {toasts.map((toast) => (
           <ToastView key={toast.id} toast={toast} onClose={close} />
         ))}
@@ -91,7 +92,7 @@ function ToastView({ toast, onClose }: { toast: Toast; onClose: (id: number) => 
             {action.label}
           </Button>
         )}
-        <IconButton icon="close" label="Close message" onClick={() => onClose(toast.id)} />
+        <IconButton icon="close" label={t`Close message`} onClick={() => onClose(toast.id)} />
       </span>
     </div>
   );

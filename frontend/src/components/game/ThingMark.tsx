@@ -1,7 +1,7 @@
 import type { CSSProperties, ReactNode } from "react";
 
 import { classes } from "@/lib/classes";
-import { type Thing, THING_NAMES, THING_SHAPES, thingColour } from "@/lib/things";
+import { type Thing, thingNames, THING_SHAPES, thingColour } from "@/lib/things";
 
 import styles from "./ThingMark.module.css";
 
@@ -19,7 +19,7 @@ export function ThingMark({ thing, hollow = false, children }: ThingMarkProps) {
       <svg viewBox="0 0 10 10" width="10" height="10" aria-hidden="true">
         <path d={THING_SHAPES[thing]} className={classes(hollow && styles.hollow)} />
       </svg>
-      <span>{children ?? THING_NAMES[thing]}</span>
+      <span>{children ?? thingNames()[thing]}</span>
     </span>
   );
 }

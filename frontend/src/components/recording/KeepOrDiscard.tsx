@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { isUndecided, recordingName, whyUnrankable } from "@/lib/recordings";
@@ -20,15 +23,15 @@ export function KeepOrDiscard({ recording }: { recording: Recording }) {
           {(replays || isUndecided(recording)) && (
             <Button
               kind={isUndecided(recording) ? "primary" : "secondary"}
-              aria-label={`Keep ${name}`}
+              aria-label={t`Keep ${name}`}
               onClick={() => keep(recording)}
             >
-              Keep
+              <Trans>Keep</Trans>
             </Button>
           )}
           {isUndecided(recording) && (
-            <Button aria-label={`Discard ${name}`} onClick={() => remove(recording)}>
-              Discard
+            <Button aria-label={t`Discard ${name}`} onClick={() => remove(recording)}>
+              <Trans>Discard</Trans>
             </Button>
           )}
         </div>

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import {
   type KeyboardEvent,
   type ReactNode,
@@ -73,12 +75,12 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
       ref={player}
       className={styles.player}
       role="group"
-      aria-label="Player"
+      aria-label={t`Player`}
       tabIndex={-1}
       onKeyDown={(event) => onKey(event, playback, frames.last)}
     >
       <div className={styles.stage} ref={stage}>
-        <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+        <GameCanvas size={size} label={t`Game screen`} onPainter={setPainter} />
         {attention.map && attention.step !== null && (
           <AttentionLayer
             map={attention.map.values}
@@ -104,14 +106,16 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
       <div className={styles.controls}>
         <IconButton
           icon={playing ? "pause" : "play"}
-          label={playing ? "Pause" : "Play"}
+          label={playing ? t`Pause` : t({ message: "Play", context: "playback" })}
           kind="secondary"
           onClick={() => playback.toggle()}
         />
-        <IconButton icon="stepBack" label="One frame back" onClick={() => playback.step(-1)} />
-        <IconButton icon="stepOn" label="One frame forward" onClick={() => playback.step(1)} />
+        <IconButton icon="stepBack" label={t`One frame back`} onClick={() => playback.step(-1)} />
+        <IconButton icon="stepOn" label={t`One frame forward`} onClick={() => playback.step(1)} />
         <label>
-          <span className="visually-hidden">Speed</span>
+          <span className="visually-hidden">
+            <Trans>Speed</Trans>
+          </span>
           <select
             className={styles.speed}
             value={speed}
@@ -125,22 +129,32 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
           </select>
         </label>
         <span className={styles.time}>
-          {seconds(frame / FRAME_RATE_HZ, 2)} of {seconds(last / FRAME_RATE_HZ, 2)} · step{" "}
-          {stepOf(frame)} · frame {frame}
+          <Trans>
+            {seconds(frame / FRAME_RATE_HZ, 2)} of {seconds(last / FRAME_RATE_HZ, 2)} · step{" "}
+            {stepOf(frame)} · frame {frame}
+          </Trans>
         </span>
       </div>
       <p className={styles.keys}>
         <span>
-          <kbd>Space</kbd> play or pause
+          <Trans>
+            <kbd>Space</kbd> play or pause
+          </Trans>
         </span>
         <span>
-          <kbd>←</kbd> <kbd>→</kbd> one frame
+          <Trans>
+            <kbd>←</kbd> <kbd>→</kbd> one frame
+          </Trans>
         </span>
         <span>
-          with <kbd>Shift</kbd> one step
+          <Trans>
+            with <kbd>Shift</kbd> one step
+          </Trans>
         </span>
         <span>
-          <kbd>Home</kbd> <kbd>End</kbd> start and end
+          <Trans>
+            <kbd>Home</kbd> <kbd>End</kbd> start and end
+          </Trans>
         </span>
       </p>
     </>

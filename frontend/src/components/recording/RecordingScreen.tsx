@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useRef, useState } from "react";
 
@@ -53,7 +54,7 @@ function Loop({ frames, size }: { frames: RecordedFrames; size: ScreenSize }) {
     playback.play();
     return () => playback.dispose();
   }, [frames, painter]);
-  return <GameCanvas size={size} label="Recording, playing" onPainter={setPainter} />;
+  return <GameCanvas size={size} label={t`Recording, playing`} onPainter={setPainter} />;
 }
 
 /** Long enough that a pointer passing over starts nothing. */

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { memo, type PointerEvent, type ReactNode, useSyncExternalStore } from "react";
 
@@ -9,6 +11,7 @@ import { classes } from "@/lib/classes";
 import { fixed, FRAMES_PER_STEP, measured, withDeviation } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
+import { Legend } from "./Legend";
 import styles from "./RewardCurve.module.css";
 import { describeHit } from "./Scrubber";
 
@@ -31,19 +34,23 @@ interface RewardCurveProps {
 export function RewardCurve({ reward, playback, last, hits }: RewardCurveProps) {
   const { data, error } = useQuery(rewardTraceQuery(reward.runId, reward.recordingId));
   return (
-    <section className={styles.reward} aria-label="Learned reward">
+    <section className={styles.reward} aria-label={t`Learned reward`}>
       <div className={styles.head}>
-        <h3>Learned reward</h3>
+        <h3>
+          <Trans>Learned reward</Trans>
+        </h3>
         {reward.menu}
       </div>
       {data ? (
         <Curve trace={data} playback={playback} last={last} hits={hits} />
       ) : error ? (
         <Notice tone="calm" live>
-          <p>R over time can&rsquo;t be shown: {messageOf(error)}</p>
+          <p>
+            <Trans>R over time can&rsquo;t be shown: {messageOf(error)}</Trans>
+          </p>
         </Notice>
       ) : (
-        <Loading what="the learned reward" rows={1} height={`${HEIGHT}px`} />
+        <Loading what={t`the learned reward`} rows={1} height={`${HEIGHT}px`} />
       )}
     </section>
   );
@@ -73,6 +80,7 @@ function Curve({ trace, playback, last, hits }: CurveProps) {
   };
   const y = scaleOf(levels, levelDeviations);
   const levelText = withDeviation(fixed(level, 2), levelDeviations?.[step]);
+  const rewardText = withDeviation(measured(rewards[step] ?? NaN), trace.reward_deviations?.[step]);
   return (
     <>
       <div
@@ -80,11 +88,11 @@ function Curve({ trace, playback, last, hits }: CurveProps) {
         style={{ height: HEIGHT }}
         role="slider"
         tabIndex={0}
-        aria-label="Position on the curve of R"
+        aria-label={t`Position on the curve of R`}
         aria-valuemin={0}
         aria-valuemax={last}
         aria-valuenow={frame}
-        aria-valuetext={`step ${step}, level ${levelText}`}
+        aria-valuetext={t`step ${step}, level ${levelText}`}
         onPointerDown={(event) => {
           if (event.button !== 0) return;
           event.currentTarget.setPointerCapture(event.pointerId);
@@ -102,17 +110,21 @@ function Curve({ trace, playback, last, hits }: CurveProps) {
           </g>
         </svg>
       </div>
-      <p className={styles.legend}>
+      <Legend>
         <span>
-          Level {levelText} (R{" "}
-          {withDeviation(measured(rewards[step] ?? NaN), trace.reward_deviations?.[step])}) at step{" "}
-          {step}
+          <Trans>
+            Level {levelText} (R {rewardText}) at step {step}
+          </Trans>
         </span>
-        <span>0: how demonstrations begin, 1: how the best ones end</span>
+        <span>
+          <Trans>0: how demonstrations begin, 1: how the best ones end</Trans>
+        </span>
         {levelDeviations && (
-          <span>Band: ± one standard deviation, the larger the less the ranking says</span>
+          <span>
+            <Trans>Band: ± one standard deviation, the larger the less the ranking says</Trans>
+          </span>
         )}
-      </p>
+      </Legend>
     </>
   );
 }

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { memo, useSyncExternalStore } from "react";
 
 import { FRAME_RATE_HZ, seconds } from "@/lib/format";
@@ -28,8 +29,8 @@ export function Scrubber({ playback, last, hits }: ScrubberProps) {
       <input
         type="range"
         className={styles.range}
-        aria-label="Position in the recording"
-        aria-valuetext={`${seconds(frame / FRAME_RATE_HZ)} of ${seconds(last / FRAME_RATE_HZ)}`}
+        aria-label={t`Position in the recording`}
+        aria-valuetext={t`${seconds(frame / FRAME_RATE_HZ)} of ${seconds(last / FRAME_RATE_HZ)}`}
         min={0}
         max={last}
         value={frame}
@@ -48,7 +49,7 @@ const HitMarks = memo(function HitMarks({ hits, last }: { hits: readonly Hit[]; 
     <svg
       className={`${styles.plot ?? ""} ${styles.marks ?? ""}`}
       role="img"
-      aria-label={hits.length === 0 ? "No hits" : `Hits: ${hits.map(describeHit).join("; ")}`}
+      aria-label={hits.length === 0 ? t`No hits` : t`Hits: ${hits.map(describeHit).join("; ")}`}
     >
       {hits.map((hit) => (
         <svg
@@ -72,6 +73,7 @@ function markClass({ on_target: onTarget }: Hit): string | undefined {
 
 /** Describes a hit: "stray, row 3, column 4 at 0.3 s". */
 export function describeHit(hit: Hit): string {
-  const what = hit.on_target === false ? "stray, " : "";
-  return `${what}${cellName([hit.row, hit.column])} at ${seconds(hit.frame / FRAME_RATE_HZ)}`;
+  const cell = cellName([hit.row, hit.column]);
+  const time = seconds(hit.frame / FRAME_RATE_HZ);
+  return hit.on_target === false ? t`stray, ${cell} at ${time}` : t`${cell} at ${time}`;
 }

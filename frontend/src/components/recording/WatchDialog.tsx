@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import type { ReactNode } from "react";
 import { Link } from "react-router";
@@ -41,14 +43,20 @@ export function WatchDialog(props: WatchDialogProps) {
             screenHeight={screenHeight}
           />
         ) : frames.error ? (
-          <Failed what="The recording" error={frames.error} onRetry={() => void frames.refetch()} />
+          <Failed
+            what={t`The recording`}
+            error={frames.error}
+            onRetry={() => void frames.refetch()}
+          />
         ) : (
-          <Loading what="the recording" rows={1} height="20rem" />
+          <Loading what={t`the recording`} rows={1} height="20rem" />
         )}
         <p className={styles.facts}>
           <span>{describeScore(recording, nTargets)}</span>
           <span>{describeCourse(recording)}</span>
-          <Link to={`/recordings/${recording.id}`}>Details: actions, memory, downloads</Link>
+          <Link to={`/recordings/${recording.id}`}>
+            <Trans>Details: actions, memory, downloads</Trans>
+          </Link>
         </p>
         {actions && <div>{actions}</div>}
       </div>

@@ -1,9 +1,10 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { type ReactNode, useState } from "react";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { count } from "@/lib/format";
 import { imperfections } from "@/lib/recordings";
 
 import styles from "./KeepOrDiscard.module.css";
@@ -30,9 +31,11 @@ export function usePerfectMark({ target }: Behaviour): PerfectMark {
   }
 
   const question = asked && (
-    <Dialog title="Mark as perfect?" width="26rem" onClose={() => setAsked(null)}>
+    <Dialog title={t`Mark as perfect?`} width="26rem" onClose={() => setAsked(null)}>
       <div className={styles.prompt}>
-        <p>{asked.sentence} The clone copies what is marked as perfect.</p>
+        <p>
+          <Trans>{asked.sentence} The clone copies what is marked as perfect.</Trans>
+        </p>
         <div className={styles.buttons}>
           <Button
             kind="primary"
@@ -42,9 +45,11 @@ export function usePerfectMark({ target }: Behaviour): PerfectMark {
               asked.confirmed();
             }}
           >
-            Mark all the same
+            <Trans>Mark all the same</Trans>
           </Button>
-          <Button onClick={() => setAsked(null)}>Don&rsquo;t mark</Button>
+          <Button onClick={() => setAsked(null)}>
+            <Trans>Don&rsquo;t mark</Trans>
+          </Button>
         </div>
       </div>
     </Dialog>
@@ -54,7 +59,9 @@ export function usePerfectMark({ target }: Behaviour): PerfectMark {
 
 function sentenceOf(found: readonly (readonly string[])[], n: number): string {
   const [first = []] = found;
-  if (n === 1) return `This game isn't perfect: ${first.join(", ")}.`;
-  const are = found.length === 1 ? "isn't" : "aren't";
-  return `${found.length} of ${count(n, "game")} ${are} perfect: they missed targets, hit strays or ended with the cannon hit.`;
+  if (n === 1) return t`This game isn't perfect: ${first.join(", ")}.`;
+  return plural(found.length, {
+    one: `# of ${n} games isn't perfect: they missed targets, hit strays or ended with the cannon hit.`,
+    other: `# of ${n} games aren't perfect: they missed targets, hit strays or ended with the cannon hit.`,
+  });
 }

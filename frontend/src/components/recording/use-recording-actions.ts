@@ -1,3 +1,4 @@
+import { plural, t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
@@ -11,7 +12,6 @@ import {
 } from "@/api/recordings";
 import type { Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
 import { useToast } from "@/components/feedback/Toasts";
-import { count } from "@/lib/format";
 import { isUndecided, recordingName } from "@/lib/recordings";
 
 interface RecordingActions {
@@ -77,7 +77,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     },
     onSuccess: (_nothing, recording) =>
       toast(`${recordingName(recording)} ${isUndecided(recording) ? "discarded" : "deleted"}.`, {
-        label: "Undo",
+        label: t`Undo`,
         run: () => restore.mutate(recording.id),
       }),
     onError: (error, _recording, before) => {
@@ -91,8 +91,8 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     mutationFn: (body: RecordingsChange) => changeRecordings(behaviourId, body),
     onSuccess: (_changed, { change, recording_ids: ids }) => {
       if (change !== "delete") return;
-      toast(`${count(ids.length, "recording")} deleted.`, {
-        label: "Undo",
+      toast(plural(ids.length, { one: "# recording deleted.", other: "# recordings deleted." }), {
+        label: t`Undo`,
         run: () => changeAll.mutate({ recording_ids: ids, change: "restore" }),
       });
     },

@@ -1,7 +1,9 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { type KeyboardEvent, useRef, useState } from "react";
 
 import { Button } from "@/components/controls/Button";
-import { count, ordinal } from "@/lib/format";
+import { ordinal } from "@/lib/format";
 import {
   ALL_CELLS,
   type Cell,
@@ -42,13 +44,13 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
 
   return (
     <div className={styles.picker}>
-      <div className={styles.board} role="group" aria-label="Target aliens" ref={board}>
+      <div className={styles.board} role="group" aria-label={t`Target aliens`} ref={board}>
         {TOP_ROW_FIRST.map((row) => (
           <div key={row} className={styles.line}>
             <button
               type="button"
               className={styles.header}
-              aria-label={`All of row ${row + 1}`}
+              aria-label={t`All of row ${row + 1}`}
               onClick={() => onChange(toggleLine(value, rowCells(row)))}
             >
               {row + 1}
@@ -56,7 +58,7 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
             {ALL_CELLS.filter((cell) => cell[0] === row).map((cell) => {
               const place = places.get(cellKey(cell));
               const isActive = cellKey(cell) === cellKey(active);
-              const position = place && ordered ? `, ${ordinal(place)} in the order` : "";
+              const name = cellName(cell);
               return (
                 <button
                   key={cellKey(cell)}
@@ -64,7 +66,11 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
                   className={styles.cell}
                   data-cell={cellKey(cell)}
                   aria-pressed={place !== undefined}
-                  aria-label={`Alien in ${cellName(cell)}${position}`}
+                  aria-label={
+                    place && ordered
+                      ? t`Alien in ${name}, ${ordinal(place)} in the order`
+                      : t`Alien in ${name}`
+                  }
                   tabIndex={isActive ? 0 : -1}
                   onFocus={() => setActive(cell)}
                   onKeyDown={(event) => move(event, cell)}
@@ -83,7 +89,7 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
             key={column}
             type="button"
             className={styles.header}
-            aria-label={`All of column ${column + 1}`}
+            aria-label={t`All of column ${column + 1}`}
             onClick={() => onChange(toggleLine(value, columnCells(column)))}
           >
             {column + 1}
@@ -91,10 +97,14 @@ export function AlienPicker({ value, onChange, ordered }: AlienPickerProps) {
         ))}
       </div>
       <div className={styles.foot}>
-        <span>{count(value.length, "alien")} chosen</span>
+        <span>
+          <Trans>
+            <Plural value={value.length} one="# alien" other="# aliens" /> chosen
+          </Trans>
+        </span>
         {value.length > 0 && (
           <Button kind="quiet" onClick={() => onChange([])}>
-            Clear
+            <Trans>Clear</Trans>
           </Button>
         )}
       </div>

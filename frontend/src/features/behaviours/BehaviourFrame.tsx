@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
 import { Link, NavLink } from "react-router";
@@ -30,18 +32,27 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
   const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
   if (isNotFound(error)) {
     return (
-      <Empty title="Behaviour not found" actions={<ButtonLink to="/">All behaviours</ButtonLink>}>
-        <p>The address is wrong, or it has been deleted.</p>
+      <Empty
+        title={t`Behaviour not found`}
+        actions={
+          <ButtonLink to="/">
+            <Trans>All behaviours</Trans>
+          </ButtonLink>
+        }
+      >
+        <p>
+          <Trans>The address is wrong, or it has been deleted.</Trans>
+        </p>
       </Empty>
     );
   }
   if (error && !behaviour) {
-    return <Failed what="The behaviour" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The behaviour`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!behaviour) return <Loading what="the behaviour" rows={2} height="5rem" />;
+  if (!behaviour) return <Loading what={t`the behaviour`} rows={2} height="5rem" />;
   return (
     <>
-      <PageTitle>{`${behaviour.name} · Tril`}</PageTitle>
+      <PageTitle>{t`${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
         <AlienGrid target={behaviour.target} label="" />
         <div className={styles.words}>
@@ -85,7 +96,7 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
   const [play, ...others] = steps;
   if (!play) return null;
   return (
-    <nav className={styles.path} aria-label="Path">
+    <nav className={styles.path} aria-label={t`Path`}>
       <ol className={styles.steps}>
         <li>
           <StepLink step={play} number={1} to={`${at}/play`} />
@@ -95,8 +106,12 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
             <span className={classes(styles.marker, styles.plain)} aria-hidden="true">
               {behaviour.n_recordings}
             </span>
-            <span className={styles.name}>Recordings</span>
-            <span className={styles.caption}>watch, mark, import</span>
+            <span className={styles.name}>
+              <Trans>Recordings</Trans>
+            </span>
+            <span className={styles.caption}>
+              <Trans>watch, mark, import</Trans>
+            </span>
           </NavLink>
         </li>
         {others.map((step, index) => (
@@ -132,11 +147,24 @@ function StepLink({
         {step.done ? <Icon name="check" /> : number}
       </span>
       <span className={styles.name}>
-        {step.name} {step.done && <span className="visually-hidden">(done)</span>}
-        {step.next && <span className="visually-hidden">(next)</span>}
+        {step.name}{" "}
+        {step.done && (
+          <span className="visually-hidden">
+            <Trans>(done)</Trans>
+          </span>
+        )}
+        {step.next && (
+          <span className="visually-hidden">
+            <Trans>(next)</Trans>
+          </span>
+        )}
       </span>
       <span className={styles.caption}>
-        {step.next && <span className={styles.nextWord}>next </span>}
+        {step.next && (
+          <span className={styles.nextWord}>
+            <Trans>next</Trans>{" "}
+          </span>
+        )}
         {step.caption}
       </span>
     </>

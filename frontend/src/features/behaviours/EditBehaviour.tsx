@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useNavigate } from "react-router";
@@ -11,13 +13,12 @@ import {
 import { messageOf } from "@/api/client";
 import type { Behaviour, BehaviourNew } from "@/api/types";
 import { Button, IconButton } from "@/components/controls/Button";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 import { useToast } from "@/components/feedback/Toasts";
 import { AlienGrid } from "@/components/game/AlienGrid";
 
-import { BehaviourForm } from "./BehaviourForm";
-import styles from "./BehaviourForm.module.css";
+import { BehaviourDialog } from "./BehaviourDialog";
+import styles from "./BehaviourDialog.module.css";
 import { copyOf, draftOf } from "./draft";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
@@ -28,13 +29,13 @@ export function EditBehaviour({ behaviour }: { behaviour: Behaviour }) {
   const close = () => setOpen(null);
   return (
     <>
-      <IconButton icon="edit" label="Edit the behaviour" onClick={() => setOpen("edit")} />
+      <IconButton icon="edit" label={t`Edit the behaviour`} onClick={() => setOpen("edit")} />
       {open === "edit" && (
         <EditDialog behaviour={behaviour} onClose={close} onCopy={() => setOpen("copy")} />
       )}
       {open === "copy" && (
         <NewBehaviourDialog
-          title="Copy with another target"
+          title={t`Copy with another target`}
           initial={copyOf(behaviour, all ?? [behaviour])}
           onClose={close}
         />
@@ -67,44 +68,41 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
     },
   });
   return (
-    <Dialog title="Edit the behaviour" onClose={onClose}>
-      <BehaviourForm
-        value={draft.value}
-        onChange={draft.set}
-        onSubmit={(change) => update.mutate(change)}
-        onCancel={() => {
-          draft.drop();
-          onClose();
-        }}
-        edited={behaviour}
-        fixedTarget={
-          fixed === null ? undefined : (
-            <div className={styles.fixed}>
-              <AlienGrid target={behaviour.target} label="" />
-              <div>
-                <p>{fixed}</p>
-                <Button onClick={onCopy}>Make a copy with another target</Button>
-              </div>
+    <BehaviourDialog
+      title={t`Edit the behaviour`}
+      draft={draft}
+      onSubmit={(change) => update.mutate(change)}
+      onClose={onClose}
+      edited={behaviour}
+      fixedTarget={
+        fixed === null ? undefined : (
+          <div className={styles.fixed}>
+            <AlienGrid target={behaviour.target} label="" />
+            <div>
+              <p>{fixed}</p>
+              <Button onClick={onCopy}>
+                <Trans>Make a copy with another target</Trans>
+              </Button>
             </div>
-          )
-        }
-        submit={update.isPending ? "Saving…" : "Save"}
-        pending={update.isPending}
-        error={update.error ?? remove.error}
-      >
-        {!behaviour.built_in && (
+          </div>
+        )
+      }
+      submit={update.isPending ? t`Saving…` : t`Save`}
+      pending={update.isPending}
+      error={update.error ?? remove.error}
+      more={
+        !behaviour.built_in && (
           <Button
             kind="danger"
             icon="trash"
-            className={styles.last}
             disabled={remove.isPending}
             onClick={() => remove.mutate()}
           >
-            Delete
+            <Trans>Delete</Trans>
           </Button>
-        )}
-      </BehaviourForm>
-    </Dialog>
+        )
+      }
+    />
   );
 }
 
@@ -127,14 +125,14 @@ function useDeletion(behaviour: Behaviour) {
     onSuccess: async () => {
       await navigate("/");
       settle();
-      toast(`${behaviour.name} deleted.`, { label: "Undo", run: () => restore.mutate() });
+      toast(t`${behaviour.name} deleted.`, { label: t`Undo`, run: () => restore.mutate() });
     },
   });
 }
 
 /** Why the target can't be changed; null if it can. */
 function whyFixed({ built_in, n_recordings, n_runs }: Behaviour): string | null {
-  if (built_in) return "The target of a built-in behaviour stays as it is.";
+  if (built_in) return t`The target of a built-in behaviour stays as it is.`;
   if (n_recordings === 0 && n_runs === 0) return null;
-  return "The target stays as it is, since games were ranked and runs judged by it.";
+  return t`The target stays as it is, since games were ranked and runs judged by it.`;
 }

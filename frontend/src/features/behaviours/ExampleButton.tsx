@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
@@ -32,7 +34,7 @@ export function ExampleButton({
   return (
     <Button
       large={large}
-      title="A scripted player makes the games; Tril ranks them and trains on them."
+      title={t`A scripted player makes the games; Tril ranks them and trains on them.`}
       disabled={!recipe || start.isPending}
       onClick={() => {
         if (!recipe) return;
@@ -49,7 +51,7 @@ export function ExampleButton({
       }}
     >
       <span>
-        See a full example{" "}
+        <Trans>See a full example</Trans>{" "}
         {recipe && <small>({describeEstimate(recipe, recipe.default_steps)})</small>}
       </span>
     </Button>

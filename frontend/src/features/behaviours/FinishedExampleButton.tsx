@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
@@ -29,11 +30,11 @@ export function FinishedExampleButton() {
   return (
     <Button
       large
-      title="A run that ships with Tril: a scripted player made the games."
+      title={t`A run that ships with Tril: a scripted player made the games.`}
       disabled={open.isPending}
       onClick={() => open.mutate()}
     >
-      {open.isPending ? "Opening…" : "Open a finished example"}
+      {open.isPending ? t`Opening…` : t`Open a finished example`}
     </Button>
   );
 }

@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link } from "react-router";
@@ -11,7 +13,7 @@ import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import { PageTitle } from "@/components/PageTitle";
 import { Tour } from "@/features/behaviours/tour/Tour";
-import { bounds, count, fixed } from "@/lib/format";
+import { bounds, fixed } from "@/lib/format";
 import { isActive, statusLine } from "@/lib/runs";
 
 import { ExampleButton } from "./ExampleButton";
@@ -28,13 +30,13 @@ export function HomePage() {
   if (behaviours.error && !behaviours.data) {
     return (
       <Failed
-        what="The behaviours"
+        what={t`The behaviours`}
         error={behaviours.error}
         onRetry={() => void behaviours.refetch()}
       />
     );
   }
-  if (!behaviours.data) return <Loading what="the behaviours" rows={4} height="6rem" />;
+  if (!behaviours.data) return <Loading what={t`the behaviours`} rows={4} height="6rem" />;
   const all = behaviours.data;
   const isNew = all.every((one) => one.n_recordings === 0 && one.n_runs === 0);
   const first = all[0];
@@ -44,9 +46,17 @@ export function HomePage() {
       {isNew && first && <Welcome first={first} all={all} />}
       <Tour isNew={isNew} />
       <div className={styles.bar}>
-        {isNew ? <h2>Behaviours to teach</h2> : <h1>Behaviours</h1>}
+        {isNew ? (
+          <h2>
+            <Trans>Behaviours to teach</Trans>
+          </h2>
+        ) : (
+          <h1>
+            <Trans>Behaviours</Trans>
+          </h1>
+        )}
         <Button icon="plus" onClick={() => setMaking(true)}>
-          New behaviour
+          <Trans>New behaviour</Trans>
         </Button>
       </div>
       <ul className={styles.cards}>
@@ -70,35 +80,55 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
   return (
     <>
       <section className={styles.hero}>
-        <h1>Teach an agent by showing it better and worse games</h1>
+        <h1>
+          <Trans>Teach an agent by showing it better and worse games</Trans>
+        </h1>
         <p>
-          Play Space Invaders for twenty seconds at a time, put your games in order from best to
-          worst, and Tril learns from the order what you were after.
+          <Trans>
+            Play Space Invaders for twenty seconds at a time, put your games in order from best to
+            worst, and Tril learns from the order what you were after.
+          </Trans>
         </p>
         <div className={styles.actions}>
           <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>
-            Play your first game
+            <Trans>Play your first game</Trans>
           </ButtonLink>
           <FinishedExampleButton />
           {example && <ExampleButton behaviour={example} large />}
         </div>
       </section>
-      <ol className={styles.how} aria-label="How it works">
+      <ol className={styles.how} aria-label={t`How it works`}>
         <li>
-          <strong>1. Play</strong>
-          <span>Good games and deliberately bad ones, about a dozen.</span>
+          <strong>
+            <Trans>1. Play</Trans>
+          </strong>
+          <span>
+            <Trans>Good games and deliberately bad ones, about a dozen.</Trans>
+          </span>
         </li>
         <li>
-          <strong>2. Rank</strong>
-          <span>Drag them into an order. Ties are fine.</span>
+          <strong>
+            <Trans>2. Rank</Trans>
+          </strong>
+          <span>
+            <Trans>Drag them into an order. Ties are fine.</Trans>
+          </span>
         </li>
         <li>
-          <strong>3. Train</strong>
-          <span>Tril learns a reward from the order, then an agent that earns it.</span>
+          <strong>
+            <Trans>3. Train</Trans>
+          </strong>
+          <span>
+            <Trans>Tril learns a reward from the order, then an agent that earns it.</Trans>
+          </span>
         </li>
         <li>
-          <strong>4. Look</strong>
-          <span>The agent, a plain copy of your best games, and you, side by side.</span>
+          <strong>
+            <Trans>4. Look</Trans>
+          </strong>
+          <span>
+            <Trans>The agent, a plain copy of your best games, and you, side by side.</Trans>
+          </span>
         </li>
       </ol>
     </>
@@ -137,30 +167,38 @@ function Card({
 }
 
 function countsOf(behaviour: Behaviour): string {
-  if (behaviour.n_recordings === 0 && behaviour.n_runs === 0) return "Nothing played yet";
+  if (behaviour.n_recordings === 0 && behaviour.n_runs === 0) return t`Nothing played yet`;
   return [
-    count(behaviour.n_recordings, "recording"),
-    `${behaviour.n_ranked} ranked`,
-    `${behaviour.n_perfect} perfect`,
-    ...(behaviour.n_runs > 0 ? [count(behaviour.n_runs, "run")] : []),
+    plural(behaviour.n_recordings, { one: "# recording", other: "# recordings" }),
+    t`${behaviour.n_ranked} ranked`,
+    t`${behaviour.n_perfect} perfect`,
+    ...(behaviour.n_runs > 0 ? [plural(behaviour.n_runs, { one: "# run", other: "# runs" })] : []),
   ].join(", ");
 }
 
 function Latest({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const targets = run.headline?.imitator?.targets;
   if (isActive(run) || !targets || !behaviour.target) {
-    return <p className={styles.result}>Latest run: {statusLine(run)}</p>;
+    return (
+      <p className={styles.result}>
+        <Trans>Latest run: {statusLine(run)}</Trans>
+      </p>
+    );
   }
   const clone = run.headline?.clone?.targets;
   const of = behaviour.target.length;
   return (
     <p className={styles.result}>
       <ThingMark thing="imitator">
-        Imitator hits {fixed(targets.mean, 1)} of {of} ({bounds(targets)})
+        <Trans>
+          Imitator hits {fixed(targets.mean, 1)} of {of} ({bounds(targets)})
+        </Trans>
       </ThingMark>
       {clone && (
         <ThingMark thing="clone">
-          Clone hits {fixed(clone.mean, 1)} of {of} ({bounds(clone)})
+          <Trans>
+            Clone hits {fixed(clone.mean, 1)} of {of} ({bounds(clone)})
+          </Trans>
         </ThingMark>
       )}
     </p>

@@ -1,11 +1,11 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
 import { behavioursQuery, createBehaviour } from "@/api/behaviours";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 
-import { BehaviourForm } from "./BehaviourForm";
+import { BehaviourDialog } from "./BehaviourDialog";
 import { type BehaviourDraft, EMPTY_DRAFT } from "./draft";
 
 interface NewBehaviourDialogProps {
@@ -18,7 +18,7 @@ interface NewBehaviourDialogProps {
 /** Creates a behaviour: name, description and optionally a target. */
 export function NewBehaviourDialog({
   onClose,
-  title = "New behaviour",
+  title = t`New behaviour`,
   initial = EMPTY_DRAFT,
 }: NewBehaviourDialogProps) {
   const client = useQueryClient();
@@ -34,19 +34,14 @@ export function NewBehaviourDialog({
     },
   });
   return (
-    <Dialog title={title} onClose={onClose}>
-      <BehaviourForm
-        value={draft.value}
-        onChange={draft.set}
-        onSubmit={(behaviour) => create.mutate(behaviour)}
-        onCancel={() => {
-          draft.drop();
-          onClose();
-        }}
-        submit={create.isPending ? "Creating…" : "Create behaviour"}
-        pending={create.isPending}
-        error={create.error}
-      />
-    </Dialog>
+    <BehaviourDialog
+      title={title}
+      draft={draft}
+      onSubmit={(behaviour) => create.mutate(behaviour)}
+      onClose={onClose}
+      submit={create.isPending ? t`Creating…` : t`Create behaviour`}
+      pending={create.isPending}
+      error={create.error}
+    />
   );
 }

@@ -1,4 +1,7 @@
 /** A behaviour as a form has it. */
+
+import { t } from "@lingui/core/macro";
+
 import type { Behaviour } from "@/api/types";
 import type { Cell } from "@/lib/game/aliens";
 
@@ -30,7 +33,7 @@ export function copyOf(
   others: readonly Pick<Behaviour, "id" | "name">[],
 ): BehaviourDraft {
   const draft = draftOf(behaviour);
-  const first = `${draft.name.slice(0, 100)} with another target`;
+  const first = t`${draft.name.slice(0, 100)} with another target`;
   let name = first;
   for (let number = 2; nameProblem(name, others); number += 1) name = `${first} (${number})`;
   return { ...draft, name, hasTarget: true };
@@ -42,9 +45,9 @@ export function nameProblem(
   others: readonly Pick<Behaviour, "id" | "name">[],
   besides?: number,
 ): string | null {
-  if (!name.trim()) return "Give the behaviour a name.";
+  if (!name.trim()) return t`Give the behaviour a name.`;
   const taken = others.find((one) => one.id !== besides && compared(one.name) === compared(name));
-  return taken ? `There is a behaviour named ${taken.name} already. Choose another name.` : null;
+  return taken ? t`There is a behaviour named ${taken.name} already. Choose another name.` : null;
 }
 
 function compared(name: string): string {

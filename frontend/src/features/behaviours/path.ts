@@ -1,6 +1,9 @@
 /** The four steps from playing to looking at results, and how far a behaviour is. */
+
+import { plural, t } from "@lingui/core/macro";
+
 import { type Behaviour, type Run } from "@/api/types";
-import { count, fixed } from "@/lib/format";
+import { fixed, percent } from "@/lib/format";
 import { isActive } from "@/lib/runs";
 
 export type StepId = "play" | "rank" | "train" | "look";
@@ -19,7 +22,9 @@ type RunFacts = Pick<Run, "status" | "progress" | "headline">;
 
 /** Says how far an active run is: "Training, 34%". */
 export function trainingStatus({ status, progress }: Pick<Run, "status" | "progress">): string {
-  return status === "queued" ? "Waiting to train" : `Training, ${Math.floor(progress * 100)}%`;
+  return status === "queued"
+    ? t`Waiting to train`
+    : t`Training, ${percent(Math.floor(progress * 100) / 100, 0)}`;
 }
 
 /** Returns the four steps; the first that is not done is next. */
@@ -29,28 +34,28 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
   const steps = [
     {
       id: "play" as const,
-      name: "Play",
+      name: t`Play`,
       done: behaviour.n_recordings >= 2,
-      caption: "good and bad games",
+      caption: t`good and bad games`,
     },
     {
       id: "rank" as const,
-      name: "Rank",
+      name: t`Rank`,
       done: behaviour.n_ranked >= 2 && behaviour.n_perfect >= 1,
       caption:
         behaviour.n_ranked === 0
-          ? "best to worst"
-          : `${behaviour.n_ranked} ranked, ${behaviour.n_perfect} perfect`,
+          ? t`best to worst`
+          : t`${behaviour.n_ranked} ranked, ${behaviour.n_perfect} perfect`,
     },
     {
       id: "train" as const,
-      name: "Train",
+      name: t`Train`,
       done: finished !== undefined,
-      caption: active ? trainingStatus(active) : "learn the reward",
+      caption: active ? trainingStatus(active) : t`learn the reward`,
     },
     {
       id: "look" as const,
-      name: "Look",
+      name: t`Look`,
       done: finished !== undefined,
       caption: lookCaption(behaviour, runs, finished),
     },
@@ -70,7 +75,9 @@ function lookCaption(
 ): string {
   const targets = finished?.headline?.imitator?.targets;
   if (targets && behaviour.target) {
-    return `${fixed(targets.mean, 1)} of ${behaviour.target.length} targets`;
+    return t`${fixed(targets.mean, 1)} of ${behaviour.target.length} targets`;
   }
-  return runs.length === 0 ? "what was learned" : count(runs.length, "run");
+  return runs.length === 0
+    ? t`what was learned`
+    : plural(runs.length, { one: "# run", other: "# runs" });
 }

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useCallback, useEffect, useRef, useState } from "react";
 
 import { messageOf } from "@/api/client";
@@ -92,12 +93,12 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           ref={stage}
           className={styles.stage}
           role="application"
-          aria-label="Game. Arrow keys steer, space fires, Escape pauses."
+          aria-label={t`Game. Arrow keys steer, space fires, Escape pauses.`}
           // Focusable, since the game takes keyboard input.
           // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
           tabIndex={0}
         >
-          <GameCanvas size={size} label="Game screen" onPainter={setPainter} />
+          <GameCanvas size={size} label={t`Game screen`} onPainter={setPainter} />
           {stream && (target ?? ghost) && (
             <MarksCanvas
               size={size}
@@ -144,7 +145,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           }}
         />
       </div>
-      <aside className={styles.side} aria-label="Game status">
+      <aside className={styles.side} aria-label={t`Game status`}>
         <Clock handle={clock} also={hudTime} />
         <Score hits={state?.hits ?? []} behaviour={behaviour} />
         {state && stream && (

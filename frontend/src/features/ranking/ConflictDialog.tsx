@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { movedBetween, type Tiers } from "@/features/ranking/order/order";
@@ -15,22 +18,30 @@ interface ConflictDialogProps {
 export function ConflictDialog({ theirs, mine, onSettle }: ConflictDialogProps) {
   const moved = movedBetween(theirs, mine);
   return (
-    <Dialog title="The order was changed elsewhere" width="44rem">
+    <Dialog title={t`The order was changed elsewhere`} width="44rem">
       <p className={styles.conflictWords}>
-        Another tab or person saved an order while you changed this one. Which one do you want to
-        keep? If you use yours, undo still brings theirs back.
+        <Trans>
+          Another tab or person saved an order while you changed this one. Which one do you want to
+          keep? If you use yours, undo still brings theirs back.
+        </Trans>
       </p>
       <div className={styles.conflict}>
-        <section aria-label="Saved elsewhere">
-          <h3>Saved elsewhere</h3>
+        <section aria-label={t`Saved elsewhere`}>
+          <h3>
+            <Trans>Saved elsewhere</Trans>
+          </h3>
           <Order tiers={theirs} moved={moved} />
-          <Button onClick={() => onSettle("theirs")}>Keep theirs</Button>
+          <Button onClick={() => onSettle("theirs")}>
+            <Trans>Keep theirs</Trans>
+          </Button>
         </section>
-        <section aria-label="Yours">
-          <h3>Yours</h3>
+        <section aria-label={t`Yours`}>
+          <h3>
+            <Trans>Yours</Trans>
+          </h3>
           <Order tiers={mine} moved={moved} />
           <Button kind="primary" onClick={() => onSettle("mine")}>
-            Use mine
+            <Trans>Use mine</Trans>
           </Button>
         </section>
       </div>
@@ -39,7 +50,12 @@ export function ConflictDialog({ theirs, mine, onSettle }: ConflictDialogProps) 
 }
 
 function Order({ tiers, moved }: { tiers: Tiers; moved: ReadonlySet<number> }) {
-  if (tiers.length === 0) return <p>Nothing is ranked.</p>;
+  if (tiers.length === 0)
+    return (
+      <p>
+        <Trans>Nothing is ranked.</Trans>
+      </p>
+    );
   return (
     <ol>
       {tiers.map((tier, index) => (

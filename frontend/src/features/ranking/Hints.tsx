@@ -1,10 +1,11 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { Link } from "react-router";
 
 import type { Behaviour, Recording } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
-import { count } from "@/lib/format";
 
 import styles from "./Hints.module.css";
 
@@ -25,26 +26,33 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
   const pairs = pairCount(tiers);
   return [
     tiers.length >= 2
-      ? { id: "tiers", done: true, text: `${count(pairs, "preference pair")} to learn from` }
+      ? {
+          id: "tiers",
+          done: true,
+          text: plural(pairs, {
+            one: "# preference pair to learn from",
+            other: "# preference pairs to learn from",
+          }),
+        }
       : {
           id: "tiers",
           done: false,
-          text: "At least two tiers are needed: nothing can be learned from ties alone.",
+          text: t`At least two tiers are needed: nothing can be learned from ties alone.`,
         },
     nPerfect >= 1
-      ? { id: "perfect", done: true, text: `${nPerfect} marked as perfect` }
+      ? { id: "perfect", done: true, text: t`${nPerfect} marked as perfect` }
       : {
           id: "perfect",
           done: false,
-          text: "No recording is marked as perfect. The clone copies those: mark one with its star.",
+          text: t`No recording is marked as perfect. The clone copies those: mark one with its star.`,
         },
     nRanked >= GOOD_NUMBER
-      ? { id: "number", done: true, text: `${nRanked} recordings ranked` }
+      ? { id: "number", done: true, text: t`${nRanked} recordings ranked` }
       : {
           id: "number",
           done: false,
           optional: true,
-          text: `${nRanked} ranked. About ${GOOD_NUMBER}, from perfect to hopeless, work well.`,
+          text: t`${nRanked} ranked. About ${GOOD_NUMBER}, from perfect to hopeless, work well.`,
         },
     ...(nRanked >= GOOD_NUMBER ? missingKinds(tiers, recordings) : []),
   ];
@@ -57,13 +65,12 @@ function missingKinds(tiers: Tiers, recordings: readonly Recording[]): readonly 
   const missing = { done: false, optional: true } as const;
   const kinds: Hint[] = [];
   if (games.every(({ borrowed, source }) => !borrowed && source !== "varied")) {
-    const text = "All ranked games are of one kind. Add varied games, which are bad in other ways.";
+    const text = t`All ranked games are of one kind. Add varied games, which are bad in other ways.`;
     kinds.push({ ...missing, id: "varied", text });
   }
   const scored = games.filter(({ targets }) => targets !== null);
   if (scored.length > 0 && !scored.some(({ targets, strays }) => targets && strays)) {
-    const text =
-      "No ranked game hits a target and a stray. Play one that does: it shows what a stray costs.";
+    const text = t`No ranked game hits a target and a stray. Play one that does: it shows what a stray costs.`;
     kinds.push({ ...missing, id: "mixed", text });
   }
   return kinds;
@@ -86,7 +93,7 @@ export function Hints({
 }) {
   const at = `/behaviours/${behaviour.id}`;
   return (
-    <section className={styles.hints} aria-label="What training needs">
+    <section className={styles.hints} aria-label={t`What training needs`}>
       <ul className={styles.hints}>
         {hintsFor(tiers, recordings).map((hint) => (
           <li key={hint.id} className={hint.done ? styles.ok : styles.open}>
@@ -97,10 +104,12 @@ export function Hints({
       </ul>
       {canTrain(tiers, recordings) ? (
         <ButtonLink kind="primary" to={`${at}/train`}>
-          Continue to Train
+          <Trans>Continue to Train</Trans>
         </ButtonLink>
       ) : (
-        <Link to={`${at}/play`}>Play more games</Link>
+        <Link to={`${at}/play`}>
+          <Trans>Play more games</Trans>
+        </Link>
       )}
     </section>
   );

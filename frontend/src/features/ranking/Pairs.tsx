@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import type { BranchPair, Verdict } from "@/features/ranking/order/branch-pairs";
@@ -20,11 +23,15 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
   const { before, after, frame } = pair;
   const nTargets = behaviour.target?.length ?? null;
   return (
-    <section className={styles.pairs} aria-label="Pairs to compare">
-      <h3>Which version is better? ({pairs.length})</h3>
+    <section className={styles.pairs} aria-label={t`Pairs to compare`}>
+      <h3>
+        <Trans>Which version is better? ({pairs.length})</Trans>
+      </h3>
       <p>
-        {recordingName(after)} branches off {recordingName(before)} at{" "}
-        {seconds(frame / FRAME_RATE_HZ)}.
+        <Trans>
+          {recordingName(after)} branches off {recordingName(before)} at{" "}
+          {seconds(frame / FRAME_RATE_HZ)}.
+        </Trans>
       </p>
       <ul>
         {[after, before].map((one) => (
@@ -39,9 +46,15 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
         ))}
       </ul>
       <div className={styles.verdicts}>
-        <Button onClick={() => onJudge(pair, "after")}>{after.id} is better</Button>
-        <Button onClick={() => onJudge(pair, "equal")}>Equally good</Button>
-        <Button onClick={() => onJudge(pair, "before")}>{before.id} is better</Button>
+        <Button onClick={() => onJudge(pair, "after")}>
+          <Trans>{after.id} is better</Trans>
+        </Button>
+        <Button onClick={() => onJudge(pair, "equal")}>
+          <Trans>Equally good</Trans>
+        </Button>
+        <Button onClick={() => onJudge(pair, "before")}>
+          <Trans>{before.id} is better</Trans>
+        </Button>
       </div>
     </section>
   );

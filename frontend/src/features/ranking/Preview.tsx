@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useState } from "react";
 
 import type { Behaviour, Recording } from "@/api/types";
@@ -23,11 +24,11 @@ export function Preview({
   const nTargets = behaviour.target?.length ?? null;
   if (!recording) return null;
   return (
-    <section className={styles.preview} aria-label="Preview">
+    <section className={styles.preview} aria-label={t`Preview`}>
       <button
         type="button"
         className={styles.screen}
-        aria-label={`Watch ${recordingName(recording)}`}
+        aria-label={t`Watch ${recordingName(recording)}`}
         onClick={() => setWatching(true)}
       >
         <RecordingScreen key={recording.id} recording={recording} playing={playing} {...PREVIEW} />
@@ -35,7 +36,7 @@ export function Preview({
       <p className={styles.caption}>
         <strong>{recordingName(recording)}</strong>
         <span>
-          {playing ? describeScore(recording, nTargets) : "Point at a recording to play it here."}
+          {playing ? describeScore(recording, nTargets) : t`Point at a recording to play it here.`}
         </span>
       </p>
       {watching && (

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 
 import { borrowedQuery } from "@/api/borrowed";
@@ -18,7 +20,7 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
   if (error && !(ranking.data && recordings.data && borrowed.data)) {
     return (
       <Failed
-        what="The ranking"
+        what={t`The ranking`}
         error={error}
         onRetry={() => {
           void ranking.refetch();
@@ -29,7 +31,7 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
     );
   }
   if (!ranking.data || !recordings.data || !borrowed.data)
-    return <Loading what="the ranking" rows={4} />;
+    return <Loading what={t`the ranking`} rows={4} />;
   const { tiers, unranked } = ranking.data;
   if (tiers.length === 0 && unranked.length === 0) return <NothingToRank behaviour={behaviour} />;
   return (
@@ -45,14 +47,16 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
 function NothingToRank({ behaviour }: { behaviour: Behaviour }) {
   return (
     <Empty
-      title="Nothing to rank yet"
+      title={t`Nothing to rank yet`}
       actions={
         <ButtonLink kind="primary" to={`/behaviours/${behaviour.id}/play`}>
-          Play a game
+          <Trans>Play a game</Trans>
         </ButtonLink>
       }
     >
-      <p>Games that you keep appear here. Two are enough to begin with.</p>
+      <p>
+        <Trans>Games that you keep appear here. Two are enough to begin with.</Trans>
+      </p>
     </Empty>
   );
 }

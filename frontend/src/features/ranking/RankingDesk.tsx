@@ -1,3 +1,4 @@
+import { plural, t } from "@lingui/core/macro";
 import { useCallback, useMemo, useState } from "react";
 
 import type { Behaviour, Ranking, Recording } from "@/api/types";
@@ -18,7 +19,6 @@ import type { SaverState } from "@/features/ranking/order/saver";
 import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
 import { classes } from "@/lib/classes";
-import { count } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import { ConflictDialog } from "./ConflictDialog";
@@ -75,7 +75,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     if (first === undefined) return;
     keepFocus(first);
     saver.change(placeAll(tiers, selected, readPlace(to)));
-    setSpoken(`Dropped ${count(selected.length, "recording")}: ${nameOfPlace(to)}.`);
+    setSpoken(
+      t`Dropped ${plural(selected.length, { one: "# recording", other: "# recordings" })}: ${nameOfPlace(to)}.`,
+    );
     setChosen(new Set());
   }
 
@@ -130,7 +132,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       }}
     >
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
-        <section aria-label="Ranking">
+        <section aria-label={t`Ranking`}>
           <SaveBar state={state} saver={saver} />
           <OpinionBar opinions={opinions} shown={advised} onShow={setAdvised} />
           <Pairs
@@ -164,7 +166,12 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
               unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
               onAdded={(ids) => {
                 setChosen(new Set(ids));
-                setSpoken(`${count(ids.length, "varied game")} added and selected.`);
+                setSpoken(
+                  plural(ids.length, {
+                    one: "# varied game added and selected.",
+                    other: "# varied games added and selected.",
+                  }),
+                );
               }}
               onSelect={(ids) => setChosen(new Set(ids))}
             />
@@ -200,8 +207,10 @@ function unrankedOf({ saved, tiers }: SaverState): readonly number[] {
 
 function describePosition(tiers: Tiers, id: number): string {
   const at = tierOf(tiers, id);
-  if (at < 0) return "unranked";
+  if (at < 0) return t`unranked`;
   const others = (tiers[at]?.length ?? 1) - 1;
-  const tie = others === 0 ? "alone" : `tied with ${others}`;
-  return `tier ${at + 1} of ${tiers.length}, ${tie}`;
+  const [tier, of] = [at + 1, tiers.length];
+  return others === 0
+    ? t`tier ${tier} of ${of}, alone`
+    : t`tier ${tier} of ${of}, tied with ${others}`;
 }

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { isPassing, messageOf } from "@/api/client";
 import { Button, IconButton } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
@@ -11,19 +14,21 @@ export function SaveBar({ state, saver }: { state: SaverState; saver: RankingSav
   return (
     <>
       <div className={styles.bar}>
-        <h2>Best to worst</h2>
+        <h2>
+          <Trans>Best to worst</Trans>
+        </h2>
         <span className={styles.saved} role="status">
-          {saving ? "Saving…" : error ? "Not saved" : "Saved"}
+          {saving ? t`Saving…` : error ? t`Not saved` : t`Saved`}
         </span>
         <IconButton
           icon="undo"
-          label="Undo (Ctrl+Z)"
+          label={t`Undo (Ctrl+Z)`}
           disabled={!saved.can_undo || conflict !== null}
           onClick={() => void saver.step("undo")}
         />
         <IconButton
           icon="redo"
-          label="Redo (Ctrl+Shift+Z)"
+          label={t`Redo (Ctrl+Shift+Z)`}
           disabled={!saved.can_redo || conflict !== null}
           onClick={() => void saver.step("redo")}
         />
@@ -31,10 +36,17 @@ export function SaveBar({ state, saver }: { state: SaverState; saver: RankingSav
       {error !== null && (
         <Notice tone="bad" live>
           <p>
-            The order could not be saved: {messageOf(error)}
-            {isPassing(error) && " Tril tries again by itself; your order stays on this page."}
+            <Trans>The order could not be saved: {messageOf(error)}</Trans>
+            {isPassing(error) && (
+              <>
+                {" "}
+                <Trans>Tril tries again by itself; your order stays on this page.</Trans>
+              </>
+            )}
           </p>
-          <Button onClick={() => saver.retry()}>Try again</Button>
+          <Button onClick={() => saver.retry()}>
+            <Trans>Try again</Trans>
+          </Button>
         </Notice>
       )}
     </>

@@ -1,9 +1,10 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useState } from "react";
 
 import { Button } from "@/components/controls/Button";
 import { gapPlace, tierPlace, TRAY } from "@/features/ranking/board/places";
 import { tierOf, type Tiers } from "@/features/ranking/order/order";
-import { count } from "@/lib/format";
 
 import styles from "./SelectionBar.module.css";
 
@@ -22,37 +23,45 @@ export function SelectionBar({ tiers, selected, onPut, onSelectNone }: Selection
   const worst = tiers.length - 1;
   const tier = Math.min(wanted ?? worst, worst);
   return (
-    <div role="group" aria-label="Selected recordings" className={styles.bar}>
-      <span className={styles.count}>{count(selected.length, "recording")} selected</span>
+    <div role="group" aria-label={t`Selected recordings`} className={styles.bar}>
+      <span className={styles.count}>
+        <Plural value={selected.length} one="# recording selected" other="# recordings selected" />
+      </span>
       <Button kind="quiet" className={styles.none} onClick={onSelectNone}>
-        Select none
+        <Trans>Select none</Trans>
       </Button>
       <Button kind="primary" icon="down" onClick={() => onPut(gapPlace(tiers.length))}>
-        Put below the worst
+        <Trans>Put below the worst</Trans>
       </Button>
       {tiers.length > 0 && (
         <span className={styles.tier}>
           <select
-            aria-label="Tier to put them into"
+            aria-label={t`Tier to put them into`}
             className={styles.choice}
             value={tier}
             onChange={(event) => setWanted(Number(event.currentTarget.value))}
           >
             {tiers.map((_, index) => (
               <option key={index} value={index}>
-                Tier {index + 1}
-                {index === 0 ? ", best" : index === worst ? ", worst" : ""}
+                {tierName(index + 1, worst + 1)}
               </option>
             ))}
           </select>
-          <Button onClick={() => onPut(tierPlace(tier))}>Put into tier {tier + 1}</Button>
+          <Button onClick={() => onPut(tierPlace(tier))}>
+            <Trans>Put into tier {tier + 1}</Trans>
+          </Button>
         </span>
       )}
       {selected.some((id) => tierOf(tiers, id) >= 0) && (
         <Button icon="tray" onClick={() => onPut(TRAY)}>
-          Take off the board
+          <Trans>Take off the board</Trans>
         </Button>
       )}
     </div>
   );
+}
+
+function tierName(tier: number, worst: number): string {
+  if (tier === 1) return t`Tier ${tier}, best`;
+  return tier === worst ? t`Tier ${tier}, worst` : t`Tier ${tier}`;
 }

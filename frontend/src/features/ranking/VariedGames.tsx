@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
@@ -34,8 +36,10 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
   return (
     <div className={styles.varied}>
       <p>
-        Two dozen games of other kinds: most are bad in ways that yours are not. Tell Tril roughly
-        where they belong.
+        <Trans>
+          Two dozen games of other kinds: most are bad in ways that yours are not. Tell Tril roughly
+          where they belong.
+        </Trans>
       </p>
       <div className={styles.buttons}>
         <Button
@@ -46,11 +50,11 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
             if (!add.isPending) add.mutate();
           }}
         >
-          {add.isPending ? "Playing games…" : "Add varied games"}
+          {add.isPending ? t`Playing games…` : t`Add varied games`}
         </Button>
         {varied.length > 0 && (
           <Button kind="quiet" onClick={() => onSelect(varied.map(({ id }) => id))}>
-            Select all varied ({varied.length})
+            <Trans>Select all varied ({varied.length})</Trans>
           </Button>
         )}
       </div>

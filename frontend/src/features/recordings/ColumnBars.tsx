@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+
 import type { Behaviour } from "@/api/types";
 import { classes } from "@/lib/classes";
 import { COLUMNS, ROWS } from "@/lib/game/aliens";
@@ -18,7 +20,7 @@ export function ColumnBars({
     <div
       className={styles.bars}
       role="img"
-      aria-label={`Hits per column, from the left: ${columns.join(", ")}`}
+      aria-label={t`Hits per column, from the left: ${columns.join(", ")}`}
     >
       {columns.map((hits, column) => (
         <span

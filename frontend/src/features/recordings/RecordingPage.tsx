@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
@@ -18,11 +20,12 @@ import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
 import { useRewardRun } from "@/features/recordings/detail/use-reward-run";
-import { count, FRAME_RATE_HZ, FRAMES_PER_STEP, moment, seconds } from "@/lib/format";
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, inSentence, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/aliens";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
 import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { thingNames } from "@/lib/things";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
@@ -48,16 +51,18 @@ export function RecordingPage({
   const name = recordingName(recording);
   return (
     <>
-      <PageTitle>{`${name} · ${behaviour.name} · Tril`}</PageTitle>
+      <PageTitle>{t`${name} · ${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
         <h2>{name}</h2>
         <Actions recording={recording} behaviour={behaviour} />
       </div>
       {recording.deleted && (
         <Notice tone="calm">
-          <p>This recording was deleted. Runs that used it keep it.</p>
+          <p>
+            <Trans>This recording was deleted. Runs that used it keep it.</Trans>
+          </p>
           <Button icon="undo" onClick={() => restore(recording)}>
-            Restore
+            <Trans>Restore</Trans>
           </Button>
         </Notice>
       )}
@@ -82,18 +87,28 @@ export function RecordingPage({
             )}
           </RecordingPlayer>
         ) : frames.error ? (
-          <Failed what="The recording" error={frames.error} onRetry={() => void frames.refetch()} />
+          <Failed
+            what={t`The recording`}
+            error={frames.error}
+            onRetry={() => void frames.refetch()}
+          />
         ) : (
-          <Loading what="the recording" rows={1} height="24rem" />
+          <Loading what={t`the recording`} rows={1} height="24rem" />
         )}
-        <aside className={styles.side} aria-label="About this recording">
+        <aside className={styles.side} aria-label={t`About this recording`}>
           <Facts recording={recording} behaviour={behaviour} />
           {course.error && (
-            <Failed what="Its actions" error={course.error} onRetry={() => void course.refetch()} />
+            <Failed
+              what={t`Its actions`}
+              error={course.error}
+              onRetry={() => void course.refetch()}
+            />
           )}
           {course.data && <Relatives course={course.data} />}
           <section>
-            <h3>Download</h3>
+            <h3>
+              <Trans>Download</Trans>
+            </h3>
             <Downloads recording={recording} />
           </section>
           {course.data && <Conditions course={course.data} />}
@@ -127,12 +142,12 @@ function Actions({ recording, behaviour }: { recording: Recording; behaviour: Be
             else mark([recording], () => actions.setPerfect(recording, true));
           }}
         >
-          {recording.perfect ? "Perfect" : "Mark as perfect"}
+          {recording.perfect ? t`Perfect` : t`Mark as perfect`}
         </Button>
       )}
       {question}
       <Button icon="note" onClick={() => setWriting(true)}>
-        {recording.notes ? "Change the note" : "Write a note"}
+        {recording.notes ? t`Change the note` : t`Write a note`}
       </Button>
       {recording.run_id === null && !recording.deleted && (
         <Button
@@ -142,7 +157,7 @@ function Actions({ recording, behaviour }: { recording: Recording; behaviour: Be
             void navigate(`/behaviours/${recording.behaviour_id}/recordings`);
           }}
         >
-          Delete
+          <Trans>Delete</Trans>
         </Button>
       )}
       {writing && (
@@ -169,25 +184,36 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
         <VerifiedBadge recording={recording} />
       </p>
       <p className={styles.hint}>
-        {moment(recording.created_at)} · {count(recording.shots, "shot")} · start after{" "}
-        {count(recording.idle_frames, "idle frame")}
-        {recording.evaluation_start !== null &&
-          `, which is evaluation start ${recording.evaluation_start}`}
+        {moment(recording.created_at)} ·{" "}
+        {plural(recording.shots, { one: "# shot", other: "# shots" })} ·{" "}
+        {plural(recording.idle_frames, {
+          one: "start after # idle frame",
+          other: "start after # idle frames",
+        })}
+        {recording.evaluation_start !== null && (
+          <>
+            , <Trans>which is evaluation start {recording.evaluation_start}</Trans>
+          </>
+        )}
       </p>
       {recording.run_id === null && <KeepOrDiscard recording={recording} />}
       {recording.notes && <p className={styles.note}>{recording.notes}</p>}
       {recording.run_id !== null && (
         <p>
-          <Link to={`/runs/${recording.run_id}`}>The run whose policy played it</Link>
+          <Link to={`/runs/${recording.run_id}`}>
+            <Trans>The run whose policy played it</Trans>
+          </Link>
         </p>
       )}
       {recording.begun_by && (
         <p>
-          The {recording.begun_by.policy} of{" "}
-          <Link to={`/runs/${recording.begun_by.run_id}`}>
-            <RunName id={recording.begun_by.run_id} />
-          </Link>{" "}
-          played the first {seconds(recording.begun_by.frames / FRAME_RATE_HZ)}.
+          <Trans>
+            The {inSentence(thingNames()[recording.begun_by.policy])} of{" "}
+            <Link to={`/runs/${recording.begun_by.run_id}`}>
+              <RunName id={recording.begun_by.run_id} />
+            </Link>{" "}
+            played the first {seconds(recording.begun_by.frames / FRAME_RATE_HZ)}.
+          </Trans>
         </p>
       )}
     </section>
@@ -196,9 +222,14 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
 
 /** The hits, as links into the recording. */
 function Hits({ playback, recording }: { playback: Playback; recording: Recording }) {
-  if (recording.hits.length === 0) return <p className={styles.hint}>No alien was hit.</p>;
+  if (recording.hits.length === 0)
+    return (
+      <p className={styles.hint}>
+        <Trans>No alien was hit.</Trans>
+      </p>
+    );
   return (
-    <ol className={styles.hits} aria-label="Hits">
+    <ol className={styles.hits} aria-label={t`Hits`}>
       {recording.hits.map((hit) => (
         <li key={`${hit.frame}-${hit.row}-${hit.column}`}>
           <Button
@@ -209,7 +240,12 @@ function Hits({ playback, recording }: { playback: Playback; recording: Recordin
             }}
           >
             {seconds(hit.frame / FRAME_RATE_HZ, 2)} {cellName([hit.row, hit.column])}
-            {hit.on_target === false && <strong> × stray</strong>}
+            {hit.on_target === false && (
+              <strong>
+                {" "}
+                × <Trans>stray</Trans>
+              </strong>
+            )}
           </Button>
         </li>
       ))}
@@ -222,22 +258,28 @@ function Relatives({ course }: { course: RecordingCourse }) {
   if (!parent && branches.length === 0) return null;
   return (
     <section>
-      <h3>Related</h3>
+      <h3>
+        <Trans>Related</Trans>
+      </h3>
       <ul className={styles.relatives}>
         {parent && (
           <li>
-            Branches off{" "}
-            <Link to={`/recordings/${parent.recording_id}?frame=${parent.frame}`}>
-              recording {parent.recording_id}, frame {parent.frame}
-            </Link>
+            <Trans>
+              Branches off{" "}
+              <Link to={`/recordings/${parent.recording_id}?frame=${parent.frame}`}>
+                recording {parent.recording_id}, frame {parent.frame}
+              </Link>
+            </Trans>
           </li>
         )}
         {branches.map((branch) => (
           <li key={branch.recording_id}>
-            <Link to={`/recordings/${branch.recording_id}?frame=${branch.frame}`}>
-              Recording {branch.recording_id}
-            </Link>{" "}
-            branches off at frame {branch.frame}
+            <Trans>
+              <Link to={`/recordings/${branch.recording_id}?frame=${branch.frame}`}>
+                Recording {branch.recording_id}
+              </Link>{" "}
+              branches off at frame {branch.frame}
+            </Trans>
           </li>
         ))}
       </ul>
@@ -250,9 +292,11 @@ function Conditions({ course }: { course: RecordingCourse }) {
   if (Object.keys(course.conditions).length === 0) return null;
   return (
     <details>
-      <summary>How it was played</summary>
+      <summary>
+        <Trans>How it was played</Trans>
+      </summary>
       <div className={styles.conditions}>
-        <ValueTable rows={valueRows(course.conditions)} label="How it was played" />
+        <ValueTable rows={valueRows(course.conditions)} label={t`How it was played`} />
       </div>
     </details>
   );

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { type DragEvent, useState } from "react";
 import { Link, useSearchParams } from "react-router";
@@ -27,9 +29,9 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   }
 
   if (error && !data) {
-    return <Failed what="The recordings" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The recordings`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!data) return <Loading what="the recordings" rows={2} height="18rem" />;
+  if (!data) return <Loading what={t`the recordings`} rows={2} height="18rem" />;
   return (
     // Dropping a file has a keyboard equivalent, the Import button.
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
@@ -64,24 +66,28 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
 function NoRecordings({ behaviour, onImport }: { behaviour: Behaviour; onImport: () => void }) {
   return (
     <Empty
-      title="No recordings yet"
+      title={t`No recordings yet`}
       actions={
         <>
           <ButtonLink kind="primary" to={`/behaviours/${behaviour.id}/play`}>
-            Play a game
+            <Trans>Play a game</Trans>
           </ButtonLink>
           <Button icon="upload" onClick={onImport}>
-            Import recordings
+            <Trans>Import recordings</Trans>
           </Button>
         </>
       }
     >
       <p>
-        Games that you play and keep are collected here. An agent learns from the differences
-        between them, so play bad ones too.
+        <Trans>
+          Games that you play and keep are collected here. An agent learns from the differences
+          between them, so play bad ones too.
+        </Trans>
       </p>
       <p>
-        <Link to="?show=deleted">Deleted recordings</Link>
+        <Link to="?show=deleted">
+          <Trans>Deleted recordings</Trans>
+        </Link>
       </p>
     </Empty>
   );

@@ -1,6 +1,9 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Recording } from "@/api/types";
 import { Badge } from "@/components/feedback/Badge";
-import { count, fixed, percent } from "@/lib/format";
+import { fixed, percent } from "@/lib/format";
 import { isUndecided } from "@/lib/recordings";
 
 /** Whether a replay reproduced the recording. */
@@ -8,32 +11,36 @@ export function VerifiedBadge({ recording }: { recording: Recording }) {
   if (recording.state === "unfinished") {
     return (
       <Badge tone="warn" icon="clock">
-        unfinished
+        <Trans>unfinished</Trans>
       </Badge>
     );
   }
   if (isUndecided(recording)) {
     return (
       <Badge tone="warn" icon="clock">
-        undecided
+        <Trans>undecided</Trans>
       </Badge>
     );
   }
   switch (recording.verification) {
     case "verified":
       return (
-        <Badge tone="good" icon="check" title="A replay reproduced the recording exactly.">
-          verified
+        <Badge tone="good" icon="check" title={t`A replay reproduced the recording exactly.`}>
+          <Trans>verified</Trans>
         </Badge>
       );
     case "failed":
       return (
         <Badge tone="bad" icon="alert">
-          not verified: {recording.verification_note}
+          <Trans>not verified: {recording.verification_note}</Trans>
         </Badge>
       );
     case "pending":
-      return <Badge icon="clock">being verified</Badge>;
+      return (
+        <Badge icon="clock">
+          <Trans>being verified</Trans>
+        </Badge>
+      );
   }
 }
 
@@ -42,13 +49,13 @@ export function LatencyBadge({ recording }: { recording: Recording }) {
   const { latency, n_frames } = recording;
   if (!latency?.is_bad) return null;
   const { p50_ms, p95_ms, frames_dropped } = latency;
-  const parts = [`${percent(frames_dropped / Math.max(1, n_frames), 0)} of the frames not drawn`];
+  const parts = [t`${percent(frames_dropped / Math.max(1, n_frames), 0)} of the frames not drawn`];
   if (p50_ms !== null && p95_ms !== null) {
-    parts.unshift(`from key to screen ${fixed(p50_ms, 0)} ms, 95% within ${fixed(p95_ms, 0)} ms`);
+    parts.unshift(t`from key to screen ${fixed(p50_ms, 0)} ms, 95% within ${fixed(p95_ms, 0)} ms`);
   }
   return (
-    <Badge icon="clock" title={`Played with delay: ${parts.join("; ")}.`}>
-      played with delay
+    <Badge icon="clock" title={t`Played with delay: ${parts.join("; ")}.`}>
+      <Trans>played with delay</Trans>
     </Badge>
   );
 }
@@ -57,7 +64,7 @@ export function LatencyBadge({ recording }: { recording: Recording }) {
 export function PaceBadge({ recording }: { recording: Recording }) {
   const { slowest_percent: slowest, single_steps: steps } = recording;
   const parts = [];
-  if (slowest !== null && slowest < 100) parts.push(`slow motion, ${slowest}%`);
-  if (steps) parts.push(`${count(steps, "frame")} one by one`);
+  if (slowest !== null && slowest < 100) parts.push(t`slow motion, ${slowest}%`);
+  if (steps) parts.push(plural(steps, { one: "# frame one by one", other: "# frames one by one" }));
   return parts.length === 0 ? null : <Badge>{parts.join("; ")}</Badge>;
 }

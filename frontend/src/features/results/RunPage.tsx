@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode, useState } from "react";
 
@@ -35,7 +37,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
   const [watched, setWatched] = useState<Watched | null>(null);
   return (
     <div className={styles.stack}>
-      <PageTitle>{`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
+      <PageTitle>{t`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
       <RunHead run={run} />
       {results?.verdict && (
         <VerdictView
@@ -51,9 +53,9 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
       {results ? (
         <Sections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />
       ) : error ? (
-        <Failed what="The results" error={error} onRetry={() => void refetch()} />
+        <Failed what={t`The results`} error={error} onRetry={() => void refetch()} />
       ) : (
-        <Loading what="the results" rows={2} height="12rem" />
+        <Loading what={t`the results`} rows={2} height="12rem" />
       )}
       {watched && (
         <WatchDialog
@@ -98,7 +100,7 @@ function Sections(props: SectionsProps) {
     <>
       <Alarms results={props.results} />
       <WatchLinks results={props.results} />
-      <nav className={styles.sections} aria-label="On this page">
+      <nav className={styles.sections} aria-label={t`On this page`}>
         {plans.map(({ id, title }) => (
           <a key={id} href={`#${id}`}>
             {title}
@@ -119,7 +121,7 @@ function Sections(props: SectionsProps) {
 function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readonly SectionPlan[] {
   const curves = {
     id: "curves",
-    title: "Curves",
+    title: t`Curves`,
     body: <Curves runId={run.id} active={isActive(run)} />,
   };
   const active = isActive(run);
@@ -127,31 +129,34 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     active ? curves : null,
     results.summaries.length > 0 && {
       id: "result",
-      title: "Result",
+      title: t`Result`,
       body: <PolicyResults results={results} behaviour={behaviour} />,
     },
     results.comparison.length > 0 && {
       id: "games",
-      title: "The same game, played by each",
+      title: t`The same game, played by each`,
       body: <Comparison results={results} behaviour={behaviour} onWatch={onWatch} />,
     },
     (active
       ? results.training_games !== null
       : results.artifacts.some(({ kind }) => kind === "imitator")) && {
       id: "teach",
-      title: active ? "Teach it while it learns" : "Teach it more",
+      title: active ? t`Teach it while it learns` : t`Teach it more`,
       body: <TeachMore results={results} behaviour={behaviour} onWatch={onWatch} />,
     },
     results.check && {
       id: "check",
-      title: "Reward and ranking",
+      title: t`Reward and ranking`,
       body: (
         <>
           {run.recipe_values.method === "gail" && (
             <Notice tone="calm">
               <p>
-                The imitator of GAIL did not learn from this reward: its own discriminator compares
-                play with the perfect games. The reward and its check are shown to compare with.
+                <Trans>
+                  The imitator of GAIL did not learn from this reward: its own discriminator
+                  compares play with the perfect games. The reward and its check are shown to
+                  compare with.
+                </Trans>
               </p>
             </Notice>
           )}
@@ -161,19 +166,19 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     },
     results.judged.some((group) => !group.demonstrated) && {
       id: "extrapolation",
-      title: "Reward and what games were worth",
+      title: t`Reward and what games were worth`,
       body: <Extrapolation judged={results.judged} />,
     },
     results.attention.length > 0 && {
       id: "attention",
-      title: "What the reward model looks at",
+      title: t`What the reward model looks at`,
       body: <Attention results={results} onWatch={onWatch} />,
     },
     active ? null : curves,
     run.status === "done"
       ? {
           id: "files",
-          title: "Take it away",
+          title: t`Take it away`,
           body: (
             <>
               <TakeAway run={run} behaviour={behaviour} />
@@ -183,9 +188,9 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
         }
       : results.artifacts.length > 0 && {
           id: "files",
-          title: "Files",
+          title: t`Files`,
           body: <Files artifacts={results.artifacts} />,
         },
-    { id: "parameters", title: "Parameters", body: <Parameters run={run} /> },
+    { id: "parameters", title: t`Parameters`, body: <Parameters run={run} /> },
   ].filter((plan) => plan !== null && plan !== false);
 }

@@ -1,6 +1,6 @@
 import type { Run } from "@/api/types";
 import { Badge } from "@/components/feedback/Badge";
-import { isActive, STATUS_NAMES } from "@/lib/runs";
+import { isActive, statusNames } from "@/lib/runs";
 
 /** The state of a run. */
 export function RunStatus({ run }: { run: Pick<Run, "status"> }) {
@@ -13,7 +13,7 @@ export function RunStatus({ run }: { run: Pick<Run, "status"> }) {
         : "warn";
   return (
     <Badge chip tone={tone}>
-      {STATUS_NAMES[run.status]}
+      {statusNames()[run.status]}
     </Badge>
   );
 }

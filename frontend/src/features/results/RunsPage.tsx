@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useSearchParams } from "react-router";
@@ -16,7 +18,6 @@ import {
 } from "@/features/results/list/runs-filter";
 import { RunsFilterBar } from "@/features/results/list/RunsFilterBar";
 import { RunsTable } from "@/features/results/list/RunsTable";
-import { count } from "@/lib/format";
 
 import styles from "./RunsPage.module.css";
 
@@ -24,20 +25,22 @@ import styles from "./RunsPage.module.css";
 export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
   const { data: runs, error, refetch } = useQuery(runsQuery(behaviour.id));
   if (error && !runs) {
-    return <Failed what="The runs" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The runs`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!runs) return <Loading what="the runs" rows={3} height="3rem" />;
+  if (!runs) return <Loading what={t`the runs`} rows={3} height="3rem" />;
   if (runs.length === 0) {
     return (
       <Empty
-        title="Nothing trained yet"
+        title={t`Nothing trained yet`}
         actions={
           <ButtonLink kind="primary" to={trainPath(behaviour)}>
-            Go to Train
+            <Trans>Go to Train</Trans>
           </ButtonLink>
         }
       >
-        <p>What a run learns from your ranking appears here as it trains.</p>
+        <p>
+          <Trans>What a run learns from your ranking appears here as it trains.</Trans>
+        </p>
       </Empty>
     );
   }
@@ -63,18 +66,26 @@ function Runs({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour 
         <h2>
           <span role="status">
             {shown.length === runs.length
-              ? count(runs.length, "run")
-              : `${shown.length} of ${count(runs.length, "run")}`}
+              ? plural(runs.length, { one: "# run", other: "# runs" })
+              : t`${shown.length} of ${plural(runs.length, { one: "# run", other: "# runs" })}`}
           </span>
         </h2>
         <div className={styles.actions}>
           {compared.length > 1 && (
             <ButtonLink kind="primary" to={comparePath(compared)}>
-              Compare {count(compared.length, "run")}
+              <Trans>
+                Compare <Plural value={compared.length} one="# run" other="# runs" />
+              </Trans>
             </ButtonLink>
           )}
-          {compared.length === 1 && <p role="status">Tick one more to compare.</p>}
-          <ButtonLink to={trainPath(behaviour)}>New run</ButtonLink>
+          {compared.length === 1 && (
+            <p role="status">
+              <Trans>Tick one more to compare.</Trans>
+            </p>
+          )}
+          <ButtonLink to={trainPath(behaviour)}>
+            <Trans>New run</Trans>
+          </ButtonLink>
         </div>
       </div>
       <RunsFilterBar
@@ -92,8 +103,10 @@ function Runs({ runs, behaviour }: { runs: readonly Run[]; behaviour: Behaviour 
         />
       ) : (
         <p className={styles.none}>
-          No run matches the filters.{" "}
-          <Button onClick={() => change({ ...ALL_RUNS, order: filter.order })}>Show all</Button>
+          <Trans>
+            No run matches the filters.{" "}
+            <Button onClick={() => change({ ...ALL_RUNS, order: filter.order })}>Show all</Button>
+          </Trans>
         </p>
       )}
     </>

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Recipe } from "@/api/types";
 import { Checkbox, Field } from "@/components/controls/Field";
 import { ValueTable } from "@/components/ValueTable";
@@ -19,10 +22,12 @@ interface MoreSettingsProps {
 export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSettingsProps) {
   return (
     <details className={styles.more} open={open}>
-      <summary>More settings</summary>
+      <summary>
+        <Trans>More settings</Trans>
+      </summary>
       <div>
         <div className={styles.pair}>
-          <Field label="Learning rate" error={errors.learningRate} hint="Of the imitator.">
+          <Field label={t`Learning rate`} error={errors.learningRate} hint={t`Of the imitator.`}>
             {(control) => (
               <input
                 {...control}
@@ -34,9 +39,9 @@ export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSet
             )}
           </Field>
           <Field
-            label="Training seed"
+            label={t`Training seed`}
             error={errors.trainingSeed}
-            hint="Seeds every random choice of learning."
+            hint={t`Seeds every random choice of learning.`}
           >
             {(control) => (
               <input
@@ -50,15 +55,17 @@ export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSet
           </Field>
         </div>
         <Checkbox
-          label="Go on anyway"
-          hint="A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same."
+          label={t`Go on anyway`}
+          hint={t`A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same.`}
           checked={values.goOnAnyway}
           onChange={(goOnAnyway) => onChange({ goOnAnyway })}
         />
         <details className={styles.more}>
-          <summary>All values of the recipe</summary>
+          <summary>
+            <Trans>All values of the recipe</Trans>
+          </summary>
           <div className={styles.values}>
-            <ValueTable rows={valueRows(recipe.values)} label={`Values of ${recipe.name}`} />
+            <ValueTable rows={valueRows(recipe.values)} label={t`Values of ${recipe.name}`} />
           </div>
         </details>
       </div>

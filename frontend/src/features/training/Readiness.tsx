@@ -1,8 +1,9 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { Link } from "react-router";
 
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
-import { count } from "@/lib/format";
 
 interface ReadinessProps {
   behaviour: Behaviour;
@@ -18,9 +19,15 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
     return (
       <Notice tone="calm" icon="check">
         <p>
-          {count(behaviour.n_ranked, "ranked recording")} and{" "}
-          {count(behaviour.n_perfect, "perfect one")} go into the run.{" "}
-          <Link to={`${at}/rank`}>Look at the ranking</Link>
+          <Trans>
+            <Plural
+              value={behaviour.n_ranked}
+              one="# ranked recording"
+              other="# ranked recordings"
+            />{" "}
+            and <Plural value={behaviour.n_perfect} one="# perfect one" other="# perfect ones" /> go
+            into the run. <Link to={`${at}/rank`}>Look at the ranking</Link>
+          </Trans>
         </p>
       </Notice>
     );
@@ -29,26 +36,32 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
     return (
       <Notice tone="calm">
         <p>
-          You have not played yet, so this run uses an example: its games come from a scripted
-          player, not a person, and Tril ranks them.
+          <Trans>
+            You have not played yet, so this run uses an example: its games come from a scripted
+            player, not a person, and Tril ranks them.
+          </Trans>
         </p>
-        <Link to={`${at}/play`}>Play yourself instead</Link>
+        <Link to={`${at}/play`}>
+          <Trans>Play yourself instead</Trans>
+        </Link>
       </Notice>
     );
   }
   return (
     <Notice>
       <p>{missing}</p>
-      <Link to={`${at}/rank`}>Go to Rank</Link>
+      <Link to={`${at}/rank`}>
+        <Trans>Go to Rank</Trans>
+      </Link>
     </Notice>
   );
 }
 
 /** What prevents a run; null if nothing does. */
 export function missingFor(behaviour: Behaviour): string | null {
-  if (behaviour.n_ranked < 2) return "Rank at least two recordings, in two tiers or more.";
+  if (behaviour.n_ranked < 2) return t`Rank at least two recordings, in two tiers or more.`;
   if (behaviour.n_perfect < 1) {
-    return "Mark at least one recording as perfect: the clone learns from those.";
+    return t`Mark at least one recording as perfect: the clone learns from those.`;
   }
   return null;
 }

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+
 import type { Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
@@ -21,9 +23,9 @@ export function StepsField({ value, error, recipe, onChange }: StepsFieldProps) 
   return (
     <div>
       <Field
-        label="Steps"
+        label={t`Steps`}
         error={error}
-        hint="How many steps the imitator plays while it learns. More is slower and better."
+        hint={t`How many steps the imitator plays while it learns. More is slower and better.`}
       >
         {(control) => (
           <input
@@ -35,7 +37,7 @@ export function StepsField({ value, error, recipe, onChange }: StepsFieldProps) 
           />
         )}
       </Field>
-      <div className={styles.presets} role="group" aria-label="Preset numbers of steps">
+      <div className={styles.presets} role="group" aria-label={t`Preset numbers of steps`}>
         {PRESETS.map((steps) => (
           <Button
             key={steps}

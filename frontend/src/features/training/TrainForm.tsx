@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { type SubmitEvent, useState } from "react";
 import { Link, useNavigate } from "react-router";
@@ -73,7 +75,9 @@ export function TrainForm(props: TrainFormProps) {
         <Parent runId={parentId} active={cancelParent} onRemove={onParentRemoved} />
       )}
       <fieldset>
-        <legend className={styles.legend}>Recipe</legend>
+        <legend className={styles.legend}>
+          <Trans>Recipe</Trans>
+        </legend>
         <div className={styles.recipes}>
           {recipes.map(({ name, summary }) => (
             <label key={name} className={styles.recipe}>
@@ -117,14 +121,16 @@ export function TrainForm(props: TrainFormProps) {
           type="submit"
           disabled={start.isPending || (missing !== null && !example)}
         >
-          {start.isPending ? "Starting…" : example ? "Train on the example" : "Train"}
+          {start.isPending ? t`Starting…` : example ? t`Train on the example` : t`Train`}
         </Button>
         {steps > 0 && (
           <p className={styles.estimate}>
-            <strong>{describeEstimate(recipe, steps)}</strong> on this machine
+            <Trans>
+              <strong>{describeEstimate(recipe, steps)}</strong> on this machine
+            </Trans>
             <br />
-            {whole(Math.round(recipe.steps_per_s))} steps/s,{" "}
-            {recipe.steps_per_s_measured ? "as measured in earlier runs" : "an initial estimate"}
+            <Trans>{whole(Math.round(recipe.steps_per_s))} steps/s</Trans>,{" "}
+            {recipe.steps_per_s_measured ? t`as measured in earlier runs` : t`an initial estimate`}
           </p>
         )}
       </div>
@@ -145,9 +151,11 @@ function TooShort({ recipe }: { recipe: Recipe }) {
   return (
     <Notice live>
       <p>
-        This is too short to learn anything: in the first {whole(recipe.warm_up_steps)} steps only
-        the critic learns, and the imitator plays as it began. The recipe proposes{" "}
-        {whole(recipe.default_steps)}.
+        <Trans>
+          This is too short to learn anything: in the first {whole(recipe.warm_up_steps)} steps only
+          the critic learns, and the imitator plays as it began. The recipe proposes{" "}
+          {whole(recipe.default_steps)}.
+        </Trans>
       </p>
     </Notice>
   );
@@ -159,16 +167,24 @@ function Parent(props: { runId: string; active: boolean; onRemove: () => void })
   return (
     <Notice tone="calm" icon="redo">
       <p>
-        Continues{" "}
-        <Link to={`/runs/${runId}`}>
-          <RunName id={runId} />
-        </Link>
-        : PPO begins with its imitator instead of the clone.
-        {active &&
-          " That run still trains: it is cancelled when this one starts, and can be resumed."}
+        <Trans>
+          Continues{" "}
+          <Link to={`/runs/${runId}`}>
+            <RunName id={runId} />
+          </Link>
+          : PPO begins with its imitator instead of the clone.
+        </Trans>
+        {active && (
+          <>
+            {" "}
+            <Trans>
+              That run still trains: it is cancelled when this one starts, and can be resumed.
+            </Trans>
+          </>
+        )}
       </p>
       <Button kind="quiet" icon="close" onClick={onRemove}>
-        Begin with the clone
+        <Trans>Begin with the clone</Trans>
       </Button>
     </Notice>
   );
@@ -180,8 +196,10 @@ function WorkerNotice() {
   return (
     <Notice live>
       <p>
-        The worker isn&rsquo;t running, so the run will wait in the queue. <code>tril up</code>{" "}
-        starts it together with the server.
+        <Trans>
+          The worker isn&rsquo;t running, so the run will wait in the queue. <code>tril up</code>{" "}
+          starts it together with the server.
+        </Trans>
       </p>
     </Notice>
   );

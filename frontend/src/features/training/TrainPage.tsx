@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useSearchParams } from "react-router";
 
@@ -14,9 +16,9 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
   const [search, setSearch] = useSearchParams();
   const { data: recipes, error, refetch } = useQuery(recipesQuery);
   if (error && !recipes) {
-    return <Failed what="The recipes" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The recipes`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!recipes?.[0]) return <Loading what="the recipes" rows={3} />;
+  if (!recipes?.[0]) return <Loading what={t`the recipes`} rows={3} />;
   return (
     <div className={styles.page}>
       <TrainForm
@@ -30,8 +32,10 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
           setSearch(search, { replace: true });
         }}
       />
-      <aside className={styles.side} aria-label="What a run does">
-        <h2>What a run does</h2>
+      <aside className={styles.side} aria-label={t`What a run does`}>
+        <h2>
+          <Trans>What a run does</Trans>
+        </h2>
         <ol className={styles.stages}>
           {recipes[0].stages.map((stage, index) => (
             <li key={stage.name}>
@@ -44,8 +48,10 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
           ))}
         </ol>
         <p>
-          A run uses the ranking as it is when you press the button. You can go on playing and
-          ranking meanwhile.
+          <Trans>
+            A run uses the ranking as it is when you press the button. You can go on playing and
+            ranking meanwhile.
+          </Trans>
         </p>
       </aside>
     </div>

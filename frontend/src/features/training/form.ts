@@ -1,4 +1,7 @@
 /** The values of the training form and their validation. */
+
+import { t } from "@lingui/core/macro";
+
 import type { Recipe, RunNew } from "@/api/types";
 import { whole } from "@/lib/format";
 
@@ -58,13 +61,13 @@ export function errorsIn(values: FormValues): FormErrors {
   return {
     ...(steps >= 1 && steps <= MOST_STEPS
       ? {}
-      : { steps: "Give a whole number of steps from 1 to 100,000,000." }),
+      : { steps: t`Give a whole number of steps from 1 to 100,000,000.` }),
     ...(values.learningRate.trim() && rate > 0 && rate <= 1
       ? {}
-      : { learningRate: "Give a number above 0 and up to 1, such as 0.0003." }),
+      : { learningRate: t`Give a number above 0 and up to 1, such as 0.0003.` }),
     ...(seed >= 0 && seed <= MOST_SEED
       ? {}
-      : { trainingSeed: "Give a whole number from 0 to 2,147,483,647." }),
+      : { trainingSeed: t`Give a whole number from 0 to 2,147,483,647.` }),
   };
 }
 

@@ -1,14 +1,16 @@
+import { t } from "@lingui/core/macro";
+
 /** Indexed as in the exchange format; two keys together are one action. */
-const ACTION_NAMES = [
-  "nothing",
-  "fire",
-  "right",
-  "left",
-  "right and fire",
-  "left and fire",
-] as const;
+const actionNames = (): readonly string[] => [
+  t`nothing`,
+  t`fire`,
+  t`right`,
+  t`left`,
+  t`right and fire`,
+  t`left and fire`,
+];
 
 /** Names an action by its number. */
 export function actionName(action: number): string {
-  return ACTION_NAMES[action] ?? `action ${action}`;
+  return actionNames()[action] ?? t`action ${action}`;
 }

@@ -1,4 +1,5 @@
 /** The 6x6 grid of aliens: its cells, its sprites and its state. */
+import { plural, t } from "@lingui/core/macro";
 
 export const ROWS = 6;
 export const COLUMNS = 6;
@@ -124,7 +125,7 @@ export function cellKey([row, column]: Cell): string {
 
 /** Names a cell for people, who count from 1: "row 1, column 5". */
 export function cellName([row, column]: Cell): string {
-  return `row ${row + 1}, column ${column + 1}`;
+  return t`row ${row + 1}, column ${column + 1}`;
 }
 
 interface GridState {
@@ -163,11 +164,11 @@ export function describeGrid(
   target: readonly Cell[] | null | undefined,
 ): string {
   const { hit, stray, gone } = gridState(hits, target);
-  if (!target) return gone.length === 0 ? "No alien hit" : `${countOf(gone.length, "alien")} hit`;
-  const strays = stray.length === 0 ? "no strays" : countOf(stray.length, "stray");
-  return `${hit.length} of ${target.length} target aliens hit, ${strays}`;
-}
-
-function countOf(n: number, noun: string): string {
-  return n === 1 ? `1 ${noun}` : `${n} ${noun}s`;
+  if (!target)
+    return gone.length === 0
+      ? t`No alien hit`
+      : plural(gone.length, { one: "# alien hit", other: "# aliens hit" });
+  const strays =
+    stray.length === 0 ? t`no strays` : plural(stray.length, { one: "# stray", other: "# strays" });
+  return t`${hit.length} of ${target.length} target aliens hit, ${strays}`;
 }

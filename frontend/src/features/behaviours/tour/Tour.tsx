@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useState } from "react";
 import { useSearchParams } from "react-router";
 
@@ -6,28 +8,29 @@ import { Button } from "@/components/controls/Button";
 import styles from "./Tour.module.css";
 import { hasSeenTour, noteTourSeen } from "./tour-seen";
 
-const STEPS = [
-  {
-    title: "Play",
-    text: "Choose a behaviour and play it for twenty seconds: arrows move, space fires. Play some games badly on purpose, since what is worse teaches as much as what is better.",
-  },
-  {
-    title: "Keep",
-    text: "After a game, keep it or discard it. Give a star to games that went perfectly: the clone, a plain copy of them, learns from those.",
-  },
-  {
-    title: "Rank",
-    text: "Drag your games into an order from best to worst, ties allowed. The order is all that Tril learns from; it never sees a score.",
-  },
-  {
-    title: "Train",
-    text: "Press Train. Tril learns a reward from your order, then an agent that earns it. You can go on playing meanwhile.",
-  },
-  {
-    title: "Look",
-    text: "The run’s page says what the agent has learned, beside the clone and your own games: watch it, take over from it, and rank its games to teach it more.",
-  },
-] as const;
+const steps = () =>
+  [
+    {
+      title: t`Play`,
+      text: t`Choose a behaviour and play it for twenty seconds: arrows move, space fires. Play some games badly on purpose, since what is worse teaches as much as what is better.`,
+    },
+    {
+      title: t`Keep`,
+      text: t`After a game, keep it or discard it. Give a star to games that went perfectly: the clone, a plain copy of them, learns from those.`,
+    },
+    {
+      title: t`Rank`,
+      text: t`Drag your games into an order from best to worst, ties allowed. The order is all that Tril learns from; it never sees a score.`,
+    },
+    {
+      title: t`Train`,
+      text: t`Press Train. Tril learns a reward from your order, then an agent that earns it. You can go on playing meanwhile.`,
+    },
+    {
+      title: t`Look`,
+      text: t`The run’s page says what the agent has learned, beside the clone and your own games: watch it, take over from it, and rank its games to teach it more.`,
+    },
+  ] as const;
 
 /** A tour of five steps: on the empty home page until it was seen, and where `?tour` asks for it. */
 export function Tour({ isNew }: { isNew: boolean }) {
@@ -35,7 +38,7 @@ export function Tour({ isNew }: { isNew: boolean }) {
   const [seen, setSeen] = useState(hasSeenTour);
   const [at, setAt] = useState(0);
   const asked = search.has("tour");
-  const step = STEPS[at];
+  const step = steps()[at];
   if (!step || (!asked && (seen || !isNew))) return null;
 
   function end() {
@@ -45,26 +48,32 @@ export function Tour({ isNew }: { isNew: boolean }) {
     if (asked) setSearch({}, { replace: true });
   }
 
-  const isLast = at === STEPS.length - 1;
+  const isLast = at === steps().length - 1;
   return (
-    <section className={styles.tour} aria-label="Tour">
+    <section className={styles.tour} aria-label={t`Tour`}>
       <div aria-live="polite">
         <div className={styles.head}>
           <h2>{step.title}</h2>
           <span className={styles.place}>
-            Step {at + 1} of {STEPS.length}
+            <Trans>
+              Step {at + 1} of {steps().length}
+            </Trans>
           </span>
         </div>
         <p>{step.text}</p>
       </div>
       <div className={styles.actions}>
-        {at > 0 && <Button onClick={() => setAt(at - 1)}>Back</Button>}
+        {at > 0 && (
+          <Button onClick={() => setAt(at - 1)}>
+            <Trans>Back</Trans>
+          </Button>
+        )}
         <Button kind="primary" onClick={() => (isLast ? end() : setAt(at + 1))}>
-          {isLast ? "Finish the tour" : "Next"}
+          {isLast ? t`Finish the tour` : t`Next`}
         </Button>
         {!isLast && (
           <Button kind="quiet" onClick={end}>
-            Skip the tour
+            <Trans>Skip the tour</Trans>
           </Button>
         )}
       </div>

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "react-router";
 
@@ -18,20 +20,31 @@ export function Checklist({ behaviour }: { behaviour: Behaviour }) {
   return (
     <details className={styles.checklist}>
       <summary>
-        Demonstrations: {done} of {planned.length}
-        {next && <span> Next: {next.description}</span>}
+        <Trans>
+          Demonstrations: {done} of {planned.length}
+        </Trans>
+        {next && (
+          <span>
+            {" "}
+            <Trans>Next: {next.description}</Trans>
+          </span>
+        )}
       </summary>
       <p className={styles.checklistRule}>
-        Only games that you survive to the end count, not those that were stopped or lost.
+        <Trans>
+          Only games that you survive to the end count, not those that were stopped or lost.
+        </Trans>
       </p>
-      <ol aria-label="Demonstrations, best first">
+      <ol aria-label={t`Demonstrations, best first`}>
         {planned.map(({ number, description, recording_id: id }) => (
           <li key={number} className={id === null ? undefined : styles.ticked}>
             <Icon name={id === null ? "play" : "check"} />
             <span>
               {description}
               {id === null ? (
-                <span className="visually-hidden">, missing</span>
+                <span className="visually-hidden">
+                  , <Trans>missing</Trans>
+                </span>
               ) : (
                 <>
                   {" "}

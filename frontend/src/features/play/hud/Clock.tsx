@@ -1,6 +1,8 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { type RefObject, useImperativeHandle, useRef } from "react";
 
-import { FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
+import { fixed, FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
 
 import styles from "./Clock.module.css";
 
@@ -24,7 +26,7 @@ export function Clock({
   useImperativeHandle(handle, () => ({
     show: (frame, maxFrames) => {
       if (!left.current || !step.current || !bar.current) return;
-      const seconds = ((maxFrames - frame) / FRAME_RATE_HZ).toFixed(1);
+      const seconds = fixed((maxFrames - frame) / FRAME_RATE_HZ, 1);
       left.current.textContent = seconds;
       if (also?.current) also.current.textContent = seconds;
       step.current.textContent = stepWords(frame);
@@ -34,11 +36,13 @@ export function Clock({
   return (
     <div className={styles.time}>
       <div className={styles.timeWords}>
-        <span role="timer" aria-label="Time left">
-          <span className={styles.timeLeft} ref={left}>
-            {(MAX_STEPS * FRAMES_PER_STEP) / FRAME_RATE_HZ}.0
-          </span>{" "}
-          s left
+        <span role="timer" aria-label={t`Time left`}>
+          <Trans>
+            <span className={styles.timeLeft} ref={left}>
+              {fixed((MAX_STEPS * FRAMES_PER_STEP) / FRAME_RATE_HZ, 1)}
+            </span>{" "}
+            s left
+          </Trans>
         </span>
         <span className={styles.step} ref={step}>
           {stepWords(0)}
@@ -52,5 +56,5 @@ export function Clock({
 }
 
 function stepWords(frame: number): string {
-  return `step ${Math.floor(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
+  return t`step ${Math.floor(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
 }

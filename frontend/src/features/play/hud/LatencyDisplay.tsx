@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useEffect, useState } from "react";
 
 import type { GameStream } from "@/features/play/stream/game-stream";
@@ -16,23 +18,25 @@ export function LatencyDisplay({ stream }: { stream: GameStream }) {
     return () => clearInterval(timer);
   }, [stream]);
   return (
-    <dl className={styles.latency} aria-label="Latency">
-      <dt title="From a key's event to the drawing of the first frame with it, the median">
-        key to draw, p50
+    <dl className={styles.latency} aria-label={t`Latency`}>
+      <dt title={t`From a key's event to the drawing of the first frame with it, the median`}>
+        <Trans>key to draw, p50</Trans>
       </dt>
       <dd>{ms(shown.p50Ms)}</dd>
-      <dt title="95 of 100 presses show within this time">p95</dt>
+      <dt title={t`95 of 100 presses show within this time`}>p95</dt>
       <dd>{ms(shown.p95Ms)}</dd>
-      <dt title="Frames of the game that were not drawn">dropped</dt>
+      <dt title={t`Frames of the game that were not drawn`}>
+        <Trans>dropped</Trans>
+      </dt>
       <dd>{droppedWords(shown)}</dd>
     </dl>
   );
 }
 
 function ms(value: number | null): string {
-  return value === null ? NONE : `${fixed(value, 0)} ms`;
+  return value === null ? NONE : t`${fixed(value, 0)} ms`;
 }
 
 function droppedWords({ dropped, drawn }: LatencySummary): string {
-  return `${whole(dropped)} of ${whole(dropped + drawn)}`;
+  return t`${whole(dropped)} of ${whole(dropped + drawn)}`;
 }

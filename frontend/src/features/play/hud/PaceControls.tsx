@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { Button } from "@/components/controls/Button";
 import { steers } from "@/features/play/input/intents";
 import type { GameState } from "@/features/play/stream/game-state";
@@ -27,20 +30,22 @@ export function PaceControls(props: PaceControlsProps) {
         {isPaused ? (
           <>
             <Button icon="play" onClick={props.onResume}>
-              Resume
+              <Trans>Resume</Trans>
             </Button>
             <Button icon="stepOn" onClick={props.onStep}>
-              One frame <kbd>.</kbd>
+              <Trans>
+                One frame <kbd>.</kbd>
+              </Trans>
             </Button>
           </>
         ) : (
           <Button icon="pause" onClick={props.onPause}>
-            Pause
+            <Trans>Pause</Trans>
           </Button>
         )}
         <Button
           icon="undo"
-          title="Hold to rewind; release to play on from there"
+          title={t`Hold to rewind; release to play on from there`}
           onPointerDown={(event) => {
             event.currentTarget.setPointerCapture(event.pointerId);
             props.onRewind();
@@ -48,11 +53,15 @@ export function PaceControls(props: PaceControlsProps) {
           onLostPointerCapture={props.onRelease}
           onContextMenu={(event) => event.preventDefault()}
         >
-          Rewind <kbd>⌫</kbd>
+          <Trans>
+            Rewind <kbd>⌫</kbd>
+          </Trans>
         </Button>
-        <Button onClick={props.onStop}>End the game here</Button>
+        <Button onClick={props.onStop}>
+          <Trans>End the game here</Trans>
+        </Button>
       </div>
-      <div className={styles.speeds} role="group" aria-label="Speed">
+      <div className={styles.speeds} role="group" aria-label={t`Speed`}>
         {SPEEDS.map((percent) => (
           <Button
             key={percent}

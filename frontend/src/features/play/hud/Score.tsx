@@ -1,3 +1,5 @@
+import { Trans } from "@lingui/react/macro";
+
 import type { Behaviour } from "@/api/types";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import type { HitAt } from "@/features/play/stream/text-messages";
@@ -16,19 +18,28 @@ export function Score({ hits, behaviour }: { hits: readonly HitAt[]; behaviour: 
         {behaviour.target ? (
           <>
             <div>
-              <dt>Targets hit</dt>
+              <dt>
+                <Trans>Targets hit</Trans>
+              </dt>
               <dd>
-                {hit.length} <small>of {behaviour.target.length}</small>
+                {hit.length}{" "}
+                <small>
+                  <Trans>of {behaviour.target.length}</Trans>
+                </small>
               </dd>
             </div>
             <div>
-              <dt>Strays</dt>
+              <dt>
+                <Trans>Strays</Trans>
+              </dt>
               <dd>{stray.length}</dd>
             </div>
           </>
         ) : (
           <div>
-            <dt>Aliens hit</dt>
+            <dt>
+              <Trans>Aliens hit</Trans>
+            </dt>
             <dd>{hits.length}</dd>
           </div>
         )}

@@ -1,8 +1,9 @@
+import { plural, t } from "@lingui/core/macro";
 import type { RefObject } from "react";
 
 import type { Behaviour } from "@/api/types";
 import type { HitAt } from "@/features/play/stream/text-messages";
-import { count, FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
 import { gridState } from "@/lib/game/aliens";
 
 import styles from "./StageHud.module.css";
@@ -26,8 +27,8 @@ export function StageHud({ time, hits, behaviour: { target } }: StageHudProps) {
       </span>
       <span>
         {target
-          ? `${hit.length} of ${count(target.length, "target")}, ${count(stray.length, "stray")}`
-          : `${count(hits.length, "alien")} hit`}
+          ? t`${hit.length} of ${plural(target.length, { one: "# target", other: "# targets" })}, ${plural(stray.length, { one: "# stray", other: "# strays" })}`
+          : plural(hits.length, { one: "# alien hit", other: "# aliens hit" })}
       </span>
     </div>
   );

@@ -1,7 +1,7 @@
+import { Plural, Trans } from "@lingui/react/macro";
 import { Link } from "react-router";
 
 import type { Behaviour } from "@/api/types";
-import { count } from "@/lib/format";
 
 import styles from "./Tip.module.css";
 
@@ -11,15 +11,19 @@ export function Tip({ behaviour }: { behaviour: Behaviour }) {
   if (n < 2) {
     return (
       <p className={styles.tip}>
-        Ranking takes at least two recordings; an agent learns well from about a dozen, from perfect
-        to hopeless.
+        <Trans>
+          Ranking takes at least two recordings; an agent learns well from about a dozen, from
+          perfect to hopeless.
+        </Trans>
       </p>
     );
   }
   return (
     <p className={styles.tip}>
-      {count(n, "recording")} so far. <Link to={`/behaviours/${id}/rank`}>Put them in order</Link>{" "}
-      whenever you like.
+      <Trans>
+        <Plural value={n} one="# recording so far." other="# recordings so far." />{" "}
+        <Link to={`/behaviours/${id}/rank`}>Put them in order</Link> whenever you like.
+      </Trans>
     </p>
   );
 }

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import type { ReactNode } from "react";
 import { Link } from "react-router";
 
@@ -26,27 +28,29 @@ export function Toggles({ hasTarget, hasGhost, marks, onChooseKeys, onFullscreen
       <div className={styles.toggles}>
         {hasTarget && (
           <Toggle setting={SHOW_TARGETS} keyName="T">
-            Outline targets
+            <Trans>Outline targets</Trans>
           </Toggle>
         )}
         {hasGhost && (
           <Toggle setting={SHOW_GHOST} keyName="G">
-            Ghost
+            <Trans>Ghost</Trans>
           </Toggle>
         )}
         {canSound() && (
           <Toggle setting={SOUND} keyName="M">
-            Sound
+            <Trans>Sound</Trans>
           </Toggle>
         )}
         <Toggle setting={SHOW_LATENCY} keyName="L">
-          Latency
+          <Trans>Latency</Trans>
         </Toggle>
         <Button kind="quiet" onClick={onFullscreen}>
-          Fullscreen <kbd>F</kbd>
+          <Trans>
+            Fullscreen <kbd>F</kbd>
+          </Trans>
         </Button>
         <Button kind="quiet" onClick={onChooseKeys}>
-          Change the keys
+          <Trans>Change the keys</Trans>
         </Button>
       </div>
       <Legend {...marks} />
@@ -76,13 +80,15 @@ function Toggle({
 function Legend({ target, ghost }: Marks) {
   if (!target && !ghost) return null;
   return (
-    <ul className={styles.legend} aria-label="Drawn over the game, and not recorded">
+    <ul className={styles.legend} aria-label={t`Drawn over the game, and not recorded`}>
       {target && (
         <li>
           <svg className={styles.swatch} viewBox="0 0 14 14" aria-hidden="true">
             <path d="M2.5 1.5h9v11h-9z" fill="none" stroke="var(--accent)" />
           </svg>
-          <span>remaining target aliens</span>
+          <span>
+            <Trans>remaining target aliens</Trans>
+          </span>
         </li>
       )}
       {ghost && (
@@ -95,10 +101,12 @@ function Legend({ target, ghost }: Marks) {
             />
           </svg>
           <span>
-            where the cannon was at this moment of the best demonstration,{" "}
-            <Link to={`/recordings/${ghost.recording_id}`}>
-              {recordingName({ id: ghost.recording_id })}
-            </Link>
+            <Trans>
+              where the cannon was at this moment of the best demonstration,{" "}
+              <Link to={`/recordings/${ghost.recording_id}`}>
+                {recordingName({ id: ghost.recording_id })}
+              </Link>
+            </Trans>
           </span>
         </li>
       )}

@@ -1,3 +1,4 @@
+import { Plural, Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "react-router";
 
@@ -5,7 +6,6 @@ import { recordingsQuery } from "@/api/recordings";
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
-import { count } from "@/lib/format";
 import { describeScore, isUndecided, recordingName } from "@/lib/recordings";
 
 import styles from "./Undecided.module.css";
@@ -29,8 +29,11 @@ export function Undecided({
       <div className={styles.undecided}>
         <p>
           <strong>
-            {count(waiting.length, "game")} {waiting.length === 1 ? "waits" : "wait"} for your
-            decision
+            <Plural
+              value={waiting.length}
+              one="# game waits for your decision"
+              other="# games wait for your decision"
+            />
           </strong>
         </p>
         {shown.map((recording) => (
@@ -44,7 +47,9 @@ export function Undecided({
         ))}
         {waiting.length > shown.length && (
           <p>
-            <Link to={`/behaviours/${behaviour.id}/recordings`}>All of them</Link>
+            <Link to={`/behaviours/${behaviour.id}/recordings`}>
+              <Trans>All of them</Trans>
+            </Link>
           </p>
         )}
       </div>

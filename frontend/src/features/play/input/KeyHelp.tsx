@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { Fragment } from "react";
 
 import { useSetting } from "@/features/play/settings/stored";
@@ -15,22 +17,32 @@ export function KeyHelp() {
       </Fragment>
     ));
   return (
-    <dl className={styles.keys} aria-label="Keys">
+    <dl className={styles.keys} aria-label={t`Keys`}>
       <dt>
         {names("left")}
         {names("right")}
       </dt>
-      <dd>move</dd>
+      <dd>
+        <Trans>move</Trans>
+      </dd>
       <dt>{names("fire")}</dt>
-      <dd>fire, may be held</dd>
+      <dd>
+        <Trans>fire, may be held</Trans>
+      </dd>
       <dt>{names("rewind")}</dt>
-      <dd>rewind while held</dd>
+      <dd>
+        <Trans>rewind while held</Trans>
+      </dd>
       <dt>{names("pause")}</dt>
-      <dd>pause</dd>
+      <dd>
+        <Trans>pause</Trans>
+      </dd>
       <dt>
         <kbd>.</kbd>
       </dt>
-      <dd>frame by frame</dd>
+      <dd>
+        <Trans>frame by frame</Trans>
+      </dd>
     </dl>
   );
 }

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useEffect, useState } from "react";
 
 import { Button } from "@/components/controls/Button";
@@ -7,13 +9,13 @@ import { useSetting } from "@/features/play/settings/stored";
 import { addKey, type Control, CONTROLS, DEFAULT_KEYS, keyName, KEYS, withoutKey } from "./keys";
 import styles from "./KeysDialog.module.css";
 
-const CONTROL_NAMES: Readonly<Record<Control, string>> = {
-  left: "Left",
-  right: "Right",
-  fire: "Fire",
-  rewind: "Rewind",
-  pause: "Pause",
-};
+const controlNames = (): Readonly<Record<Control, string>> => ({
+  left: t`Left`,
+  right: t`Right`,
+  fire: t`Fire`,
+  rewind: t`Rewind`,
+  pause: t`Pause`,
+});
 
 /** Assigns keys to the controls. */
 export function KeysDialog({ onClose }: { onClose: () => void }) {
@@ -34,10 +36,10 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
   }, [waiting, keys, setKeys]);
 
   return (
-    <Dialog title="Keys" onClose={onClose}>
+    <Dialog title={t`Keys`} onClose={onClose}>
       <ul className={styles.bindings}>
         {CONTROLS.map((control) => {
-          const name = CONTROL_NAMES[control];
+          const name = controlNames()[control];
           return (
             <li key={control} aria-label={name}>
               <span>{name}</span>
@@ -46,8 +48,8 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
                   <Button
                     key={code}
                     kind="quiet"
-                    aria-label={`Remove ${keyName(code)} from ${name}`}
-                    title="Remove"
+                    aria-label={t`Remove ${keyName(code)} from ${name}`}
+                    title={t`Remove`}
                     onClick={() => setKeys(withoutKey(keys, code))}
                   >
                     <kbd>{keyName(code)}</kbd>
@@ -58,7 +60,7 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
                   aria-pressed={waiting === control}
                   onClick={() => setWaiting(control)}
                 >
-                  {waiting === control ? "Press a key" : "Add a key"}
+                  {waiting === control ? t`Press a key` : t`Add a key`}
                 </Button>
               </span>
             </li>
@@ -66,12 +68,16 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
         })}
       </ul>
       <p className={styles.tip}>
-        Either hand can play alone: the arrows with ↑ to fire, or A and D with W. Left and right
-        together cancel out. A gamepad works too: stick or D-pad to move, any face button to fire,
-        the shoulder buttons to rewind, Start to begin, pause and play again.
+        <Trans>
+          Either hand can play alone: the arrows with ↑ to fire, or A and D with W. Left and right
+          together cancel out. A gamepad works too: stick or D-pad to move, any face button to fire,
+          the shoulder buttons to rewind, Start to begin, pause and play again.
+        </Trans>
       </p>
       <div>
-        <Button onClick={() => setKeys(DEFAULT_KEYS)}>Restore the default keys</Button>
+        <Button onClick={() => setKeys(DEFAULT_KEYS)}>
+          <Trans>Restore the default keys</Trans>
+        </Button>
       </div>
     </Dialog>
   );

@@ -1,13 +1,15 @@
+import { t } from "@lingui/core/macro";
 import type { PointerEvent } from "react";
 
 import { FIRE, LEFT, RIGHT } from "./keys";
 import styles from "./TouchPad.module.css";
 
-const BUTTONS = [
-  { name: "Left", sign: "←", bit: LEFT },
-  { name: "Right", sign: "→", bit: RIGHT },
-  { name: "Fire", sign: "Fire", bit: FIRE },
-] as const;
+const buttons = () =>
+  [
+    { name: t`Left`, sign: "←", bit: LEFT },
+    { name: t`Right`, sign: "→", bit: RIGHT },
+    { name: t`Fire`, sign: t`Fire`, bit: FIRE },
+  ] as const;
 
 /** Touch buttons; several can be held at once. */
 export function TouchPad({
@@ -24,10 +26,10 @@ export function TouchPad({
     <div
       className={styles.pad}
       role="group"
-      aria-label="Touch controls"
+      aria-label={t`Touch controls`}
       data-idle={idle || undefined}
     >
-      {BUTTONS.map(({ name, sign, bit }) => {
+      {buttons().map(({ name, sign, bit }) => {
         const release = (event: PointerEvent) => onRelease(fingerName(event, name));
         return (
           <button

@@ -1,4 +1,7 @@
 /** The keys that control the game, by their position on the keyboard (`KeyboardEvent.code`). */
+
+import { t } from "@lingui/core/macro";
+
 import type { Setting } from "@/features/play/settings/stored";
 
 /** Bits of the play protocol's held keys. */
@@ -78,18 +81,19 @@ export const KEYS: Setting<KeyMap> = {
   read: readKeyMap,
 };
 
-const NAMES: Readonly<Record<string, string>> = {
+const names = (): Readonly<Record<string, string>> => ({
   ArrowLeft: "←",
   ArrowRight: "→",
   ArrowUp: "↑",
   ArrowDown: "↓",
   Backspace: "⌫",
-  Escape: "Esc",
-};
+  Escape: t`Esc`,
+  Space: t`Space`,
+});
 
 /** The label of a key on most keyboards: "A" for "KeyA". */
 export function keyName(code: string): string {
-  return NAMES[code] ?? code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num ");
+  return names()[code] ?? code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num ");
 }
 
 /** The keys, touch buttons and gamepad buttons currently held. */

@@ -1,9 +1,12 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { type RefObject, useImperativeHandle } from "react";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import type { Intent } from "@/features/play/input/intents";
+import { keyName } from "@/features/play/input/keys";
 import type { Ended } from "@/features/play/stream/text-messages";
 
 import { endSentence, scoreSentence } from "./outcome-words";
@@ -68,8 +71,10 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
         <p>{scoreSentence(ended, behaviour)}</p>
         {failed && (
           <p>
-            A replay didn&rsquo;t reproduce the game: {ended.verification_note} It can&rsquo;t be
-            ranked.
+            <Trans>
+              A replay didn&rsquo;t reproduce the game: {ended.verification_note} It can&rsquo;t be
+              ranked.
+            </Trans>
           </p>
         )}
         <p>{decisionSentence(decision, perfect, ended.recording_id)}</p>
@@ -77,7 +82,9 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
       <div className={styles.actions}>
         {decision === "open" && (
           <Button kind="primary" onClick={result.keep} disabled={busy}>
-            Keep <kbd>K</kbd>
+            <Trans>
+              Keep <kbd>K</kbd>
+            </Trans>
           </Button>
         )}
         {decision !== "discarded" && (
@@ -88,10 +95,14 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
               onClick={togglePerfect}
               disabled={busy || failed}
             >
-              Perfect <kbd>P</kbd>
+              <Trans>
+                Perfect <kbd>P</kbd>
+              </Trans>
             </Button>
             <Button onClick={result.discard} disabled={busy}>
-              Discard <kbd>X</kbd>
+              <Trans>
+                Discard <kbd>X</kbd>
+              </Trans>
             </Button>
           </>
         )}
@@ -99,17 +110,19 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
           icon="undo"
           onClick={rewind}
           disabled={starting || failed}
-          title="Keeps this game, and plays on from two seconds before its end"
+          title={t`Keeps this game, and plays on from two seconds before its end`}
         >
-          Rewind <kbd>⌫</kbd>
+          <Trans>
+            Rewind <kbd>⌫</kbd>
+          </Trans>
         </Button>
         <Button
           kind={decision === "open" ? "secondary" : "primary"}
           onClick={again}
           disabled={starting}
-          title={decision === "open" ? "Keeps this game and starts another one" : undefined}
+          title={decision === "open" ? t`Keeps this game and starts another one` : undefined}
         >
-          {starting ? "Starting…" : "Play again"} <kbd>Space</kbd>
+          {starting ? t`Starting…` : t`Play again`} <kbd>{keyName("Space")}</kbd>
         </Button>
       </div>
       {question}
@@ -122,6 +135,8 @@ function decisionSentence(
   perfect: boolean,
   id: number,
 ): string {
-  if (decision === "kept") return `Kept as recording ${id}${perfect ? ", marked as perfect" : ""}.`;
-  return decision === "discarded" ? "Discarded." : "";
+  if (decision === "kept") {
+    return perfect ? t`Kept as recording ${id}, marked as perfect.` : t`Kept as recording ${id}.`;
+  }
+  return decision === "discarded" ? t`Discarded.` : "";
 }

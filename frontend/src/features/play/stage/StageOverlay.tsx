@@ -1,8 +1,12 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import type { GameState } from "@/features/play/stream/game-state";
 
+import { keyName } from "@/features/play/input/keys";
 import { Overlay } from "./Overlay";
 import styles from "./Overlay.module.css";
 
@@ -26,17 +30,17 @@ export function StageOverlay(props: StageOverlayProps) {
       <Overlay opaque>
         {!gone && <AlienGrid target={target} scale={2} label="" />}
         <span className={styles.big}>
-          {gone ? "This game is over" : "Twenty seconds, one life"}
+          {gone ? t`This game is over` : t`Twenty seconds, one life`}
         </span>
         <p>
           {error ??
             (gone
-              ? "It was idle for a while, so it ended. What you played is kept."
-              : "Everything you do is recorded. Play well, or badly on purpose: both are useful.")}
+              ? t`It was idle for a while, so it ended. What you played is kept.`
+              : t`Everything you do is recorded. Play well, or badly on purpose: both are useful.`)}
         </p>
         <Button kind="primary" large disabled={starting} onClick={onStart}>
-          {starting ? "Starting…" : error ? "Try again" : "Start game"}{" "}
-          {!starting && <kbd aria-hidden="true">Space</kbd>}
+          {starting ? t`Starting…` : error ? t`Try again` : t`Start game`}{" "}
+          {!starting && <kbd aria-hidden="true">{keyName("Space")}</kbd>}
         </Button>
       </Overlay>
     );
@@ -45,7 +49,9 @@ export function StageOverlay(props: StageOverlayProps) {
     case "connecting":
       return (
         <Overlay opaque>
-          <p role="status">Starting…</p>
+          <p role="status">
+            <Trans>Starting…</Trans>
+          </p>
         </Overlay>
       );
     case "countdown":
@@ -59,14 +65,18 @@ export function StageOverlay(props: StageOverlayProps) {
     case "paused":
       return (
         <Overlay>
-          <span className={styles.big}>Paused</span>
+          <span className={styles.big}>
+            <Trans>Paused</Trans>
+          </span>
           <p>{state.why}</p>
           <div className={styles.actions}>
             <Button kind="primary" large onClick={onResume}>
-              Resume
+              <Trans>Resume</Trans>
             </Button>
             <Button large onClick={onStep}>
-              One frame <kbd>.</kbd>
+              <Trans>
+                One frame <kbd>.</kbd>
+              </Trans>
             </Button>
           </div>
         </Overlay>
@@ -74,33 +84,39 @@ export function StageOverlay(props: StageOverlayProps) {
     case "stepping":
       return (
         <p className={styles.bottomLine} role="status">
-          Frame by frame: <kbd>.</kbd> plays one, <kbd>Enter</kbd> resumes
+          <Trans>
+            Frame by frame: <kbd>.</kbd> plays one, <kbd>Enter</kbd> resumes
+          </Trans>
         </p>
       );
     case "rewinding":
       return (
         <p className={styles.bottomLine} role="status">
-          Rewinding. Release to play on from here; both versions are kept.
+          <Trans>Rewinding. Release to play on from here; both versions are kept.</Trans>
         </p>
       );
     case "lost":
       return (
         <Overlay>
           <span className={styles.big} role="alert">
-            Connection lost
+            <Trans>Connection lost</Trans>
           </span>
-          <p>Your game is saved. It continues as soon as the server answers again.</p>
+          <p>
+            <Trans>Your game is saved. It continues as soon as the server answers again.</Trans>
+          </p>
         </Overlay>
       );
     case "full":
       return (
         <Overlay>
           <span className={styles.big} role="status">
-            All places are taken
+            <Trans>All places are taken</Trans>
           </span>
           <p>
-            Too many games are being played. Stay on this page: yours continues as soon as one of
-            them ends.
+            <Trans>
+              Too many games are being played. Stay on this page: yours continues as soon as one of
+              them ends.
+            </Trans>
           </p>
         </Overlay>
       );
@@ -108,11 +124,13 @@ export function StageOverlay(props: StageOverlayProps) {
       return (
         <Overlay>
           <span className={styles.big} role="alert">
-            This game is open in another tab now
+            <Trans>This game is open in another tab now</Trans>
           </span>
-          <p>A game can be played in one tab at a time, the newest.</p>
+          <p>
+            <Trans>A game can be played in one tab at a time, the newest.</Trans>
+          </p>
           <Button kind="primary" large onClick={onTakeBack}>
-            Play here
+            <Trans>Play here</Trans>
           </Button>
         </Overlay>
       );
@@ -120,9 +138,13 @@ export function StageOverlay(props: StageOverlayProps) {
       return (
         <Overlay>
           <span className={styles.big} role="alert">
-            This browser is no longer signed in
+            <Trans>This browser is no longer signed in</Trans>
           </span>
-          <p>Open the address that Tril printed when it started, then come back to continue.</p>
+          <p>
+            <Trans>
+              Open the address that Tril printed when it started, then come back to continue.
+            </Trans>
+          </p>
         </Overlay>
       );
     case "playing":

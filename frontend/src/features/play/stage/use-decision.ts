@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 
@@ -55,7 +56,7 @@ export function useDecision(behaviourId: number, recordingId: number): GameDecis
     change.mutate(async () => {
       await discardRecording(recordingId);
       setDecision("discarded");
-      toast(`Recording ${recordingId} discarded.`, { label: "Undo", run: undo });
+      toast(t`Recording ${recordingId} discarded.`, { label: t`Undo`, run: undo });
     });
   }
 

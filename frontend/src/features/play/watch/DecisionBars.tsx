@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { type RefObject, useImperativeHandle, useRef } from "react";
 
 import { fixed, NONE, percent, withDeviation } from "@/lib/format";
@@ -12,14 +14,15 @@ export interface DecisionHandle {
 }
 
 /** The actions from left to right, by their number. */
-const ACTIONS = [
-  { action: 3, name: "left" },
-  { action: 5, name: "left, fire" },
-  { action: 0, name: "wait" },
-  { action: 1, name: "fire" },
-  { action: 2, name: "right" },
-  { action: 4, name: "right, fire" },
-] as const;
+const actions = () =>
+  [
+    { action: 3, name: t`left` },
+    { action: 5, name: t`left, fire` },
+    { action: 0, name: t`wait` },
+    { action: 1, name: t`fire` },
+    { action: 2, name: t`right` },
+    { action: 4, name: t`right, fire` },
+  ] as const;
 
 /** How likely the policy finds each action of the next step, and what the reward model says. */
 export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | null> }) {
@@ -28,8 +31,8 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
   useImperativeHandle(handle, () => ({
     decide: ({ action, probabilities }) => {
       for (const [at, row] of [...(list.current?.children ?? [])].entries()) {
-        const share = probabilities[ACTIONS[at]?.action ?? 0] ?? 0;
-        row.toggleAttribute("data-chosen", ACTIONS[at]?.action === action);
+        const share = probabilities[actions()[at]?.action ?? 0] ?? 0;
+        row.toggleAttribute("data-chosen", actions()[at]?.action === action);
         row.querySelector("i")?.style.setProperty("transform", `scaleX(${share})`);
         const text = row.querySelector("output");
         if (text) text.textContent = percent(share, 0);
@@ -41,8 +44,8 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
   }));
   return (
     <div className={styles.decisions}>
-      <ol ref={list} aria-label="Probability of each action of the next step">
-        {ACTIONS.map(({ action, name }) => (
+      <ol ref={list} aria-label={t`Probability of each action of the next step`}>
+        {actions().map(({ action, name }) => (
           <li key={action}>
             <span>{name}</span>
             <span className={styles.bar}>
@@ -52,8 +55,12 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
           </li>
         ))}
       </ol>
-      <p title="The learned reward R of what is on the screen now, ± its standard deviation. The policy does not see it.">
-        Reward R <b ref={figure}>{NONE}</b>
+      <p
+        title={t`The learned reward R of what is on the screen now, ± its standard deviation. The policy does not see it.`}
+      >
+        <Trans>
+          Reward R <b ref={figure}>{NONE}</b>
+        </Trans>
       </p>
     </div>
   );

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { type CSSProperties, useCallback, useEffect, useRef } from "react";
 
 import type { Behaviour } from "@/api/types";
@@ -9,7 +11,7 @@ import { endSentence, scoreSentence } from "@/features/play/stage/outcome-words"
 import { classes } from "@/lib/classes";
 import type { Palette, ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
-import { THING_NAMES, thingColour } from "@/lib/things";
+import { thingNames, thingColour } from "@/lib/things";
 
 import { type Player, playerName, PLAYERS, policyOf } from "./choice";
 import { DecisionBars, type DecisionHandle } from "./DecisionBars";
@@ -69,15 +71,15 @@ export function LaneView(props: LaneViewProps) {
   return (
     <article
       className={styles.lane}
-      aria-label={`Game ${lane + 1}: ${playerName(player)}`}
+      aria-label={t`Game ${lane + 1}: ${playerName(player)}`}
       style={{ "--thing": thingColour(thing) } as CSSProperties}
     >
       <div className={styles.head}>
         <ThingMark thing={thing}>
-          <span className="visually-hidden">{THING_NAMES[thing]}</span>
+          <span className="visually-hidden">{thingNames()[thing]}</span>
         </ThingMark>
         <select
-          aria-label={`Player of game ${lane + 1}`}
+          aria-label={t`Player of game ${lane + 1}`}
           value={player}
           onChange={(event) => {
             const chosen = PLAYERS.find((one) => one === event.currentTarget.value);
@@ -91,20 +93,22 @@ export function LaneView(props: LaneViewProps) {
           ))}
         </select>
         {nLanes > 1 && (
-          <IconButton icon="close" label={`Remove game ${lane + 1}`} onClick={props.onRemove} />
+          <IconButton icon="close" label={t`Remove game ${lane + 1}`} onClick={props.onRemove} />
         )}
         <Button
           className={styles.takeOver}
           disabled={!props.canTakeOver || ended !== null}
           onClick={props.onTakeOver}
-          title="From here on you play; the whole game becomes your recording"
+          title={t`From here on you play; the whole game becomes your recording`}
         >
-          Take over <kbd>{key}</kbd>
+          <Trans>
+            Take over <kbd>{key}</kbd>
+          </Trans>
         </Button>
       </div>
       <div className={classes(styles.body, nLanes === 2 && styles.below)}>
         <div ref={stage} className={styles.stage}>
-          <GameCanvas size={size} label={`Screen of game ${lane + 1}`} onPainter={setPainter} />
+          <GameCanvas size={size} label={t`Screen of game ${lane + 1}`} onPainter={setPainter} />
           {ended && (
             <div className={styles.ended} role="status">
               <b>{endSentence(ended)}</b>

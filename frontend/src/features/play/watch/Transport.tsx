@@ -1,7 +1,11 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import type { RefObject } from "react";
 
 import { Button } from "@/components/controls/Button";
 import { Clock, type ClockHandle } from "@/features/play/hud/Clock";
+
+import { keyName } from "@/features/play/input/keys";
 
 import { type Choice, N_STARTS } from "./choice";
 import styles from "./Transport.module.css";
@@ -27,7 +31,7 @@ export function Transport(props: TransportProps) {
   const isRunning = state?.phase === "playing" || state?.phase === "waiting";
   const isPaused = state?.phase === "paused";
   return (
-    <div className={styles.transport} role="group" aria-label="Playback">
+    <div className={styles.transport} role="group" aria-label={t`Playback`}>
       <div className={styles.row}>
         <Button
           kind="primary"
@@ -35,12 +39,15 @@ export function Transport(props: TransportProps) {
           disabled={!isRunning && !isPaused}
           onClick={props.onToggle}
         >
-          {isRunning ? "Pause" : "Play"} <kbd>Space</kbd>
+          {isRunning ? t`Pause` : t({ message: "Play", context: "playback" })}{" "}
+          <kbd>{keyName("Space")}</kbd>
         </Button>
         <Button icon="stepOn" disabled={!isPaused && !isRunning} onClick={props.onStep}>
-          One step <kbd>.</kbd>
+          <Trans>
+            One step <kbd>.</kbd>
+          </Trans>
         </Button>
-        <div className={styles.speeds} role="group" aria-label="Speed">
+        <div className={styles.speeds} role="group" aria-label={t`Speed`}>
           {WATCH_SPEEDS.map((percent) => (
             <Button
               key={percent}
@@ -55,25 +62,31 @@ export function Transport(props: TransportProps) {
       </div>
       <div className={styles.row}>
         <Button icon="restart" onClick={props.onRestart}>
-          Restart <kbd>R</kbd>
+          <Trans>
+            Restart <kbd>R</kbd>
+          </Trans>
         </Button>
         <select
-          aria-label="Start"
+          aria-label={t`Start`}
           value={choice.start ?? "new"}
           onChange={(event) => {
             const { value } = event.currentTarget;
             props.onStart(value === "new" ? null : Number(value));
           }}
         >
-          <option value="new">New start, with an opening</option>
+          <option value="new">
+            <Trans>New start, with an opening</Trans>
+          </option>
           {Array.from({ length: N_STARTS }, (_, start) => (
             <option key={start} value={start}>
-              Evaluation start {start}
+              <Trans>Evaluation start {start}</Trans>
             </option>
           ))}
         </select>
         <Button icon="arrowRight" onClick={props.onNext}>
-          Next start <kbd>N</kbd>
+          <Trans>
+            Next start <kbd>N</kbd>
+          </Trans>
         </Button>
       </div>
       <div className={styles.clock}>

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { type RefObject, useCallback, useEffect, useRef } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 
@@ -60,10 +62,12 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
   const canTakeOver = ["playing", "waiting", "paused"].includes(state?.phase ?? "");
   return (
     <div className={styles.page}>
-      <title>{`Watch · ${runName(run)} · Tril`}</title>
+      <title>{t`Watch · ${runName(run)} · Tril`}</title>
       <div className={styles.title}>
         <h2>
-          <Link to={`/runs/${run.id}`}>{runName(run)}</Link> plays
+          <Trans>
+            <Link to={`/runs/${run.id}`}>{runName(run)}</Link> plays
+          </Trans>
         </h2>
         <p>{describeBeginning(choice, state)}</p>
       </div>
@@ -111,14 +115,16 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
           className={styles.add}
           onClick={() => setPlayers([...players, furtherPlayer(players)])}
         >
-          Another beside {players.length === 1 ? "it" : "them"}
+          <Plural value={players.length} one="Another beside it" other="Another beside them" />
         </Button>
       )}
       <p className={styles.hint}>
-        All games begin at the same start and keep in step. A step is four frames, one decision of a
-        policy. Sampled and sticky games differ after a restart; at first they are those of the
-        run&rsquo;s evaluation. What you only watch is not kept. If you take over, the game goes on
-        after a countdown with the keys you hold, and the whole of it becomes your recording.
+        <Trans>
+          All games begin at the same start and keep in step. A step is four frames, one decision of
+          a policy. Sampled and sticky games differ after a restart; at first they are those of the
+          run&rsquo;s evaluation. What you only watch is not kept. If you take over, the game goes
+          on after a countdown with the keys you hold, and the whole of it becomes your recording.
+        </Trans>
       </p>
     </div>
   );
@@ -128,7 +134,7 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
 function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () => void }) {
   const again = (
     <Button icon="restart" onClick={onAgain}>
-      Try again
+      <Trans>Try again</Trans>
     </Button>
   );
   switch (state?.phase) {
@@ -136,7 +142,9 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
       return (
         <Notice tone="calm" icon="clock" live>
           <p>
-            Waiting for the policy. The machine has other work; the games stand still meanwhile.
+            <Trans>
+              Waiting for the policy. The machine has other work; the games stand still meanwhile.
+            </Trans>
           </p>
         </Notice>
       );
@@ -156,14 +164,18 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
     case "closed":
       return (
         <Notice tone="calm" icon="clock" live>
-          <p>The games were paused for long and are closed.</p>
+          <p>
+            <Trans>The games were paused for long and are closed.</Trans>
+          </p>
           {again}
         </Notice>
       );
     case "lost":
       return (
         <Notice tone="bad" live>
-          <p>The connection was lost, and the games with it.</p>
+          <p>
+            <Trans>The connection was lost, and the games with it.</Trans>
+          </p>
           {again}
         </Notice>
       );
@@ -173,10 +185,10 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
 }
 
 function describeBeginning({ start }: Choice, state: WatchState | null): string {
-  const where = start === null ? "A start that no evaluation uses" : `Evaluation start ${start}`;
+  const where = start === null ? t`A start that no evaluation uses` : t`Evaluation start ${start}`;
   const opening = state?.openingFrames ?? 0;
   if (opening === 0) return where;
-  return `${where}, after an opening of ${seconds(opening / FRAME_RATE_HZ)}`;
+  return t`${where}, after an opening of ${seconds(opening / FRAME_RATE_HZ)}`;
 }
 
 function control(stream: WatchStream, intent: WatchIntent): void {

@@ -1,4 +1,5 @@
 /** What is watched: who plays, from which start. It is the page's address. */
+import { t } from "@lingui/core/macro";
 
 export type Policy = "imitator" | "clone";
 export type Selection = "greedy" | "sampled" | "sticky";
@@ -31,8 +32,9 @@ export function policyOf(player: Player): Policy {
 
 /** Names a player: "Imitator, greedy". */
 export function playerName(player: Player): string {
-  const [policy, selection] = player.split(".");
-  return `${policy === "imitator" ? "Imitator" : "Clone"}, ${selection ?? ""}`;
+  const selection = player.slice(player.indexOf(".") + 1) as Selection;
+  const how = { greedy: t`greedy`, sampled: t`sampled`, sticky: t`sticky` }[selection];
+  return `${policyOf(player) === "imitator" ? t`Imitator` : t`Clone`}, ${how}`;
 }
 
 /** Reads a choice from the page's address; what makes no sense there is replaced. */

@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { type ReactNode } from "react";
 
 import type { Behaviour, Recording } from "@/api/types";
@@ -12,7 +14,6 @@ import {
   type Tiers,
 } from "@/features/ranking/order/order";
 import { classes } from "@/lib/classes";
-import { count } from "@/lib/format";
 
 import styles from "./Board.module.css";
 import { useDropPlace } from "./DragBoard";
@@ -73,12 +74,12 @@ export function Board(props: BoardProps) {
   if (tiers.length === 0) return <EmptyBoard />;
   return (
     <>
-      <ol className={styles.tiers} aria-label="Tiers, best first">
+      <ol className={styles.tiers} aria-label={t`Tiers, best first`}>
         {tiers.map((tier, index) => (
           <li
             // Keyed by its content, so that cards keep the focus when the tier moves.
             key={`of-${Math.min(...tier)}`}
-            aria-label={`Tier ${index + 1} of ${tiers.length}, ${count(tier.length, "recording")}`}
+            aria-label={t`Tier ${index + 1} of ${tiers.length}, ${plural(tier.length, { one: "# recording", other: "# recordings" })}`}
           >
             <Gap before={index} />
             <Tier {...props} tier={tier} index={index} />
@@ -95,8 +96,10 @@ function EmptyBoard() {
   return (
     <div ref={setPlace} className={classes(styles.empty, isOver && styles.over)}>
       <p>
-        Drag recordings here, the best to the top. Drop one on another to call it a tie, between two
-        to put it between them.
+        <Trans>
+          Drag recordings here, the best to the top. Drop one on another to call it a tie, between
+          two to put it between them.
+        </Trans>
       </p>
     </div>
   );
@@ -112,7 +115,7 @@ function LastGap({ before }: { before: number }) {
   const { setPlace, isOver } = useDropPlace(gapPlace(before));
   return (
     <div ref={setPlace} className={classes(styles.lastGap, isOver && styles.over)}>
-      Drop below the last tier to make a new one
+      <Trans>Drop below the last tier to make a new one</Trans>
     </div>
   );
 }
@@ -125,8 +128,16 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
     <div ref={setPlace} className={classes(styles.tier, isOver && styles.over)}>
       <span className={styles.number} aria-hidden="true">
         {index + 1}
-        {index === 0 && <small>best</small>}
-        {index === tiers.length - 1 && index > 0 && <small>worst</small>}
+        {index === 0 && (
+          <small>
+            <Trans>best</Trans>
+          </small>
+        )}
+        {index === tiers.length - 1 && index > 0 && (
+          <small>
+            <Trans>worst</Trans>
+          </small>
+        )}
       </span>
       <div className={styles.cards}>{tier.map((id) => cardOf(props, id, name))}</div>
     </div>
@@ -141,12 +152,16 @@ export function Tray(props: BoardProps & { unranked: readonly number[]; children
     <section
       ref={setPlace}
       className={classes(styles.tray, isOver && styles.over)}
-      aria-label={`Unranked, ${count(unranked.length, "recording")}`}
+      aria-label={t`Unranked, ${plural(unranked.length, { one: "# recording", other: "# recordings" })}`}
     >
-      <h3>Unranked ({unranked.length})</h3>
+      <h3>
+        <Trans>Unranked ({unranked.length})</Trans>
+      </h3>
       {children}
       {unranked.length === 0 ? (
-        <p className={styles.trayEmpty}>All recordings are ranked.</p>
+        <p className={styles.trayEmpty}>
+          <Trans>All recordings are ranked.</Trans>
+        </p>
       ) : (
         unranked.map((id) => cardOf(props, id, TRAY))
       )}

@@ -1,4 +1,5 @@
 /** Drag and drop by mouse, touch and keyboard; the only module that uses dnd-kit. */
+import { t } from "@lingui/core/macro";
 import {
   type Announcements,
   closestCenter,
@@ -25,11 +26,9 @@ const MOUSE = { activationConstraint: { distance: 5 } };
 // A short delay, so that touch can still scroll the page.
 const TOUCH = { activationConstraint: { delay: 180, tolerance: 8 } };
 const MEASURING = { droppable: { strategy: MeasuringStrategy.Always } };
-const INSTRUCTIONS = {
-  draggable:
-    "Press space to pick it up, the up and down arrow keys to choose a place, space to drop it, " +
-    "Escape to cancel.",
-};
+const instructions = () => ({
+  draggable: t`Press space to pick it up, the up and down arrow keys to choose a place, space to drop it, Escape to cancel.`,
+});
 
 interface DragBoardProps {
   /** All drop targets, in the order of the arrow keys. */
@@ -81,19 +80,19 @@ export function DragBoard(props: DragBoardProps) {
 
   const announcements = useMemo<Announcements>(
     () => ({
-      onDragStart: ({ active }) => `Picked up ${nameOfItem(String(active.id))}.`,
+      onDragStart: ({ active }) => t`Picked up ${nameOfItem(String(active.id))}.`,
       onDragOver: ({ active, over }) => {
         const first = !hasMoved.current;
         hasMoved.current = true;
         // Announcing its own place at once would interrupt the announcement of the pick-up.
         if (first && over?.id === placeOf(active.data.current)) return undefined;
-        return over ? `Over ${nameOfPlace(String(over.id))}.` : "Not over a place.";
+        return over ? t`Over ${nameOfPlace(String(over.id))}.` : t`Not over a place.`;
       },
       onDragEnd: ({ active, over }) =>
         over
-          ? `Dropped ${nameOfItem(String(active.id))}: ${nameOfPlace(String(over.id))}.`
-          : `${nameOfItem(String(active.id))} stays where it was.`,
-      onDragCancel: ({ active }) => `${nameOfItem(String(active.id))} stays where it was.`,
+          ? t`Dropped ${nameOfItem(String(active.id))}: ${nameOfPlace(String(over.id))}.`
+          : t`${nameOfItem(String(active.id))} stays where it was.`,
+      onDragCancel: ({ active }) => t`${nameOfItem(String(active.id))} stays where it was.`,
     }),
     [nameOfItem, nameOfPlace],
   );
@@ -108,7 +107,7 @@ export function DragBoard(props: DragBoardProps) {
       sensors={sensors}
       collisionDetection={collision}
       measuring={MEASURING}
-      accessibility={{ announcements, screenReaderInstructions: INSTRUCTIONS }}
+      accessibility={{ announcements, screenReaderInstructions: instructions() }}
       onDragStart={({ active, activatorEvent }) => {
         setDragged(String(active.id));
         hasMoved.current = false;

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import type { ReactNode } from "react";
 
 import type { Behaviour, Recording } from "@/api/types";
@@ -67,11 +69,11 @@ export function RankCard(props: RankCardProps) {
       <button
         type="button"
         className={styles.handle}
-        aria-label={`Move ${name}`}
-        title="Drag, or press space and use the arrow keys"
+        aria-label={t`Move ${name}`}
+        title={t`Drag, or press space and use the arrow keys`}
         ref={setHandle}
         aria-describedby={descriptionId}
-        aria-roledescription="movable"
+        aria-roledescription={t`movable`}
       >
         <Icon name="grip" />
       </button>
@@ -79,7 +81,7 @@ export function RankCard(props: RankCardProps) {
         <input
           type="checkbox"
           className={styles.select}
-          aria-label={`Select ${name}`}
+          aria-label={t`Select ${name}`}
           checked={selected}
           onChange={(event) => onSelect(event.currentTarget.checked)}
           // Selecting is not a wish to see it.
@@ -137,10 +139,18 @@ function Facts({
 
 /** Where a borrowed game comes from: a run whose policy played it, or another behaviour. */
 function Origin({ recording: { run_id: runId, behaviour_name: name } }: { recording: Recording }) {
-  const title = `A game of ${runId ? "a run’s policy" : "another behaviour"}, borrowed for this ranking.`;
+  const title = runId
+    ? t`A game of a run’s policy, borrowed for this ranking.`
+    : t`A game of another behaviour, borrowed for this ranking.`;
   return (
     <Badge icon="tray" title={title}>
-      from {runId ? <RunName id={runId} /> : name}
+      {runId ? (
+        <Trans>
+          from <RunName id={runId} />
+        </Trans>
+      ) : (
+        <Trans>from {name}</Trans>
+      )}
     </Badge>
   );
 }
@@ -156,25 +166,25 @@ function Buttons({
 }: RankCardProps & { name: string }) {
   const moves = ranked
     ? ([
-        ["up", "up", "Up"],
-        ["down", "down", "Down"],
-        ["join", "equal", "Tie with the tier above"],
-        ["new", "newTier", "Own tier"],
-        ["tray", "tray", "Back to unranked"],
+        ["up", "up", t`Up`],
+        ["down", "down", t`Down`],
+        ["join", "equal", t`Tie with the tier above`],
+        ["new", "newTier", t`Own tier`],
+        ["tray", "tray", t`Back to unranked`],
       ] as const)
     : ([
-        ["up", "up", "Rank as best"],
-        ["new", "down", "Rank as worst"],
+        ["up", "up", t`Rank as best`],
+        ["new", "down", t`Rank as worst`],
       ] as const);
   return (
-    <div className={styles.buttons} role="group" aria-label={`Moves of ${name}`}>
+    <div className={styles.buttons} role="group" aria-label={t`Moves of ${name}`}>
       {!recording.borrowed && (
         <IconButton
           icon="star"
           filled={recording.perfect}
           className={styles.star}
           label={
-            recording.perfect ? `${name} is perfect. Remove the mark` : `Mark ${name} as perfect`
+            recording.perfect ? t`${name} is perfect. Remove the mark` : t`Mark ${name} as perfect`
           }
           aria-pressed={recording.perfect}
           onClick={onPerfect}
@@ -194,7 +204,7 @@ function Buttons({
         />
       ))}
       {recording.borrowed && !ranked && (
-        <IconButton icon="close" label={`Give back: ${name}`} onClick={onGiveBack} />
+        <IconButton icon="close" label={t`Give back: ${name}`} onClick={onGiveBack} />
       )}
     </div>
   );

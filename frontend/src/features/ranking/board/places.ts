@@ -1,4 +1,7 @@
 /** Names of the board's drop places. */
+
+import { plural, t } from "@lingui/core/macro";
+
 import type { Place, Tiers } from "@/features/ranking/order/order";
 
 export const TRAY = "tray";
@@ -31,14 +34,14 @@ export function readPlace(place: string): Place {
 /** Describes a place, for announcements. */
 export function describePlace(place: string, tiers: Tiers): string {
   const to = readPlace(place);
-  if (to.kind === "tray") return "unranked";
+  if (to.kind === "tray") return t`unranked`;
   if (to.kind === "tier") {
     const n = tiers[to.tier]?.length ?? 0;
-    const others = n === 1 ? "1 recording" : `${n} recordings`;
-    return `tier ${to.tier + 1} of ${tiers.length}, with ${others}`;
+    const [tier, of] = [to.tier + 1, tiers.length];
+    return t`tier ${tier} of ${of}, with ${plural(n, { one: "1 recording", other: "# recordings" })}`;
   }
-  if (tiers.length === 0) return "the first tier";
-  if (to.before === 0) return "new tier, best of all";
-  if (to.before === tiers.length) return "new tier, worst of all";
-  return `new tier between tiers ${to.before} and ${to.before + 1}`;
+  if (tiers.length === 0) return t`the first tier`;
+  if (to.before === 0) return t`new tier, best of all`;
+  if (to.before === tiers.length) return t`new tier, worst of all`;
+  return t`new tier between tiers ${to.before} and ${to.before + 1}`;
 }

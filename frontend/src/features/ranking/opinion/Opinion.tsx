@@ -1,6 +1,10 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { GameOpinion } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
+import { listed } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Opinion.module.css";
@@ -31,19 +35,24 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
           />
           <i className={styles.tick} style={{ insetInlineStart: along(place) }} />
         </span>
-        {tier === null ? "Probably" : "The others suggest"} {describeTiers(opinion)}
+        {tier === null
+          ? t`Probably ${describeTiers(opinion)}`
+          : t`The others suggest ${describeTiers(opinion)}`}
       </p>
       {tier !== null && against.length > 0 && !kept && (
-        <div role="group" aria-label={`Contradiction at ${name}`} className={styles.contradiction}>
+        <div role="group" aria-label={t`Contradiction at ${name}`} className={styles.contradiction}>
           <Icon name="alert" />
           <p>
-            The other games suggest that it is {opinion.tier < tier ? "better" : "worse"}: about
-            tier {opinion.tier}. It ends like{" "}
-            {against.map((id) => recordingName({ id })).join(" and ")}.
+            {opinion.tier < tier ? (
+              <Trans>The other games suggest that it is better: about tier {opinion.tier}.</Trans>
+            ) : (
+              <Trans>The other games suggest that it is worse: about tier {opinion.tier}.</Trans>
+            )}{" "}
+            <Trans>It ends like {listed(against.map((id) => recordingName({ id })))}.</Trans>
           </p>
           <div className={styles.choice}>
             <Button
-              aria-label={`Move to tier ${opinion.tier}: ${name}`}
+              aria-label={t`Move to tier ${opinion.tier}: ${name}`}
               // Not `disabled`, which would lose the focus.
               aria-disabled={!current}
               onClick={({ currentTarget }) => {
@@ -52,17 +61,17 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
                 onMove(opinion.tier);
               }}
             >
-              Move to tier {opinion.tier}
+              <Trans>Move to tier {opinion.tier}</Trans>
             </Button>
             <Button
               kind="quiet"
-              aria-label={`Keep it here: ${name}`}
+              aria-label={t`Keep it here: ${name}`}
               onClick={({ currentTarget }) => {
                 focusHandle(currentTarget);
                 onKeep();
               }}
             >
-              Keep it here
+              <Trans>Keep it here</Trans>
             </Button>
           </div>
         </div>
@@ -83,5 +92,5 @@ function along(share: number): string {
 
 /** Describes a tier and the tiers that are possible. */
 function describeTiers({ tier, best_tier: best, worst_tier: worst }: GameOpinion): string {
-  return best === worst ? `tier ${tier}` : `tier ${tier} (${best} to ${worst})`;
+  return best === worst ? t`tier ${tier}` : t`tier ${tier} (${best} to ${worst})`;
 }

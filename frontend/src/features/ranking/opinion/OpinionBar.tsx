@@ -1,5 +1,7 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { messageOf } from "@/api/client";
-import { count } from "@/lib/format";
 
 import styles from "./OpinionBar.module.css";
 import type { Opinions } from "./use-opinions";
@@ -20,7 +22,7 @@ export function OpinionBar({ opinions, shown, onShow }: OpinionBarProps) {
           checked={shown}
           onChange={(event) => onShow(event.currentTarget.checked)}
         />
-        Show what the other games suggest
+        <Trans>Show what the other games suggest</Trans>
       </label>
       {shown && <p>{legend(opinions)}</p>}
     </div>
@@ -28,14 +30,14 @@ export function OpinionBar({ opinions, shown, onShow }: OpinionBarProps) {
 }
 
 function legend({ answer, error }: Opinions): string {
-  if (error !== null) return `It could not be worked out: ${messageOf(error)}`;
-  if (!answer) return "Working it out…";
+  if (error !== null) return t`It could not be worked out: ${messageOf(error)}`;
+  if (!answer) return t`Working it out…`;
   if (answer.needs_more)
-    return "Rank four games in at least two tiers to see where they suggest that each game belongs.";
+    return t`Rank four games in at least two tiers to see where they suggest that each game belongs.`;
   if (answer.missing > 0)
-    return `Looking at how ${count(answer.missing, "more game ends", "more games end")}…`;
-  return (
-    "The bar beside a game runs from best to worst. Its tick is where a linear reward places the " +
-    "game, learned from how the other ranked games end; the wider the band, the less sure it is."
-  );
+    return plural(answer.missing, {
+      one: "Looking at how # more game ends…",
+      other: "Looking at how # more games end…",
+    });
+  return t`The bar beside a game runs from best to worst. Its tick is where a linear reward places the game, learned from how the other ranked games end; the wider the band, the less sure it is.`;
 }

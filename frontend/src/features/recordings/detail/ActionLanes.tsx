@@ -1,5 +1,8 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { memo, useSyncExternalStore } from "react";
 
+import { Legend } from "@/components/recording/Legend";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./ActionLanes.module.css";
@@ -27,17 +30,21 @@ export function ActionLanes({
         height={height}
         preserveAspectRatio="none"
         role="img"
-        aria-label="Keys held over time: left, right and fire from top to bottom"
+        aria-label={t`Keys held over time: left, right and fire from top to bottom`}
       >
         <Lanes actions={actions} last={last} />
         <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={height} />
       </svg>
-      <p className={styles.legend}>
-        <span>Held: left, right, fire from top to bottom</span>
+      <Legend>
         <span>
-          Action of frame {frame}: <strong>{describeAction(actions, frame)}</strong>
+          <Trans>Held: left, right, fire from top to bottom</Trans>
         </span>
-      </p>
+        <span>
+          <Trans>
+            Action of frame {frame}: <strong>{describeAction(actions, frame)}</strong>
+          </Trans>
+        </span>
+      </Legend>
     </div>
   );
 }

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useState } from "react";
 
 import { messageOf } from "@/api/client";
@@ -9,10 +11,10 @@ import { saveFile } from "@/lib/save-file";
 
 import styles from "./Downloads.module.css";
 
-const CLIPS: readonly (readonly [kind: ClipKind, name: string, hint: string])[] = [
-  ["mp4", "MP4", "every frame, 60 a second"],
-  ["gif", "GIF", "20 pictures a second"],
-  ["webp", "WebP", "20 pictures a second, smaller"],
+const clips = (): readonly (readonly [kind: ClipKind, name: string, hint: string])[] => [
+  ["mp4", "MP4", t`every frame, 60 a second`],
+  ["gif", "GIF", t`20 pictures a second`],
+  ["webp", "WebP", t`20 pictures a second, smaller`],
 ];
 
 /** Downloads a recording as a clip or as data. */
@@ -35,7 +37,7 @@ export function Downloads({ recording }: { recording: Recording }) {
   return (
     <>
       <div className={styles.buttons}>
-        {CLIPS.map(([kind, name, hint]) => (
+        {clips().map(([kind, name, hint]) => (
           <Button
             key={kind}
             icon="download"
@@ -43,13 +45,15 @@ export function Downloads({ recording }: { recording: Recording }) {
             disabled={making !== null}
             onClick={() => void download(kind)}
           >
-            {making === kind ? `Making the ${name}…` : name}
+            {making === kind ? t`Making the ${name}…` : name}
           </Button>
         ))}
-        <DownloadLink href={recordingExportUrl(recording.id)}>Data (JSON)</DownloadLink>
+        <DownloadLink href={recordingExportUrl(recording.id)}>
+          <Trans>Data (JSON)</Trans>
+        </DownloadLink>
       </div>
       <p className={styles.hint} role="status">
-        {making !== null && "The game is replayed and encoded; this takes some seconds."}
+        {making !== null && t`The game is replayed and encoded; this takes some seconds.`}
       </p>
       {error !== null && (
         <Notice tone="bad" live>

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useState, useSyncExternalStore } from "react";
 
@@ -21,7 +23,9 @@ export function MemoryView({ playback, course }: { playback: Playback; course: R
       open={open}
       onToggle={(event) => setOpen(event.currentTarget.open)}
     >
-      <summary>Console memory</summary>
+      <summary>
+        <Trans>Console memory</Trans>
+      </summary>
       {open && <Memory playback={playback} course={course} />}
     </details>
   );
@@ -31,9 +35,9 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   const { data, error, refetch } = useQuery(memoryQuery(course.memory_url));
   if (error && !data) {
-    return <Failed what="The memory" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The memory`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!data) return <Loading what="the memory" rows={1} height="12rem" />;
+  if (!data) return <Loading what={t`the memory`} rows={1} height="12rem" />;
   const bytes = memoryAt(data, frame);
   const names = new Map(course.memory_names.map(({ address, name }) => [address, name]));
   const lines = Array.from({ length: bytes.length / BYTES_PER_LINE }, (_, line) =>
@@ -42,11 +46,13 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
   return (
     <>
       <p className={styles.hint}>
-        128 bytes at frame {frame}, in hexadecimal. Those that changed in this frame are underlined.
-        Learning never sees them.
+        <Trans>
+          128 bytes at frame {frame}, in hexadecimal. Those that changed in this frame are
+          underlined. Learning never sees them.
+        </Trans>
       </p>
       <div className={styles.scroll}>
-        <table className={styles.bytes} aria-label={`Memory at frame ${frame}`}>
+        <table className={styles.bytes} aria-label={t`Memory at frame ${frame}`}>
           <tbody>
             {lines.map((line, index) => (
               <tr key={index}>
@@ -58,7 +64,7 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
                       changed && styles.changed,
                       names.has(address) && styles.named,
                     )}
-                    title={`${address}: ${names.get(address) ?? "unnamed"}, ${value}`}
+                    title={`${address}: ${names.get(address) ?? t`unnamed`}, ${value}`}
                   >
                     {hex(value)}
                   </td>
@@ -67,7 +73,7 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
             ))}
           </tbody>
         </table>
-        <table className={styles.names} aria-label="Known addresses">
+        <table className={styles.names} aria-label={t`Known addresses`}>
           <tbody>
             {course.memory_names.map(({ address, name }) => (
               <tr key={address}>

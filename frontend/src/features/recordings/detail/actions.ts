@@ -1,4 +1,6 @@
 /** Names of a recording's actions, and the spans in which each key was held. */
+import { t } from "@lingui/core/macro";
+
 import { actionName } from "@/lib/game/actions";
 
 const FIRING: ReadonlySet<number> = new Set([1, 4, 5]);
@@ -22,9 +24,9 @@ interface Lane {
  * @param actions `actions[f]` was executed in frame f + 1.
  */
 export function describeAction(actions: readonly number[], frame: number): string {
-  if (frame <= 0) return "the start";
+  if (frame <= 0) return t`the start`;
   const action = actions[frame - 1];
-  return action === undefined ? "none" : actionName(action);
+  return action === undefined ? t`none` : actionName(action);
 }
 
 /** Returns the spans in which each key was held. */

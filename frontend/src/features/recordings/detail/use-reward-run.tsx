@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
 import { Link, useSearchParams } from "react-router";
@@ -52,12 +54,14 @@ function RunMenu({
 }) {
   return (
     <label className={styles.menu}>
-      <span className="visually-hidden">Reward model of</span>
+      <span className="visually-hidden">
+        <Trans>Reward model of</Trans>
+      </span>
       <select value={chosen.id} onChange={(event) => onChoose(event.currentTarget.value)}>
         {runs.map((run, index) => (
           <option key={run.id} value={run.id}>
             {runName(run)}, {run.recipe}, {moment(run.created_at)}
-            {index === 0 && runs.length > 1 ? " (newest)" : ""}
+            {index === 0 && runs.length > 1 ? ` (${t`newest`})` : ""}
           </option>
         ))}
       </select>
@@ -69,11 +73,17 @@ function NoReward({ behaviour, runs }: { behaviour: Behaviour; runs: readonly Ru
   const at = `/behaviours/${behaviour.id}`;
   return (
     <p className={styles.none}>
-      No run of {behaviour.name} has finished yet, so there is no learned reward to show here.{" "}
+      <Trans>
+        No run of {behaviour.name} has finished yet, so there is no learned reward to show here.
+      </Trans>{" "}
       {runs.length === 0 ? (
-        <Link to={`${at}/train`}>Train one</Link>
+        <Link to={`${at}/train`}>
+          <Trans>Train one</Trans>
+        </Link>
       ) : (
-        <Link to={`${at}/runs`}>Look at its runs</Link>
+        <Link to={`${at}/runs`}>
+          <Trans>Look at its runs</Trans>
+        </Link>
       )}
     </p>
   );

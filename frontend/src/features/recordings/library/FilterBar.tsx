@@ -1,32 +1,33 @@
+import { t } from "@lingui/core/macro";
+
 import type { Behaviour, Recording } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import { Select } from "@/components/controls/Select";
+import { Filters, Select } from "@/components/controls/Filters";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
-import styles from "./FilterBar.module.css";
 
-const SHOW_NAMES: Readonly<Record<Filter["show"], string>> = {
-  all: "All",
-  perfect: "Perfect ones",
-  ranked: "Ranked",
-  unranked: "Not ranked yet",
-  deleted: "Deleted",
-};
-const SOURCE_NAMES = {
-  person: "A person",
-  scripted: "The scripted player",
-  policy: "A policy",
-  varied: "Varied play",
-} as const;
-const VERIFIED_NAMES = { yes: "Verified", no: "Not verified" } as const;
-const ORDER_NAMES: Readonly<Record<Filter["order"], string>> = {
-  newest: "Newest first",
-  oldest: "Oldest first",
-  targets: "Most hits first",
-  strays: "Fewest strays first",
-  longest: "Longest first",
-  shots: "Fewest shots first",
-};
+const showNames = (): Readonly<Record<Filter["show"], string>> => ({
+  all: t`All`,
+  perfect: t`Perfect ones`,
+  ranked: t`Ranked`,
+  unranked: t`Not ranked yet`,
+  deleted: t`Deleted`,
+});
+const sourceNames = () =>
+  ({
+    person: t`A person`,
+    scripted: t`The scripted player`,
+    policy: t`A policy`,
+    varied: t`Varied play`,
+  }) as const;
+const verifiedNames = () => ({ yes: t`Verified`, no: t`Not verified` }) as const;
+const orderNames = (): Readonly<Record<Filter["order"], string>> => ({
+  newest: t`Newest first`,
+  oldest: t`Oldest first`,
+  targets: t`Most hits first`,
+  strays: t`Fewest strays first`,
+  longest: t`Longest first`,
+  shots: t`Fewest shots first`,
+});
 const MOST_STRAYS = 5;
 /** Choices for the number of hits without a target. */
 const MOST_HITS = 12;
@@ -49,25 +50,31 @@ export function FilterBar({
   const nHits = behaviour.target?.length ?? MOST_HITS;
   const set = (change: Partial<Filter>) => onChange({ ...filter, ...change });
   return (
-    <div className={styles.filters} role="group" aria-label="Filters">
+    <Filters
+      label={t`Filters`}
+      role="group"
+      onClear={
+        isNarrow(filter) ? () => onChange({ ...EVERYTHING, order: filter.order }) : undefined
+      }
+    >
       <Select
-        label="Show"
+        label={t`Show`}
         value={filter.show}
-        options={SHOWN.map((one) => [one, SHOW_NAMES[one]])}
+        options={SHOWN.map((one) => [one, showNames()[one]])}
         onChange={(show) => set({ show })}
       />
       <Select
-        label="Played by"
+        label={t`Played by`}
         value={filter.source ?? ANY}
-        options={[[ANY, "Anybody"], ...SOURCES.map((one) => [one, SOURCE_NAMES[one]] as const)]}
+        options={[[ANY, t`Anybody`], ...SOURCES.map((one) => [one, sourceNames()[one]] as const)]}
         onChange={(source) => set({ source: source === ANY ? null : source })}
       />
       {(players.length > 1 || filter.player !== null) && (
         <Select
-          label="Player"
+          label={t`Player`}
           value={filter.player ?? ANY}
           options={[
-            [ANY, "All"],
+            [ANY, t`All`],
             ...[...new Set([...players, filter.player ?? ANY])]
               .filter((one) => one !== ANY)
               .map((one) => [one, one] as const),
@@ -76,51 +83,42 @@ export function FilterBar({
         />
       )}
       <Select
-        label={behaviour.target ? "Targets" : "Aliens"}
+        label={behaviour.target ? t`Targets` : t`Aliens`}
         value={numbered(filter.hits)}
         options={[
-          [ANY, "Any number"],
-          ...upTo(nHits, filter.hits).map((n) => [String(n), `${n} or more`] as const),
+          [ANY, t`Any number`],
+          ...upTo(nHits, filter.hits).map((n) => [String(n), t`${n} or more`] as const),
         ]}
         onChange={(hits) => set({ hits: numberOf(hits) })}
       />
       {behaviour.target && (
         <Select
-          label="Strays"
+          label={t`Strays`}
           value={numbered(filter.strays)}
           options={[
-            [ANY, "Any number"],
-            ["0", "None"],
-            ...upTo(MOST_STRAYS, filter.strays).map((n) => [String(n), `At most ${n}`] as const),
+            [ANY, t`Any number`],
+            ["0", t`None`],
+            ...upTo(MOST_STRAYS, filter.strays).map((n) => [String(n), t`At most ${n}`] as const),
           ]}
           onChange={(strays) => set({ strays: numberOf(strays) })}
         />
       )}
       <Select
-        label="Replay"
+        label={t`Replay`}
         value={filter.verified ?? ANY}
         options={[
-          [ANY, "Verified or not"],
-          ...VERIFIED.map((one) => [one, VERIFIED_NAMES[one]] as const),
+          [ANY, t`Verified or not`],
+          ...VERIFIED.map((one) => [one, verifiedNames()[one]] as const),
         ]}
         onChange={(verified) => set({ verified: verified === ANY ? null : verified })}
       />
       <Select
-        label="Order"
+        label={t`Order`}
         value={filter.order}
-        options={ORDERS.map((one) => [one, ORDER_NAMES[one]])}
+        options={ORDERS.map((one) => [one, orderNames()[one]])}
         onChange={(order) => set({ order })}
       />
-      {isNarrow(filter) && (
-        <Button
-          kind="quiet"
-          icon="close"
-          onClick={() => onChange({ ...EVERYTHING, order: filter.order })}
-        >
-          Clear the filters
-        </Button>
-      )}
-    </div>
+    </Filters>
   );
 }
 

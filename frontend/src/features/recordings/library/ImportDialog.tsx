@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { type DragEvent, useState } from "react";
 
@@ -9,7 +11,7 @@ import { Dialog } from "@/components/controls/Dialog";
 import { Checkbox } from "@/components/controls/Field";
 import { Notice } from "@/components/feedback/States";
 import { classes } from "@/lib/classes";
-import { bytes, count } from "@/lib/format";
+import { bytes } from "@/lib/format";
 
 import styles from "./ImportDialog.module.css";
 
@@ -51,7 +53,7 @@ export function ImportDialog({
   }
 
   return (
-    <Dialog title="Import recordings" onClose={onClose}>
+    <Dialog title={t`Import recordings`} onClose={onClose}>
       <form
         className={styles.form}
         onSubmit={(event) => {
@@ -70,28 +72,30 @@ export function ImportDialog({
           onDrop={drop}
         >
           <span>
-            {file ? `${file.name}, ${bytes(file.size)}` : "Drop a file here, or choose one."}
+            {file ? `${file.name}, ${bytes(file.size)}` : t`Drop a file here, or choose one.`}
           </span>
           <input
             type="file"
-            aria-label="File of recordings"
+            aria-label={t`File of recordings`}
             accept=".json,.jsonl,.ndjson,application/json"
             onChange={(event) => {
               const chosen = event.currentTarget.files?.[0];
               if (chosen) choose(chosen);
             }}
           />
-          <span>One JSON object, or one per line, as the export writes them.</span>
+          <span>
+            <Trans>One JSON object, or one per line, as the export writes them.</Trans>
+          </span>
         </div>
         <Checkbox
-          label="The order is a ranking, best first"
-          hint="They are put on the board in this order, below what is already ranked."
+          label={t`The order is a ranking, best first`}
+          hint={t`They are put on the board in this order, below what is already ranked.`}
           checked={rank}
           onChange={setRank}
         />
         <Checkbox
-          label="All of them are perfect"
-          hint="The clone is learned from perfect recordings."
+          label={t`All of them are perfect`}
+          hint={t`The clone is learned from perfect recordings.`}
           checked={perfect}
           onChange={setPerfect}
         />
@@ -104,11 +108,11 @@ export function ImportDialog({
         <div className={styles.actions}>
           {send.data ? (
             <Button kind="primary" onClick={onClose}>
-              Close
+              <Trans>Close</Trans>
             </Button>
           ) : (
             <Button kind="primary" type="submit" disabled={!file || send.isPending}>
-              {send.isPending ? "Replaying…" : "Import"}
+              {send.isPending ? t`Replaying…` : t`Import`}
             </Button>
           )}
         </div>
@@ -125,28 +129,41 @@ function Report({ result }: { result: ImportResult }) {
   return (
     <div className={styles.report} role="status">
       <p>
-        <strong>{count(result.imported.length, "recording")} imported</strong>
+        <strong>
+          <Trans>
+            <Plural value={result.imported.length} one="# recording" other="# recordings" />{" "}
+            imported
+          </Trans>
+        </strong>
         {result.already_there.length > 0 && (
-          <>, {result.already_there.length} already there and not imported again</>
+          <>
+            , <Trans>{result.already_there.length} already there and not imported again</Trans>
+          </>
         )}
-        {result.refusals.length > 0 && <>, {result.refusals.length} refused</>}.
+        {result.refusals.length > 0 && (
+          <>
+            , <Trans>{result.refusals.length} refused</Trans>
+          </>
+        )}
+        .
       </p>
       {lines.length > 0 && (
         <table>
           <thead>
             <tr>
-              <th scope="col">Line</th>
-              <th scope="col">What happened</th>
+              <th scope="col">
+                <Trans>Line</Trans>
+              </th>
+              <th scope="col">
+                <Trans>What happened</Trans>
+              </th>
             </tr>
           </thead>
           <tbody>
             {lines.map((one, index) => (
               <tr key={`${one.line}-${index}`}>
                 <td className={styles.line}>{one.line}</td>
-                <td>
-                  {one.refused ? "Refused: " : "Imported, but: "}
-                  {one.reason}
-                </td>
+                <td>{one.refused ? t`Refused: ${one.reason}` : t`Imported, but: ${one.reason}`}</td>
               </tr>
             ))}
           </tbody>

@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useCallback, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
@@ -6,7 +8,6 @@ import { exportUrl, withDeletedQuery } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
-import { count } from "@/lib/format";
 import { whyUnrankable } from "@/lib/recordings";
 
 import { filtered, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
@@ -34,18 +35,22 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
     <>
       <div className={styles.bar}>
         <h2>
-          {count(recordings.length - others.length, "recording")}
+          {plural(recordings.length - others.length, { one: "# recording", other: "# recordings" })}
           {others.length > 0 && (
             <>
               {" "}
-              <small>and {others.length} that can&rsquo;t be ranked yet</small>
+              <small>
+                <Trans>and {others.length} that can&rsquo;t be ranked yet</Trans>
+              </small>
             </>
           )}
         </h2>
         <Button icon="upload" onClick={onImport}>
-          Import
+          <Trans>Import</Trans>
         </Button>
-        <DownloadLink href={exportUrl(behaviour.id)}>Export</DownloadLink>
+        <DownloadLink href={exportUrl(behaviour.id)}>
+          <Trans>Export</Trans>
+        </DownloadLink>
       </div>
       <FilterBar
         filter={filter}
@@ -79,9 +84,9 @@ interface GridProps {
 function Deleted(props: Omit<GridProps, "recordings">) {
   const { data, error, refetch } = useQuery(withDeletedQuery(props.behaviour.id));
   if (error && !data) {
-    return <Failed what="The recordings" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The recordings`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!data) return <Loading what="the deleted recordings" rows={2} height="18rem" />;
+  if (!data) return <Loading what={t`the deleted recordings`} rows={2} height="18rem" />;
   return <Grid recordings={data} {...props} />;
 }
 
@@ -98,9 +103,11 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
   if (shown.length === 0) {
     return (
       <p className={styles.none}>
-        No recording matches the filters.{" "}
+        <Trans>No recording matches the filters.</Trans>{" "}
         {isNarrow(filter) && (
-          <Button onClick={() => onClear({ ...EVERYTHING, order: filter.order })}>Show all</Button>
+          <Button onClick={() => onClear({ ...EVERYTHING, order: filter.order })}>
+            <Trans>Show all</Trans>
+          </Button>
         )}
       </p>
     );

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { memo, useState } from "react";
 import { Link } from "react-router";
 
@@ -40,7 +41,7 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
       <button
         type="button"
         className={styles.screen}
-        aria-label={`Watch ${name}`}
+        aria-label={t`Watch ${name}`}
         onClick={() => onWatch(recording)}
         {...hover}
       >
@@ -56,7 +57,7 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
           <input
             type="checkbox"
             className={styles.select}
-            aria-label={`Select ${name}`}
+            aria-label={t`Select ${name}`}
             checked={selected}
             onChange={(event) =>
               onSelect(
@@ -107,7 +108,7 @@ function Actions({
     return (
       <IconButton
         icon="undo"
-        label={`Restore ${name}`}
+        label={t`Restore ${name}`}
         onClick={() => actions.restore(recording)}
       />
     );
@@ -116,7 +117,7 @@ function Actions({
     <>
       <IconButton
         icon="star"
-        label={recording.perfect ? "Perfect. Remove the mark" : "Mark as perfect"}
+        label={recording.perfect ? t`Perfect. Remove the mark` : t`Mark as perfect`}
         aria-pressed={recording.perfect}
         filled={recording.perfect}
         className={recording.perfect ? styles.starOn : undefined}
@@ -127,10 +128,14 @@ function Actions({
       />
       <IconButton
         icon="note"
-        label={recording.notes ? "Change the note" : "Write a note"}
+        label={recording.notes ? t`Change the note` : t`Write a note`}
         onClick={() => setWriting(true)}
       />
-      <IconButton icon="trash" label={`Delete ${name}`} onClick={() => actions.remove(recording)} />
+      <IconButton
+        icon="trash"
+        label={t`Delete ${name}`}
+        onClick={() => actions.remove(recording)}
+      />
       {question}
       {writing && (
         <NotesDialog

@@ -1,10 +1,12 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { exportUrl } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { classes } from "@/lib/classes";
-import { count } from "@/lib/format";
 
 import styles from "./SelectionBar.module.css";
 
@@ -36,26 +38,30 @@ export function SelectionBar({
     <div
       className={classes(styles.selection, any && styles.some)}
       role="group"
-      aria-label="Selected recordings"
+      aria-label={t`Selected recordings`}
     >
       <span role="status" className={styles.count}>
-        {any ? `${count(selected.length, "recording")} selected` : `${shown.length} shown`}
+        {any
+          ? plural(selected.length, { one: "# recording selected", other: "# recordings selected" })
+          : t`${shown.length} shown`}
       </span>
       {selected.length < Math.min(shown.length, MOST) && (
         <Button kind="quiet" onClick={() => onSelect(shown.slice(0, MOST))}>
-          {shown.length > MOST ? `Select the first ${MOST}` : "Select all shown"}
+          {shown.length > MOST ? t`Select the first ${MOST}` : t`Select all shown`}
         </Button>
       )}
       {any && (
         <>
           <Button kind="quiet" onClick={() => onSelect([])}>
-            Select none
+            <Trans>Select none</Trans>
           </Button>
           {selected.length > MOST ? (
-            <span className={styles.count}>At most {MOST} can be changed at once.</span>
+            <span className={styles.count}>
+              <Trans>At most {MOST} can be changed at once.</Trans>
+            </span>
           ) : deleted ? (
             <Button icon="undo" onClick={() => change("restore")}>
-              Restore
+              <Trans>Restore</Trans>
             </Button>
           ) : (
             <>
@@ -69,7 +75,7 @@ export function SelectionBar({
                   }
                 }}
               >
-                {allPerfect ? "Remove the perfect marks" : "Mark as perfect"}
+                {allPerfect ? t`Remove the perfect marks` : t`Mark as perfect`}
               </Button>
               <DownloadLink
                 href={exportUrl(
@@ -77,11 +83,11 @@ export function SelectionBar({
                   selected.map(({ id }) => id),
                 )}
               >
-                Export selected
+                <Trans>Export selected</Trans>
               </DownloadLink>
               {question}
               <Button icon="trash" onClick={() => change("delete")}>
-                Delete
+                <Trans>Delete</Trans>
               </Button>
             </>
           )}

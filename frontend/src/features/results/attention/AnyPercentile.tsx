@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useId, useState } from "react";
 
@@ -36,9 +38,11 @@ export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps)
   if (!state) return null;
   const name = percentileName(percentile);
   return (
-    <section className={styles.any} aria-label="Any percentile of R">
+    <section className={styles.any} aria-label={t`Any percentile of R`}>
       <div className={styles.choice}>
-        <label htmlFor={id}>Any percentile of R</label>
+        <label htmlFor={id}>
+          <Trans>Any percentile of R</Trans>
+        </label>
         <input
           id={id}
           type="range"
@@ -52,10 +56,14 @@ export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps)
           <strong>{name}</strong>
           <span>R {measured(state.reward)}</span>
           <span>
-            {recordingName({ id: state.recording_id })}, step {state.step}
+            <Trans>
+              {recordingName({ id: state.recording_id })}, step {state.step}
+            </Trans>
           </span>
         </p>
-        <ButtonLink to={momentPath(state, runId)}>Open this moment</ButtonLink>
+        <ButtonLink to={momentPath(state, runId)}>
+          <Trans>Open this moment</Trans>
+        </ButtonLink>
       </div>
       {recording && <Still recording={recording} step={shown.step} />}
     </section>
@@ -63,8 +71,8 @@ export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps)
 }
 
 function percentileName(percentile: number): string {
-  if (percentile === 0) return "minimum";
-  return percentile === 100 ? "maximum" : `${ordinal(percentile)} percentile`;
+  if (percentile === 0) return t`minimum`;
+  return percentile === 100 ? t`maximum` : t`${ordinal(percentile)} percentile`;
 }
 
 /** The screen after a step of a recording. */
@@ -80,7 +88,7 @@ function Still({ recording, step }: { recording: Recording; step: number }) {
   return (
     <GameCanvas
       size={size}
-      label={`Screen at step ${step} of ${recordingName(recording)}`}
+      label={t`Screen at step ${step} of ${recordingName(recording)}`}
       onPainter={setPainter}
     />
   );

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMemo, useState } from "react";
 import { Link } from "react-router";
 
@@ -13,9 +15,9 @@ import { ScreenImage, SquareImage } from "./PixelImage";
 
 type ColourMap = "perceptual" | "red-blue";
 
-const COLOUR_MAPS: readonly { readonly id: ColourMap; readonly name: string }[] = [
-  { id: "perceptual", name: "Perceptual" },
-  { id: "red-blue", name: "Red-blue" },
+const colourMaps = (): readonly { readonly id: ColourMap; readonly name: string }[] => [
+  { id: "perceptual", name: t`Perceptual` },
+  { id: "red-blue", name: t`Red-blue` },
 ];
 
 const MAP_PIXELS = 84;
@@ -36,16 +38,27 @@ export function Attention({ results, onWatch }: AttentionProps) {
   return (
     <>
       <p className={styles.note}>
-        One patch of the screen is occluded at a time; the more R changes, the brighter (or redder)
-        the patch. Shown for four states of the ranked recordings, from the lowest R to the highest.
-        {results.attention.some((map) => map.faithfulness) &&
-          " The range of R is from how demonstrations begin to how the best ones end."}
+        <Trans>
+          One patch of the screen is occluded at a time; the more R changes, the brighter (or
+          redder) the patch. Shown for four states of the ranked recordings, from the lowest R to
+          the highest.
+        </Trans>
+        {results.attention.some((map) => map.faithfulness) && (
+          <>
+            {" "}
+            <Trans>The range of R is from how demonstrations begin to how the best ones end.</Trans>
+          </>
+        )}
       </p>
       <fieldset className={styles.bar}>
-        <legend className="visually-hidden">Colour map</legend>
-        <span aria-hidden="true">Colours</span>
+        <legend className="visually-hidden">
+          <Trans>Colour map</Trans>
+        </legend>
+        <span aria-hidden="true">
+          <Trans>Colours</Trans>
+        </span>
         <span className={styles.choice}>
-          {COLOUR_MAPS.map(({ id, name }) => (
+          {colourMaps().map(({ id, name }) => (
             <label key={id}>
               <input
                 type="radio"
@@ -83,15 +96,24 @@ export function Attention({ results, onWatch }: AttentionProps) {
 
 /** Whether the map's bright pixels matter to R: the deletion and insertion tests in words. */
 function FaithfulnessFacts({ map, random }: Faithfulness) {
+  const brightest = percent(map.hidden_fifth, 0);
+  const anyFifth = percent(random.hidden_fifth, 0);
+  const [deletion, randomDeletion] = [fixed(map.deletion, 2), fixed(random.deletion, 2)];
+  const [insertion, randomInsertion] = [fixed(map.insertion, 2), fixed(random.insertion, 2)];
   return (
     <>
       <span>
-        Hiding the brightest fifth of the pixels changes R by {percent(map.hidden_fifth, 0)} of its
-        range; hiding as many random ones by {percent(random.hidden_fifth, 0)}.
+        <Trans>
+          Hiding the brightest fifth of the pixels changes R by {brightest} of its range; hiding as
+          many random ones by {anyFifth}.
+        </Trans>
       </span>
-      <span title="Mean change of R while pixels are hidden, or put into an empty screen, the brightest first, where 1 is the range of R: from how demonstrations begin to how the best ones end. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.">
-        Deletion {fixed(map.deletion, 2)} ({fixed(random.deletion, 2)}), insertion{" "}
-        {fixed(map.insertion, 2)} ({fixed(random.insertion, 2)})
+      <span
+        title={t`Mean change of R while pixels are hidden, or put into an empty screen, the brightest first, where 1 is the range of R: from how demonstrations begin to how the best ones end. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.`}
+      >
+        <Trans>
+          Deletion {deletion} ({randomDeletion}), insertion {insertion} ({randomInsertion})
+        </Trans>
       </span>
     </>
   );
@@ -114,16 +136,16 @@ function MapFigure({
   const frame = (
     <ScreenImage
       src={map.frame_url}
-      alt={`Screen at the ${map.state} of R`}
+      alt={t`Screen at the ${map.state} of R`}
       width={252}
       height={210}
     />
   );
   return (
-    <figure className={styles.map} aria-label={`Attention at the ${map.state} of R`}>
+    <figure className={styles.map} aria-label={t`Attention at the ${map.state} of R`}>
       <SquareImage
         src={colours === "perceptual" ? map.map_url : map.red_blue_url}
-        alt={`Attention map at the ${map.state} of R`}
+        alt={t`Attention map at the ${map.state} of R`}
         pixels={MAP_PIXELS}
         scale={MAP_SCALE}
       />
@@ -131,7 +153,7 @@ function MapFigure({
         <button
           type="button"
           className={styles.frame}
-          aria-label={`Watch ${name} from step ${map.step}`}
+          aria-label={t`Watch ${name} from step ${map.step}`}
           onClick={() => onWatch({ recording, title: name, frame: map.step * FRAMES_PER_STEP })}
         >
           {frame}
@@ -143,7 +165,9 @@ function MapFigure({
         <strong>{map.state}</strong>
         <span>R {measured(map.reward)}</span>
         <Link to={momentPath(map, runId)}>
-          {name}, step {map.step}
+          <Trans>
+            {name}, step {map.step}
+          </Trans>
         </Link>
         {map.faithfulness && <FaithfulnessFacts {...map.faithfulness} />}
       </figcaption>

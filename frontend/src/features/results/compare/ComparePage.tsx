@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useQueries, useQuery } from "@tanstack/react-query";
 import { Link, useSearchParams } from "react-router";
 
@@ -6,7 +8,6 @@ import { runQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
 import { Empty, Failed, Loading, Notice } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
-import { count } from "@/lib/format";
 
 import { comparedIds, seedGroups } from "./compared-runs";
 import { ComparedCurves } from "./ComparedCurves";
@@ -20,14 +21,18 @@ export function ComparePage() {
   const runs = queries.flatMap(({ data }) => data ?? []);
   const missing = queries.filter(({ error, data }) => error && !data).length;
   if (queries.some(({ isPending }) => isPending)) {
-    return <Loading what="the runs" rows={3} height="6rem" />;
+    return <Loading what={t`the runs`} rows={3} height="6rem" />;
   }
   if (runs.length === 0) {
     const [first] = queries;
-    if (first?.error) return <Failed what="The runs" error={first.error} />;
+    if (first?.error) return <Failed what={t`The runs`} error={first.error} />;
     return (
-      <Empty title="Nothing to compare">
-        <p>Select runs in a behaviour&rsquo;s list of runs, and compare them from there.</p>
+      <Empty title={t`Nothing to compare`}>
+        <p>
+          <Trans>
+            Select runs in a behaviour&rsquo;s list of runs, and compare them from there.
+          </Trans>
+        </p>
       </Empty>
     );
   }
@@ -42,23 +47,36 @@ function Comparison({ runs, missing }: { runs: readonly Run[]; missing: number }
   const groups = seedGroups(runs);
   return (
     <div className={styles.stack}>
-      <PageTitle>{`${count(runs.length, "run")} compared · Tril`}</PageTitle>
-      <h1>{count(runs.length, "run")} compared</h1>
+      <PageTitle>{t`${plural(runs.length, { one: "# run", other: "# runs" })} compared · Tril`}</PageTitle>
+      <h1>
+        <Trans>
+          <Plural value={runs.length} one="# run" other="# runs" /> compared
+        </Trans>
+      </h1>
       {behaviour && (
         <p className={styles.note}>
-          <Link to={`/behaviours/${behaviour.id}/runs`}>All runs of {behaviour.name}</Link>
+          <Link to={`/behaviours/${behaviour.id}/runs`}>
+            <Trans>All runs of {behaviour.name}</Trans>
+          </Link>
         </p>
       )}
       {missing > 0 && (
         <Notice>
-          <p>{count(missing, "run")} could not be loaded, or was deleted.</p>
+          <p>
+            <Trans>
+              <Plural value={missing} one="# run" other="# runs" /> could not be loaded, or was
+              deleted.
+            </Trans>
+          </p>
         </Notice>
       )}
-      <section className={styles.section} aria-label="Results and settings">
+      <section className={styles.section} aria-label={t`Results and settings`}>
         <ComparedTable runs={runs} groups={groups} nTargets={shared?.target?.length ?? null} />
         <p className={styles.note}>
-          Means of greedy games from starts that no training game began from, with 95 % bootstrap
-          intervals. Where intervals overlap widely, the runs can&rsquo;t be told apart.
+          <Trans>
+            Means of greedy games from starts that no training game began from, with 95 % bootstrap
+            intervals. Where intervals overlap widely, the runs can&rsquo;t be told apart.
+          </Trans>
         </p>
       </section>
       <ComparedCurves groups={groups} />

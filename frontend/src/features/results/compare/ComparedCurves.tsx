@@ -1,13 +1,14 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useQueries } from "@tanstack/react-query";
 import { useMemo } from "react";
 
 import { Button } from "@/components/controls/Button";
 import { Loading, Notice } from "@/components/feedback/States";
 import { curvesCsv } from "@/features/results/curves/csv";
-import { CHART_HINT, CurveGroupView } from "@/features/results/curves/CurveGroupView";
+import { chartHint, CurveGroupView } from "@/features/results/curves/CurveGroupView";
 import { useMetricsQueries } from "@/features/results/curves/metrics";
 import type { Series } from "@/features/results/curves/series";
-import { count } from "@/lib/format";
 import { runName } from "@/lib/runs";
 import { saveFile } from "@/lib/save-file";
 
@@ -34,7 +35,7 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [found]);
   if (queries.some(({ isPending }) => isPending)) {
-    return <Loading what="the curves" rows={1} height="11rem" />;
+    return <Loading what={t`the curves`} rows={1} height="11rem" />;
   }
   const failed = queries.filter(({ error, data }) => error && !data).length;
   const save = () => {
@@ -47,7 +48,12 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
     <>
       {failed > 0 && (
         <Notice live>
-          <p>The curves of {count(failed, "run")} could not be loaded.</p>
+          <p>
+            <Trans>
+              The curves of <Plural value={failed} one="# run" other="# runs" /> could not be
+              loaded.
+            </Trans>
+          </p>
         </Notice>
       )}
       {charts.map((group) => (
@@ -56,12 +62,14 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
       {charts.length > 0 && (
         <div className={styles.section}>
           <p className={styles.note}>
-            Runs that differ by their training seed only are one line: their mean, as far as all of
-            them go, in a band from the lowest to the highest. {CHART_HINT}
+            <Trans>
+              Runs that differ by their training seed only are one line: their mean, as far as all
+              of them go, in a band from the lowest to the highest. {chartHint()}
+            </Trans>
           </p>
           <div>
             <Button icon="download" onClick={save}>
-              Download the curves (CSV)
+              <Trans>Download the curves (CSV)</Trans>
             </Button>
           </div>
         </div>
@@ -73,5 +81,5 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
 function lineName(runs: SeedGroup["runs"]): string {
   const [first] = runs;
   if (!first) return "";
-  return runs.length > 1 ? `${runName(first)} and ${runs.length - 1} more` : runName(first);
+  return runs.length > 1 ? t`${runName(first)} and ${runs.length - 1} more` : runName(first);
 }

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import type { CSSProperties } from "react";
 import { Link } from "react-router";
 
@@ -11,10 +13,11 @@ import { differenceRows, resultRows } from "./compared-rows";
 import type { SeedGroup } from "./compared-runs";
 import styles from "./ComparedTable.module.css";
 
-const POLICIES = [
-  ["imitator", "Imitator"],
-  ["clone", "Clone"],
-] as const;
+const policies = () =>
+  [
+    ["imitator", t`Imitator`],
+    ["clone", t`Clone`],
+  ] as const;
 
 interface ComparedTableProps {
   runs: readonly Run[];
@@ -25,16 +28,18 @@ interface ComparedTableProps {
 /** A column for each run: results of imitator and clone, and the settings that differ. */
 export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
   const differences = differenceRows(runs);
-  const results = POLICIES.map(([policy, title]) => ({
-    policy,
-    title,
-    rows: resultRows(runs, policy, nTargets),
-  })).filter(({ rows }) => rows.length > 0);
+  const results = policies()
+    .map(([policy, title]) => ({
+      policy,
+      title,
+      rows: resultRows(runs, policy, nTargets),
+    }))
+    .filter(({ rows }) => rows.length > 0);
   return (
     // Scrolls horizontally; focusable so that the keyboard can scroll it.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
-    <div className={styles.scroll} role="region" aria-label="Runs side by side" tabIndex={0}>
-      <table className={styles.table} aria-label="Runs side by side">
+    <div className={styles.scroll} role="region" aria-label={t`Runs side by side`} tabIndex={0}>
+      <table className={styles.table} aria-label={t`Runs side by side`}>
         <thead>
           <tr>
             <td />
@@ -66,7 +71,7 @@ export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
         ))}
         <tbody>
           <Part
-            name={differences.length > 0 ? "Settings that differ" : "All settings are the same"}
+            name={differences.length > 0 ? t`Settings that differ` : t`All settings are the same`}
             nRuns={runs.length}
           />
           {differences.map(({ name, cells }) => (
@@ -118,7 +123,9 @@ function ValueCell({
     <td>
       {write(interval.mean)}
       <span className={styles.bounds}>
-        {write(interval.low)} to {write(interval.high)}
+        <Trans>
+          {write(interval.low)} to {write(interval.high)}
+        </Trans>
       </span>
     </td>
   );

@@ -1,6 +1,6 @@
 /** Curves of several runs over each other. */
 import type { Curve } from "@/features/results/curves/chart-data";
-import { type CurveGroup, PLAN } from "@/features/results/curves/curve-groups";
+import { type CurveGroup, plan } from "@/features/results/curves/curve-groups";
 import type { Points, Series } from "@/features/results/curves/series";
 
 /** A line of every chart: a run, or runs that differ by their training seed only. */
@@ -13,21 +13,23 @@ export interface ComparedLine {
 
 /** Returns the charts that have points, one for each curve of a run's charts. */
 export function comparedGroups(lines: readonly ComparedLine[]): readonly CurveGroup[] {
-  return PLAN.map((group) => ({
-    stage: group.stage,
-    name: group.name,
-    xLabels: group.xLabels,
-    charts: group.charts
-      .flatMap((chart) =>
-        chart.curves.map(({ key, name }) => ({
-          title: chart.curves.length > 1 ? `${chart.title}: ${name}` : chart.title,
-          format: chart.format,
-          ...(chart.range ? { range: chart.range } : {}),
-          curves: lines.flatMap((line) => curveOf(line, group.stage, key)),
-        })),
-      )
-      .filter(({ curves }) => curves.length > 0),
-  })).filter(({ charts }) => charts.length > 0);
+  return plan()
+    .map((group) => ({
+      stage: group.stage,
+      name: group.name,
+      xLabels: group.xLabels,
+      charts: group.charts
+        .flatMap((chart) =>
+          chart.curves.map(({ key, name }) => ({
+            title: chart.curves.length > 1 ? `${chart.title}: ${name}` : chart.title,
+            format: chart.format,
+            ...(chart.range ? { range: chart.range } : {}),
+            curves: lines.flatMap((line) => curveOf(line, group.stage, key)),
+          })),
+        )
+        .filter(({ curves }) => curves.length > 0),
+    }))
+    .filter(({ charts }) => charts.length > 0);
 }
 
 function curveOf(line: ComparedLine, stage: string, key: string): Curve[] {

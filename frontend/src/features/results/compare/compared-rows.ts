@@ -1,4 +1,7 @@
 /** The rows of the table that compares runs; every row has a cell for each run. */
+
+import { t } from "@lingui/core/macro";
+
 import type { Interval, PolicySummary, Run } from "@/api/types";
 import { fixed, percent, whole } from "@/lib/format";
 import { valueRows } from "@/lib/recipe-values";
@@ -13,15 +16,15 @@ export interface ResultRow {
 const oneDigit = (value: number) => fixed(value, 1);
 const wholePercent = (value: number) => percent(value, 0);
 
-const MEASURES: readonly {
+const measures = (): readonly {
   readonly key: keyof PolicySummary;
   readonly name: string;
   readonly write: (value: number) => string;
-}[] = [
-  { key: "targets", name: "Targets hit", write: oneDigit },
-  { key: "strays", name: "Strays", write: oneDigit },
-  { key: "death_rate", name: "Death rate", write: wholePercent },
-  { key: "perfect", name: "Perfect games", write: wholePercent },
+}[] => [
+  { key: "targets", name: t`Targets hit`, write: oneDigit },
+  { key: "strays", name: t`Strays`, write: oneDigit },
+  { key: "death_rate", name: t`Death rate`, write: wholePercent },
+  { key: "perfect", name: t`Perfect games`, write: wholePercent },
 ];
 
 /** Returns a policy's results in greedy games, without measures that no run has. */
@@ -30,11 +33,13 @@ export function resultRows(
   policy: "imitator" | "clone",
   nTargets: number | null,
 ): readonly ResultRow[] {
-  return MEASURES.map(({ key, name, write }) => ({
-    name: key === "targets" && nTargets !== null ? `${name}, of ${nTargets}` : name,
-    write,
-    cells: runs.map((run) => run.headline?.[policy]?.[key] ?? null),
-  })).filter(({ cells }) => cells.some((cell) => cell !== null));
+  return measures()
+    .map(({ key, name, write }) => ({
+      name: key === "targets" && nTargets !== null ? t`${name}, of ${nTargets}` : name,
+      write,
+      cells: runs.map((run) => run.headline?.[policy]?.[key] ?? null),
+    }))
+    .filter(({ cells }) => cells.some((cell) => cell !== null));
 }
 
 export interface DifferenceRow {
@@ -47,23 +52,23 @@ export function differenceRows(runs: readonly Run[]): readonly DifferenceRow[] {
   const settings = runs.map(settingsOf);
   const names = [...new Set(settings.flatMap((one) => [...one.keys()]))];
   return names
-    .map((name) => ({ name, cells: settings.map((one) => one.get(name) ?? "none") }))
+    .map((name) => ({ name, cells: settings.map((one) => one.get(name) ?? t`none`) }))
     .filter(({ cells }) => new Set(cells).size > 1);
 }
 
 function settingsOf(run: Run): ReadonlyMap<string, string> {
   const parent = run.parent_run_id;
   return new Map([
-    ["behaviour", run.behaviour_name],
-    ["recipe", run.recipe],
-    ["steps", whole(run.steps)],
-    ["training seed", String(run.training_seed)],
-    ["go on anyway", run.go_on_anyway ? "yes" : "no"],
-    ["continues", parent === null ? "none" : shortId(parent)],
-    ["ranking revision", run.ranking_revision === null ? "none" : whole(run.ranking_revision)],
-    ["ranked recordings", run.n_ranked === null ? "none" : whole(run.n_ranked)],
-    ["perfect recordings", run.n_perfect === null ? "none" : whole(run.n_perfect)],
-    ["version of Tril", run.versions.tril ?? "none"],
+    [t`behaviour`, run.behaviour_name],
+    [t`recipe`, run.recipe],
+    [t`steps`, whole(run.steps)],
+    [t`training seed`, String(run.training_seed)],
+    [t`go on anyway`, run.go_on_anyway ? t`yes` : t`no`],
+    [t`continues`, parent === null ? t`none` : shortId(parent)],
+    [t`ranking revision`, run.ranking_revision === null ? t`none` : whole(run.ranking_revision)],
+    [t`ranked recordings`, run.n_ranked === null ? t`none` : whole(run.n_ranked)],
+    [t`perfect recordings`, run.n_perfect === null ? t`none` : whole(run.n_perfect)],
+    [t`version of Tril`, run.versions.tril ?? t`none`],
     ...valueRows(run.recipe_values)
       .filter(({ section }) => section !== "")
       .map(({ section, name, value }) => [`${section}: ${name}`, value] as const),

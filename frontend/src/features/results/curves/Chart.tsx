@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import "uplot/dist/uPlot.min.css";
 
 import {
@@ -120,6 +122,7 @@ export function Chart(props: ChartProps) {
   }
 
   const values = legendValues(curves, data, at, cursor === null, format);
+  const spoken = curves.map(({ name }, index) => `${name} ${values[index]}`).join(", ");
   return (
     <figure className={styles.chart} aria-labelledby={titleId}>
       <figcaption className={styles.head}>
@@ -134,7 +137,11 @@ export function Chart(props: ChartProps) {
               {values[index]}
             </span>
           ))}
-          {cursor !== null && <span>at {whole(x)}</span>}
+          {cursor !== null && (
+            <span>
+              <Trans>at {whole(x)}</Trans>
+            </span>
+          )}
         </span>
       </figcaption>
       <div
@@ -142,11 +149,11 @@ export function Chart(props: ChartProps) {
         className={styles.plot}
         role="slider"
         tabIndex={0}
-        aria-label={`${title}: cursor`}
+        aria-label={t`${title}: cursor`}
         aria-valuemin={data[0][first] ?? 0}
         aria-valuemax={data[0][end] ?? 0}
         aria-valuenow={x}
-        aria-valuetext={`at ${whole(x)}: ${curves.map(({ name }, index) => `${name} ${values[index]}`).join(", ")}`}
+        aria-valuetext={t`at ${whole(x)}: ${spoken}`}
         onKeyDown={press}
         onBlur={() => plot.current?.setCursor({ left: -10, top: -10 })}
       />
@@ -181,7 +188,7 @@ function legendValues(
     column += band ? 3 : 1;
     if (!band) return value;
     const [from, to] = [low, high].map((edge) => valueAt(edge, at, orBefore, format));
-    return `${value} (${from} to ${to})`;
+    return t`${value} (${from ?? ""} to ${to ?? ""})`;
   });
 }
 

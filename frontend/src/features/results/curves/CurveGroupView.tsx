@@ -1,12 +1,13 @@
+import { t } from "@lingui/core/macro";
+
 import { Chart } from "./Chart";
 import type { CurveGroup } from "./curve-groups";
 import styles from "./Curves.module.css";
 import { useZoom } from "./zoom";
 import { ZoomBar } from "./ZoomBar";
 
-export const CHART_HINT =
-  "Drag over a chart to zoom, double-click to show everything. With the keyboard: arrows read values, " +
-  "+ and − zoom, 0 shows everything.";
+export const chartHint = () =>
+  t`Drag over a chart to zoom, double-click to show everything. With the keyboard: arrows read values, + and − zoom, 0 shows everything.`;
 
 /** The charts of a stage, which share zoom and cursor. */
 export function CurveGroupView({ group, syncKey }: { group: CurveGroup; syncKey: string }) {

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
 
@@ -7,7 +9,7 @@ import { saveFile } from "@/lib/save-file";
 
 import { curvesCsv } from "./csv";
 import { curveGroups } from "./curve-groups";
-import { CHART_HINT, CurveGroupView } from "./CurveGroupView";
+import { chartHint, CurveGroupView } from "./CurveGroupView";
 import styles from "./Curves.module.css";
 import { useMetricsQuery } from "./metrics";
 
@@ -16,15 +18,15 @@ export function Curves({ runId, active }: { runId: string; active: boolean }) {
   const { data, error, refetch } = useQuery(useMetricsQuery(runId));
   const groups = useMemo(() => (data ? curveGroups(data.series) : []), [data]);
   if (error && !data) {
-    return <Failed what="The curves" error={error} onRetry={() => void refetch()} />;
+    return <Failed what={t`The curves`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!data) return <Loading what="the curves" rows={1} height="11rem" />;
+  if (!data) return <Loading what={t`the curves`} rows={1} height="11rem" />;
   if (groups.length === 0) {
     return (
       <p className={styles.note}>
         {active
-          ? "Curves appear as soon as learning begins."
-          : "This run ended before learning began, so there are no curves."}
+          ? t`Curves appear as soon as learning begins.`
+          : t`This run ended before learning began, so there are no curves.`}
       </p>
     );
   }
@@ -38,9 +40,9 @@ export function Curves({ runId, active }: { runId: string; active: boolean }) {
         <CurveGroupView key={group.stage} group={group} syncKey={`${runId}-${group.stage}`} />
       ))}
       <div className={styles.foot}>
-        <p className={styles.note}>{CHART_HINT}</p>
+        <p className={styles.note}>{chartHint()}</p>
         <Button icon="download" onClick={save}>
-          Download the curves (CSV)
+          <Trans>Download the curves (CSV)</Trans>
         </Button>
       </div>
     </>

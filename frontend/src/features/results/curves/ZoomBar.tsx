@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import { Button, IconButton } from "@/components/controls/Button";
 
 import type { Zoom } from "./zoom";
@@ -8,15 +11,19 @@ import styles from "./ZoomBar.module.css";
 export function ZoomBar({ zoom, of }: { zoom: Zoom; of: string }) {
   const { range, change } = zoom;
   return (
-    <div className={styles.bar} role="group" aria-label={`Zoom: ${of}`}>
-      <IconButton icon="plus" label="Zoom in" onClick={() => change(zoomedIn(zoom))} />
+    <div className={styles.bar} role="group" aria-label={t`Zoom: ${of}`}>
+      <IconButton icon="plus" label={t`Zoom in`} onClick={() => change(zoomedIn(zoom))} />
       {range && (
         <>
-          <IconButton icon="minus" label="Zoom out" onClick={() => change(zoomedOut(zoom))} />
-          <IconButton icon="arrowLeft" label="Earlier" onClick={() => change(moved(zoom, -0.5))} />
-          <IconButton icon="arrowRight" label="Later" onClick={() => change(moved(zoom, 0.5))} />
+          <IconButton icon="minus" label={t`Zoom out`} onClick={() => change(zoomedOut(zoom))} />
+          <IconButton
+            icon="arrowLeft"
+            label={t`Earlier`}
+            onClick={() => change(moved(zoom, -0.5))}
+          />
+          <IconButton icon="arrowRight" label={t`Later`} onClick={() => change(moved(zoom, 0.5))} />
           <Button kind="quiet" onClick={() => change(null)}>
-            Show everything
+            <Trans>Show everything</Trans>
           </Button>
         </>
       )}

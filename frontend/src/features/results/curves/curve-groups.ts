@@ -1,4 +1,7 @@
 /** The training curves shown, by stage. */
+
+import { t } from "@lingui/core/macro";
+
 import { fixed, measured, percent, stepLabels, whole } from "@/lib/format";
 
 import type { Curve } from "./chart-data";
@@ -45,74 +48,74 @@ const percentage = (value: number) => percent(value);
 const oneDigit = (value: number) => fixed(value, 1);
 
 /** All charts of a run. */
-export const PLAN: readonly GroupPlan[] = [
+export const plan = (): readonly GroupPlan[] => [
   {
     stage: "imitator",
-    name: "Imitator: training games, by steps",
+    name: t`Imitator: training games, by steps`,
     colour: "var(--imitator)",
     xLabels: stepLabels,
     charts: [
       {
-        title: "Predicted return",
-        curves: [{ key: "predicted_return", name: "predicted return" }],
+        title: t`Predicted return`,
+        curves: [{ key: "predicted_return", name: t`predicted return` }],
         format: measured,
       },
       {
-        title: "Aliens hit per game",
+        title: t`Aliens hit per game`,
         curves: [
-          { key: "hits", name: "targets" },
-          { key: "strays", name: "strays", dashed: true },
+          { key: "hits", name: t`targets` },
+          { key: "strays", name: t`strays`, dashed: true },
         ],
         format: oneDigit,
       },
       {
-        title: "Game length, steps",
-        curves: [{ key: "episode_steps", name: "steps" }],
+        title: t`Game length, steps`,
+        curves: [{ key: "episode_steps", name: t`steps` }],
         format: (value) => whole(Math.round(value)),
       },
       {
-        title: "Death rate",
-        curves: [{ key: "death_rate", name: "share" }],
+        title: t`Death rate`,
+        curves: [{ key: "death_rate", name: t`share` }],
         format: percentage,
         range: SHARE,
       },
       {
-        title: "Agreement with the expert (DAgger)",
+        title: t`Agreement with the expert (DAgger)`,
         curves: [
-          { key: "agreement", name: "most probable action" },
-          { key: "expert_share", name: "steps by the expert", dashed: true },
+          { key: "agreement", name: t`most probable action` },
+          { key: "expert_share", name: t`steps by the expert`, dashed: true },
         ],
         format: percentage,
         range: SHARE,
       },
       {
-        title: "Discriminator accuracy (GAIL)",
-        curves: [{ key: "discriminator_accuracy", name: "share" }],
+        title: t`Discriminator accuracy (GAIL)`,
+        curves: [{ key: "discriminator_accuracy", name: t`share` }],
         format: percentage,
         range: SHARE,
       },
-      { title: "Entropy", curves: [{ key: "entropy", name: "entropy" }], format: measured },
+      { title: t`Entropy`, curves: [{ key: "entropy", name: t`entropy` }], format: measured },
       {
-        title: "Speed, steps/s",
-        curves: [{ key: "steps_per_s", name: "steps/s" }],
+        title: t`Speed, steps/s`,
+        curves: [{ key: "steps_per_s", name: t`steps/s` }],
         format: (value) => whole(Math.round(value)),
       },
-      { title: "Value loss", curves: [{ key: "value_loss", name: "loss" }], format: measured },
-      { title: "KL divergence", curves: [{ key: "kl", name: "KL" }], format: measured },
+      { title: t`Value loss`, curves: [{ key: "value_loss", name: t`loss` }], format: measured },
+      { title: t`KL divergence`, curves: [{ key: "kl", name: t`KL` }], format: measured },
     ],
   },
   {
     stage: "reward",
-    name: "Reward model, by updates",
+    name: t`Reward model, by updates`,
     colour: "var(--ink-2)",
     xLabels: stepLabels,
     charts: [
-      { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
+      { title: t`Loss`, curves: [{ key: "loss", name: t`loss` }], format: measured },
       {
-        title: "Pair accuracy",
+        title: t`Pair accuracy`,
         curves: [
-          { key: "accuracy", name: "fragments" },
-          { key: "held_out_accuracy", name: "held-out", dashed: true },
+          { key: "accuracy", name: t`fragments` },
+          { key: "held_out_accuracy", name: t`held-out`, dashed: true },
         ],
         format: percentage,
         range: SHARE,
@@ -121,16 +124,16 @@ export const PLAN: readonly GroupPlan[] = [
   },
   {
     stage: "clone",
-    name: "Clone, by epochs over the perfect recordings",
+    name: t`Clone, by epochs over the perfect recordings`,
     colour: "var(--clone)",
     xLabels: stepLabels,
     charts: [
-      { title: "Loss", curves: [{ key: "loss", name: "loss" }], format: measured },
+      { title: t`Loss`, curves: [{ key: "loss", name: t`loss` }], format: measured },
       {
-        title: "Action accuracy",
+        title: t`Action accuracy`,
         curves: [
-          { key: "accuracy", name: "training" },
-          { key: "held_out_accuracy", name: "validation", dashed: true },
+          { key: "accuracy", name: t`training` },
+          { key: "held_out_accuracy", name: t`validation`, dashed: true },
         ],
         format: percentage,
         range: SHARE,
@@ -141,12 +144,14 @@ export const PLAN: readonly GroupPlan[] = [
 
 /** Returns the groups and charts that have points. */
 export function curveGroups(series: Series): readonly CurveGroup[] {
-  return PLAN.map(({ stage, name, colour, xLabels, charts }) => ({
-    stage,
-    name,
-    xLabels,
-    charts: charts.map((chart) => chartOf(chart, series[stage] ?? {}, colour)).filter(hasPoints),
-  })).filter((group) => group.charts.length > 0);
+  return plan()
+    .map(({ stage, name, colour, xLabels, charts }) => ({
+      stage,
+      name,
+      xLabels,
+      charts: charts.map((chart) => chartOf(chart, series[stage] ?? {}, colour)).filter(hasPoints),
+    }))
+    .filter((group) => group.charts.length > 0);
 }
 
 function chartOf(

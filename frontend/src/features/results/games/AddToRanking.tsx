@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useQuery } from "@tanstack/react-query";
 
 import { borrowedQuery } from "@/api/borrowed";
@@ -19,9 +20,9 @@ export function AddToRanking({ recording, behaviourId, kind }: AddToRankingProps
   if (!borrowed) return null;
   const held = borrowed.find(({ id }) => id === recording.id);
   const ranked = held?.ranked === true;
-  const text = ranked ? "Ranked" : held ? "In the ranking’s games" : "Add to the ranking";
-  const hint = ranked ? ". Take it off the board to give it back" : held ? ". Give it back" : "";
-  const label = `${text}: ${recordingName(recording)}${hint}`;
+  const text = ranked ? t`Ranked` : held ? t`In the ranking’s games` : t`Add to the ranking`;
+  const action = ranked ? t`Take it off the board to give it back` : held ? t`Give it back` : "";
+  const label = [`${text}: ${recordingName(recording)}`, action].filter(Boolean).join(". ");
   return (
     <Button
       kind={kind}

@@ -1,10 +1,13 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Behaviour, ComparisonRow, Recording, RunResults } from "@/api/types";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import type { Watched } from "@/features/results/watched";
-import { count, NONE } from "@/lib/format";
+import { inSentence, NONE } from "@/lib/format";
 import { describeEnd, hitCells } from "@/lib/recordings";
-import { playedBy, type Thing, THING_NAMES } from "@/lib/things";
+import { playedBy, type Thing, thingNames } from "@/lib/things";
 
 import { AddToRanking } from "./AddToRanking";
 import styles from "./Comparison.module.css";
@@ -24,21 +27,29 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
       {behaviour.target && (
         <p className={styles.legend}>
           <span>
-            <Sign kind="missing" /> target alien left
+            <Trans>
+              <Sign kind="missing" /> target alien left
+            </Trans>
           </span>
           <span>
-            <Sign kind="hit" /> target hit
+            <Trans>
+              <Sign kind="hit" /> target hit
+            </Trans>
           </span>
           <span>
-            <Sign kind="stray" /> stray hit
+            <Trans>
+              <Sign kind="stray" /> stray hit
+            </Trans>
           </span>
         </p>
       )}
-      <StartsTable rows={comparison} label="Games from the first starts" {...shared} />
+      <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
       {further.length > 0 && (
         <details className={styles.more}>
-          <summary>{count(further.length, "further start")}</summary>
-          <StartsTable rows={further} label="Games from further starts" {...shared} />
+          <summary>
+            {plural(further.length, { one: "# further start", other: "# further starts" })}
+          </summary>
+          <StartsTable rows={further} label={t`Games from further starts`} {...shared} />
         </details>
       )}
     </>
@@ -74,7 +85,9 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
     <table className={styles.table} aria-label={label}>
       <thead>
         <tr>
-          <th scope="col">Start</th>
+          <th scope="col">
+            <Trans>Start</Trans>
+          </th>
           <th scope="col">
             <ThingMark thing="imitator" />
           </th>
@@ -83,21 +96,29 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
           </th>
           {best && (
             <th scope="col">
-              <ThingMark thing={playedBy(best.source)}>Best demonstration</ThingMark>
+              <ThingMark thing={playedBy(best.source)}>
+                <Trans>Best demonstration</Trans>
+              </ThingMark>
             </th>
           )}
-          <th scope="col">Winner</th>
+          <th scope="col">
+            <Trans>Winner</Trans>
+          </th>
         </tr>
       </thead>
       <tbody>
         {rows.map((row) => {
-          const from = `from start ${row.start_number}`;
+          const from = t`from start ${row.start_number}`;
           const cells = { behaviour, from, onWatch };
           return (
             <tr key={row.start_number}>
               <th scope="row" className={styles.start}>
-                Start {row.start_number}
-                {!row.held_out && <small>seen in training</small>}
+                <Trans>Start {row.start_number}</Trans>
+                {!row.held_out && (
+                  <small>
+                    <Trans>seen in training</Trans>
+                  </small>
+                )}
               </th>
               <td>
                 <GameCell thing="imitator" recording={row.imitator?.recording} {...cells} />
@@ -109,7 +130,7 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
                 <td>
                   <GameCell
                     thing={playedBy(best.source)}
-                    name="Best demonstration"
+                    best
                     recording={best}
                     {...cells}
                     from=""
@@ -117,7 +138,9 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
                 </td>
               )}
               <td className={styles.winner}>
-                <span className={styles.only}>Winner</span>
+                <span className={styles.only}>
+                  <Trans>Winner</Trans>
+                </span>
                 <Winner winner={row.winner} />
               </td>
             </tr>
@@ -130,36 +153,44 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
 
 function Winner({ winner }: { winner: ComparisonRow["winner"] }) {
   if (winner === null) return <>{NONE}</>;
-  return winner === "tie" ? <>Tie</> : <ThingMark thing={winner} />;
+  return winner === "tie" ? (
+    <>
+      <Trans>Tie</Trans>
+    </>
+  ) : (
+    <ThingMark thing={winner} />
+  );
 }
 
 function GameCell({
   thing,
-  name = THING_NAMES[thing],
+  best = false,
   recording,
   behaviour,
   from,
   onWatch,
 }: {
   thing: Thing;
-  name?: string;
+  /** Whether it is the best demonstration. */
+  best?: boolean;
   recording: Recording | undefined;
   behaviour: Behaviour;
   from: string;
   onWatch: (watched: Watched) => void;
 }) {
   if (!recording) return <>{NONE}</>;
+  const name = best ? t`Best demonstration` : thingNames()[thing];
   const title = `${name} ${from}`.trim();
   return (
     <>
       <button
         type="button"
         className={styles.game}
-        aria-label={`Watch ${title.charAt(0).toLowerCase()}${title.slice(1)}`}
+        aria-label={t`Watch ${inSentence(title)}`}
         onClick={() => onWatch({ recording, title })}
       >
         <span className={styles.only}>
-          <ThingMark thing={thing}>{name === "Best demonstration" ? "Best" : name}</ThingMark>
+          <ThingMark thing={thing}>{best ? t`Best` : name}</ThingMark>
         </span>
         <AlienGrid hits={hitCells(recording)} target={behaviour.target} scale={2} />
         <span className={styles.words}>
@@ -167,19 +198,19 @@ function GameCell({
           <span>{describeEnd(recording.end)}</span>
         </span>
       </button>
-      {name !== "Best demonstration" && (
-        <AddToRanking recording={recording} behaviourId={behaviour.id} kind="quiet" />
-      )}
+      {!best && <AddToRanking recording={recording} behaviourId={behaviour.id} kind="quiet" />}
     </>
   );
 }
 
 function Outcome({ recording }: { recording: Recording }) {
   const { targets, strays, hits } = recording;
-  if (targets === null || strays === null) return <b>{count(hits.length, "alien")}</b>;
+  if (targets === null || strays === null)
+    return <b>{plural(hits.length, { one: "# alien", other: "# aliens" })}</b>;
   return (
     <span>
-      <b>{count(targets, "target")}</b>, {strays === 0 ? "no strays" : count(strays, "stray")}
+      <b>{plural(targets, { one: "# target", other: "# targets" })}</b>,{" "}
+      {strays === 0 ? t`no strays` : plural(strays, { one: "# stray", other: "# strays" })}
     </span>
   );
 }

@@ -1,5 +1,7 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
+
 import type { Behaviour, PolicyGamesSummary, PolicySummary, RunResults } from "@/api/types";
-import { count } from "@/lib/format";
 
 import styles from "./PolicyResults.module.css";
 import { SummaryTable } from "./SummaryTable";
@@ -7,22 +9,21 @@ import { SummaryTable } from "./SummaryTable";
 type ActionSelection = PolicyGamesSummary["action_selection"];
 
 /** Besides greedy, which is shown first; runs of earlier versions have no sticky games. */
-const OTHER_SELECTIONS = [
-  {
-    selection: "sampled",
-    title: "With sampled actions",
-    note: "Each policy samples its actions from its distribution.",
-    label: "Imitator and clone, with sampled actions",
-  },
-  {
-    selection: "sticky",
-    title: "With sticky actions",
-    note:
-      "Each policy takes its most probable action, but at every frame the last frame’s action is " +
-      "repeated with a probability of 25%: a test of whether it recovers.",
-    label: "Imitator and clone, with sticky actions",
-  },
-] as const;
+const otherSelections = () =>
+  [
+    {
+      selection: "sampled",
+      title: t`With sampled actions`,
+      note: t`Each policy samples its actions from its distribution.`,
+      label: t`Imitator and clone, with sampled actions`,
+    },
+    {
+      selection: "sticky",
+      title: t`With sticky actions`,
+      note: t`Each policy takes its most probable action, but at every frame the last frame’s action is repeated with a probability of 25%: a test of whether it recovers.`,
+      label: t`Imitator and clone, with sticky actions`,
+    },
+  ] as const;
 
 /** The results of imitator and clone, by action selection. */
 export function PolicyResults({
@@ -43,12 +44,15 @@ export function PolicyResults({
   const n = greedy.imitator?.steps.n ?? greedy.clone?.steps.n ?? 0;
   return (
     <>
-      <SummaryTable {...greedy} behaviour={behaviour} label="Imitator and clone" />
+      <SummaryTable {...greedy} behaviour={behaviour} label={t`Imitator and clone`} />
       <p className={styles.note}>
-        Means of {count(n, "game")} from starts that no training or demonstration game began from,
-        with 95 % bootstrap intervals. Each policy takes its most probable action.
+        <Trans>
+          Means of <Plural value={n} one="# game" other="# games" /> from starts that no training or
+          demonstration game began from, with 95 % bootstrap intervals. Each policy takes its most
+          probable action.
+        </Trans>
       </p>
-      {OTHER_SELECTIONS.map(({ selection, title, note, label }) => {
+      {otherSelections().map(({ selection, title, note, label }) => {
         const found = both(selection);
         return (
           (found.imitator ?? found.clone) && (

@@ -1,3 +1,5 @@
+import { Trans } from "@lingui/react/macro";
+
 import type { Behaviour, Interval, PolicySummary } from "@/api/types";
 import { ThingMark } from "@/components/game/ThingMark";
 import { NONE } from "@/lib/format";
@@ -65,7 +67,9 @@ function Value({
     <td className={styles.value}>
       <span className={styles.mean}>{write(interval.mean)}</span>
       <span className={styles.bounds}>
-        {write(interval.low)} to {write(interval.high)}
+        <Trans>
+          {write(interval.low)} to {write(interval.high)}
+        </Trans>
       </span>
     </td>
   );

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
@@ -8,7 +10,7 @@ import { AlienGrid } from "@/components/game/AlienGrid";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import type { Watched } from "@/features/results/watched";
-import { count, whole } from "@/lib/format";
+import { whole } from "@/lib/format";
 import { describeEnd, describeScore, hitCells } from "@/lib/recordings";
 import { isActive } from "@/lib/runs";
 
@@ -34,11 +36,16 @@ function proposalsIn({ proposed, games, training_games: training }: RunResults):
   const evaluated = proposed.flatMap((id) => {
     const game = games.find(({ recording }) => recording.id === id);
     if (!game) return [];
-    const how = `${game.action_selection} actions, start ${game.start_number}`;
+    const start = game.start_number;
+    const how = {
+      greedy: t`greedy actions, start ${start}`,
+      sampled: t`sampled actions, start ${start}`,
+      sticky: t`sticky actions, start ${start}`,
+    }[game.action_selection];
     return [{ recording: game.recording, how }];
   });
   if (evaluated.length > 0 || !training) return evaluated;
-  const how = `after ${whole(training.steps)} steps`;
+  const how = t`after ${whole(training.steps)} steps`;
   return training.games.map((recording) => ({ recording, how }));
 }
 
@@ -48,7 +55,7 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
   const active = isActive(results.run);
   const further = (
     <ButtonLink to={furtherFrom(results, active)}>
-      {active ? "Go on with the new order" : "Train further from this imitator"}
+      {active ? t`Go on with the new order` : t`Train further from this imitator`}
     </ButtonLink>
   );
   if (games.length === 0) return <div className={styles.buttons}>{further}</div>;
@@ -56,10 +63,10 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
     <>
       <p className={styles.note}>
         {active
-          ? "These games of the imitator differ most among those that it plays from time to time. Rank them among the others, the good ones high and the bad ones low, and go on with the new order: the reward is learned anew, and PPO goes on from the imitator as it is."
-          : "These games of the imitator differ most. Rank them among the others, the good ones high and the bad ones low, and train again: the reward learns what it has not understood. A run that learns from a game leaves the game’s start out of its averages."}
+          ? t`These games of the imitator differ most among those that it plays from time to time. Rank them among the others, the good ones high and the bad ones low, and go on with the new order: the reward is learned anew, and PPO goes on from the imitator as it is.`
+          : t`These games of the imitator differ most. Rank them among the others, the good ones high and the bad ones low, and train again: the reward learns what it has not understood. A run that learns from a game leaves the game’s start out of its averages.`}
       </p>
-      <ul className={styles.games} aria-label="Games to rank">
+      <ul className={styles.games} aria-label={t`Games to rank`}>
         {games.map((game) => (
           <ProposedGame
             key={game.recording.id}
@@ -99,8 +106,8 @@ function ProposedGame({
       <button
         type="button"
         className={styles.watch}
-        aria-label={`Watch imitator, ${how}`}
-        onClick={() => onWatch({ recording, title: `Imitator, ${how}` })}
+        aria-label={t`Watch imitator, ${how}`}
+        onClick={() => onWatch({ recording, title: t`Imitator, ${how}` })}
       >
         <RecordingScreen recording={recording} playing={false} {...SCREEN} />
       </button>
@@ -128,7 +135,7 @@ function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourI
   if (missing.length === 0) {
     return (
       <ButtonLink kind="primary" to={rank}>
-        Rank them
+        <Trans>Rank them</Trans>
       </ButtonLink>
     );
   }
@@ -139,7 +146,11 @@ function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourI
       disabled={isPending}
       onClick={() => void add(missing).then((added) => added && navigate(rank))}
     >
-      Add {count(missing.length, "game")} and rank {missing.length === 1 ? "it" : "them"}
+      <Plural
+        value={missing.length}
+        one="Add # game and rank it"
+        other="Add # games and rank them"
+      />
     </Button>
   );
 }

@@ -1,4 +1,7 @@
 /** The rows of the comparison between imitator and clone. */
+
+import { t } from "@lingui/core/macro";
+
 import type { Interval, PolicySummary } from "@/api/types";
 import { fixed, measured, percent } from "@/lib/format";
 
@@ -28,18 +31,18 @@ function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
     nTargets === null
       ? []
       : [
-          { key: "targets", name: `Targets hit, of ${nTargets}`, write: oneDigit, high: nTargets },
-          { key: "strays", name: "Strays", write: oneDigit },
+          { key: "targets", name: t`Targets hit, of ${nTargets}`, write: oneDigit, high: nTargets },
+          { key: "strays", name: t`Strays`, write: oneDigit },
           ...(ordered
-            ? [{ key: "order_errors" as const, name: "Hits out of order", write: oneDigit }]
+            ? [{ key: "order_errors" as const, name: t`Hits out of order`, write: oneDigit }]
             : []),
-          { key: "perfect", name: "Perfect games", write: wholePercent, high: 1 },
+          { key: "perfect", name: t`Perfect games`, write: wholePercent, high: 1 },
         ];
   return [
     ...target,
-    { key: "steps", name: "Game length, steps of 300", write: oneDigit, high: MAX_STEPS },
-    { key: "death_rate", name: "Death rate", write: wholePercent, high: 1 },
-    { key: "predicted_return", name: "Predicted return", write: measured },
+    { key: "steps", name: t`Game length, steps of 300`, write: oneDigit, high: MAX_STEPS },
+    { key: "death_rate", name: t`Death rate`, write: wholePercent, high: 1 },
+    { key: "predicted_return", name: t`Predicted return`, write: measured },
   ];
 }
 

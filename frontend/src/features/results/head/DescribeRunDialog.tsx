@@ -1,16 +1,13 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
-import { fieldMessageOf, messageOf } from "@/api/client";
+import { fieldMessageOf } from "@/api/client";
 import { runQuery, updateRun } from "@/api/runs";
 import type { Run } from "@/api/types";
-import { Button } from "@/components/controls/Button";
-import { Dialog } from "@/components/controls/Dialog";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
-import { Notice } from "@/components/feedback/States";
+import { FormDialog } from "@/components/controls/FormDialog";
 import { shortId } from "@/lib/runs";
-
-import styles from "./DescribeRunDialog.module.css";
 
 const MAX_NAME_LENGTH = 80;
 const MAX_NOTES_LENGTH = 4000;
@@ -31,59 +28,43 @@ export function DescribeRunDialog({ run, onClose }: { run: Run; onClose: () => v
   });
   const nameError = fieldMessageOf(save.error, "name");
   const notesError = fieldMessageOf(save.error, "notes");
-  const otherError = save.error && !nameError && !notesError;
   return (
-    <Dialog title="Name and notes" onClose={onClose} width="30rem">
-      <form
-        className={styles.form}
-        noValidate
-        onSubmit={(event) => {
-          event.preventDefault();
-          save.mutate();
-        }}
+    <FormDialog
+      title={t`Name and notes`}
+      width="30rem"
+      draft={draft}
+      submit={t`Save`}
+      disabled={save.isPending}
+      error={nameError || notesError ? null : save.error}
+      onSubmit={() => save.mutate()}
+      onClose={onClose}
+    >
+      <Field
+        label={t`Name`}
+        hint={t`Without one it is called ${shortId(run.id)}.`}
+        error={nameError}
       >
-        <Field label="Name" hint={`Without one it is called ${shortId(run.id)}.`} error={nameError}>
-          {(control) => (
-            <input
-              {...control}
-              value={name}
-              maxLength={MAX_NAME_LENGTH}
-              autoComplete="off"
-              onChange={(event) => draft.set({ ...draft.value, name: event.currentTarget.value })}
-            />
-          )}
-        </Field>
-        <Field label="Notes" hint="What you tried, and what came of it." error={notesError}>
-          {(control) => (
-            <textarea
-              {...control}
-              rows={5}
-              value={notes}
-              maxLength={MAX_NOTES_LENGTH}
-              onChange={(event) => draft.set({ ...draft.value, notes: event.currentTarget.value })}
-            />
-          )}
-        </Field>
-        {otherError && (
-          <Notice tone="bad" live>
-            <p>{messageOf(save.error)}</p>
-          </Notice>
+        {(control) => (
+          <input
+            {...control}
+            value={name}
+            maxLength={MAX_NAME_LENGTH}
+            autoComplete="off"
+            onChange={(event) => draft.set({ ...draft.value, name: event.currentTarget.value })}
+          />
         )}
-        <div className={styles.actions}>
-          <Button kind="primary" type="submit" disabled={save.isPending}>
-            Save
-          </Button>
-          <Button
-            kind="quiet"
-            onClick={() => {
-              draft.drop();
-              onClose();
-            }}
-          >
-            Cancel
-          </Button>
-        </div>
-      </form>
-    </Dialog>
+      </Field>
+      <Field label={t`Notes`} hint={t`What you tried, and what came of it.`} error={notesError}>
+        {(control) => (
+          <textarea
+            {...control}
+            rows={5}
+            value={notes}
+            maxLength={MAX_NOTES_LENGTH}
+            onChange={(event) => draft.set({ ...draft.value, notes: event.currentTarget.value })}
+          />
+        )}
+      </Field>
+    </FormDialog>
   );
 }

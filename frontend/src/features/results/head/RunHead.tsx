@@ -1,3 +1,5 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useState } from "react";
 import { Link } from "react-router";
 
@@ -7,7 +9,7 @@ import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
 import { RunActions } from "@/features/results/run/RunActions";
 import { RunStatus } from "@/features/results/RunStatus";
-import { count, shortCount } from "@/lib/format";
+import { shortCount } from "@/lib/format";
 import { runName, shortId } from "@/lib/runs";
 
 import { DescribeRunDialog } from "./DescribeRunDialog";
@@ -22,21 +24,37 @@ export function RunHead({ run }: { run: Run }) {
       <div className={styles.about}>
         <div className={styles.title}>
           <h2>{runName(run)}</h2>
-          <IconButton icon="edit" label="Edit name and notes" onClick={() => setDescribing(true)} />
+          <IconButton
+            icon="edit"
+            label={t`Edit name and notes`}
+            onClick={() => setDescribing(true)}
+          />
           <RunStatus run={run} />
         </div>
         <p className={styles.facts}>
           {run.name && <span>{shortId(run.id)}</span>}
-          <span>{run.recipe} recipe</span>
-          <span>{shortCount(run.steps)} steps</span>
-          <span>training seed {run.training_seed}</span>
-          {run.n_ranked !== null && <span>{count(run.n_ranked, "ranked recording")}</span>}
+          <span>
+            <Trans>{run.recipe} recipe</Trans>
+          </span>
+          <span>
+            <Trans>{shortCount(run.steps)} steps</Trans>
+          </span>
+          <span>
+            <Trans>training seed {run.training_seed}</Trans>
+          </span>
+          {run.n_ranked !== null && (
+            <span>
+              {plural(run.n_ranked, { one: "# ranked recording", other: "# ranked recordings" })}
+            </span>
+          )}
           {run.parent_run_id !== null && (
             <span>
-              Continues{" "}
-              <Link to={`/runs/${run.parent_run_id}`}>
-                <RunName id={run.parent_run_id} />
-              </Link>
+              <Trans>
+                Continues{" "}
+                <Link to={`/runs/${run.parent_run_id}`}>
+                  <RunName id={run.parent_run_id} />
+                </Link>
+              </Trans>
             </span>
           )}
           <Ago time={run.created_at} />

@@ -1,25 +1,26 @@
-import { Button } from "@/components/controls/Button";
-import { Select } from "@/components/controls/Select";
+import { t } from "@lingui/core/macro";
+
+import { Filters, Search, Select } from "@/components/controls/Filters";
 
 import { ALL_RUNS, isNarrow, ORDERS, type RunsFilter, STATES } from "./runs-filter";
-import styles from "./RunsFilterBar.module.css";
 
 const ANY = "";
-const STATE_NAMES = {
-  active: "Waiting or running",
-  done: "Done",
-  stopped: "Stopped by the check",
-  failed: "Failed",
-  cancelled: "Cancelled",
-} as const;
-const ORDER_NAMES: Readonly<Record<RunsFilter["order"], string>> = {
-  newest: "Newest first",
-  oldest: "Oldest first",
-  name: "By name",
-  targets: "Most targets first",
-  deaths: "Lowest death rate first",
-  steps: "Most steps first",
-};
+const stateNames = () =>
+  ({
+    active: t`Waiting or running`,
+    done: t`Done`,
+    stopped: t`Stopped by the check`,
+    failed: t`Failed`,
+    cancelled: t`Cancelled`,
+  }) as const;
+const orderNames = (): Readonly<Record<RunsFilter["order"], string>> => ({
+  newest: t`Newest first`,
+  oldest: t`Oldest first`,
+  name: t`By name`,
+  targets: t`Most targets first`,
+  deaths: t`Lowest death rate first`,
+  steps: t`Most steps first`,
+});
 
 interface RunsFilterBarProps {
   filter: RunsFilter;
@@ -34,45 +35,37 @@ export function RunsFilterBar({ filter, recipes, hasTarget, onChange }: RunsFilt
   const set = (change: Partial<RunsFilter>) => onChange({ ...filter, ...change });
   const offered = [...new Set([...recipes, ...(filter.recipe === null ? [] : [filter.recipe])])];
   return (
-    <div className={styles.filters} role="search" aria-label="Filter the runs">
-      <label className={styles.search}>
-        <span>Search name, notes or recipe</span>
-        <input
-          type="search"
-          value={filter.q}
-          onChange={(event) => set({ q: event.currentTarget.value })}
-        />
-      </label>
+    <Filters
+      label={t`Filter the runs`}
+      role="search"
+      onClear={isNarrow(filter) ? () => onChange({ ...ALL_RUNS, order: filter.order }) : undefined}
+    >
+      <Search
+        label={t`Search name, notes or recipe`}
+        value={filter.q}
+        onChange={(q) => set({ q })}
+      />
       <Select
-        label="State"
+        label={t`State`}
         value={filter.state ?? ANY}
-        options={[[ANY, "Any"], ...STATES.map((one) => [one, STATE_NAMES[one]] as const)]}
+        options={[[ANY, t`Any`], ...STATES.map((one) => [one, stateNames()[one]] as const)]}
         onChange={(state) => set({ state: state === ANY ? null : state })}
       />
       <Select
-        label="Recipe"
+        label={t`Recipe`}
         value={filter.recipe ?? ANY}
-        options={[[ANY, "Any"], ...offered.sort().map((one) => [one, one] as const)]}
+        options={[[ANY, t`Any`], ...offered.sort().map((one) => [one, one] as const)]}
         onChange={(recipe) => set({ recipe: recipe === ANY ? null : recipe })}
       />
       <Select
-        label="Order"
+        label={t`Order`}
         value={filter.order}
         options={ORDERS.filter((one) => hasTarget || one !== "targets").map((one) => [
           one,
-          ORDER_NAMES[one],
+          orderNames()[one],
         ])}
         onChange={(order) => set({ order })}
       />
-      {isNarrow(filter) && (
-        <Button
-          kind="quiet"
-          icon="close"
-          onClick={() => onChange({ ...ALL_RUNS, order: filter.order })}
-        >
-          Clear the filters
-        </Button>
-      )}
-    </div>
+    </Filters>
   );
 }

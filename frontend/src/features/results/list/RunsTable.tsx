@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { Link } from "react-router";
 
 import type { Behaviour, Interval, Run } from "@/api/types";
@@ -25,48 +27,62 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
   return (
     // Scrolls horizontally on a phone; focusable so that the keyboard can scroll it.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
-    <div className={styles.scroll} role="region" aria-label="Runs" tabIndex={0}>
-      <table className={styles.table} aria-label="Runs">
+    <div className={styles.scroll} role="region" aria-label={t`Runs`} tabIndex={0}>
+      <table className={styles.table} aria-label={t`Runs`}>
         <thead>
           <tr>
             <th scope="col">
-              <span className="visually-hidden">Compare</span>
+              <span className="visually-hidden">
+                <Trans>Compare</Trans>
+              </span>
             </th>
-            <th scope="col">Run</th>
-            <th scope="col">State</th>
+            <th scope="col">
+              <Trans>Run</Trans>
+            </th>
+            <th scope="col">
+              <Trans>State</Trans>
+            </th>
             {of !== undefined && (
               <>
                 <th scope="col">
-                  <ThingMark thing="imitator">Imitator, targets of {of}</ThingMark>
+                  <ThingMark thing="imitator">
+                    <Trans>Imitator, targets of {of}</Trans>
+                  </ThingMark>
                 </th>
                 <th scope="col">
-                  <ThingMark thing="clone">Clone, targets of {of}</ThingMark>
+                  <ThingMark thing="clone">
+                    <Trans>Clone, targets of {of}</Trans>
+                  </ThingMark>
                 </th>
                 <th scope="col" className={styles.right}>
-                  Strays
+                  <Trans>Strays</Trans>
                 </th>
               </>
             )}
             <th scope="col" className={styles.right}>
-              Death rate
+              <Trans>Death rate</Trans>
             </th>
             <th scope="col" className={styles.right}>
-              Tau
+              <Trans>Tau</Trans>
             </th>
-            <th scope="col">Recipe</th>
-            <th scope="col" className={styles.right}>
-              Steps
-            </th>
-            <th scope="col" className={styles.right}>
-              Seed
+            <th scope="col">
+              <Trans>Recipe</Trans>
             </th>
             <th scope="col" className={styles.right}>
-              Ranked
+              <Trans>Steps</Trans>
             </th>
             <th scope="col" className={styles.right}>
-              Took
+              <Trans>Seed</Trans>
             </th>
-            <th scope="col">Created</th>
+            <th scope="col" className={styles.right}>
+              <Trans>Ranked</Trans>
+            </th>
+            <th scope="col" className={styles.right}>
+              <Trans>Took</Trans>
+            </th>
+            <th scope="col">
+              <Trans>Created</Trans>
+            </th>
           </tr>
         </thead>
         <tbody>
@@ -103,7 +119,7 @@ function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
         <label className={styles.select}>
           <input
             type="checkbox"
-            aria-label={`Compare ${runName(run)}`}
+            aria-label={t`Compare ${runName(run)}`}
             checked={isSelected}
             disabled={isFull && !isSelected}
             onChange={(event) => onSelect(run.id, event.currentTarget.checked)}
@@ -120,10 +136,16 @@ function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
             {run.notes}
           </span>
         )}
-        {run.example && <span className={styles.bounds}>scripted example</span>}
+        {run.example && (
+          <span className={styles.bounds}>
+            <Trans>scripted example</Trans>
+          </span>
+        )}
         {run.parent_run_id !== null && (
           <span className={styles.bounds}>
-            continues <RunName id={run.parent_run_id} />
+            <Trans>
+              continues <RunName id={run.parent_run_id} />
+            </Trans>
           </span>
         )}
       </th>

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { JudgedGames } from "@/api/types";
 import { ThingMark } from "@/components/game/ThingMark";
 import tables from "@/features/results/tables.module.css";
@@ -17,17 +20,26 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
   return (
     <>
       <p className={styles.verdict}>
-        A game is worth its targets hit, less strays. Filled marks are the recordings that the
-        reward was learned from, hollow ones the games of imitator and clone, which it has never
-        seen. Where the reward is right, the marks rise from left to right.
-        {shown && " Beyond the shaded range of the recordings it can only extrapolate."}
+        <Trans>
+          A game is worth its targets hit, less strays. Filled marks are the recordings that the
+          reward was learned from, hollow ones the games of imitator and clone, which it has never
+          seen. Where the reward is right, the marks rise from left to right.
+        </Trans>
+        {shown && (
+          <>
+            {" "}
+            <Trans>Beyond the shaded range of the recordings it can only extrapolate.</Trans>
+          </>
+        )}
       </p>
       <div className={styles.check}>
         <Groups judged={judged} />
         <figure className={styles.scatter}>
-          <figcaption>Predicted return by targets hit, less strays</figcaption>
+          <figcaption>
+            <Trans>Predicted return by targets hit, less strays</Trans>
+          </figcaption>
           <ScatterPlot
-            label="Predicted return by targets hit, less strays; see the table for the numbers"
+            label={t`Predicted return by targets hit, less strays; see the table for the numbers`}
             range={range}
             xTicks={wholeTicks(all.low, all.high, 12)}
             band={shown ? [shown.low - 0.5, shown.high + 0.5] : undefined}
@@ -42,21 +54,23 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
 /** The plot as a table. */
 function Groups({ judged }: { judged: readonly JudgedGames[] }) {
   return (
-    <table className={tables.table} aria-label="Predicted returns and worth of games">
+    <table className={tables.table} aria-label={t`Predicted returns and worth of games`}>
       <thead>
         <tr>
-          <th scope="col">Games of</th>
-          <th scope="col" className={tables.number}>
-            Games
+          <th scope="col">
+            <Trans>Games of</Trans>
           </th>
           <th scope="col" className={tables.number}>
-            Worth
+            <Trans>Games</Trans>
           </th>
           <th scope="col" className={tables.number}>
-            Predicted return
+            <Trans>Worth</Trans>
+          </th>
+          <th scope="col" className={tables.number}>
+            <Trans>Predicted return</Trans>
           </th>
           <th scope="col" className={tables.right}>
-            Kendall&rsquo;s tau
+            <Trans>Kendall&rsquo;s tau</Trans>
           </th>
         </tr>
       </thead>
@@ -65,7 +79,7 @@ function Groups({ judged }: { judged: readonly JudgedGames[] }) {
           <tr key={`${group.player}-${String(group.demonstrated)}`}>
             <th scope="row">
               <ThingMark thing={group.player} hollow={!group.demonstrated} />
-              <small>{group.demonstrated ? "learned from" : "never seen"}</small>
+              <small>{group.demonstrated ? t`learned from` : t`never seen`}</small>
             </th>
             <td className={tables.number}>{group.games.length}</td>
             <td className={tables.number}>{between(worthOf([group]), whole)}</td>
@@ -84,5 +98,5 @@ function between(
 ): string {
   if (!bounds) return NONE;
   const { low, high } = bounds;
-  return low === high ? write(low) : `${write(low)} to ${write(high)}`;
+  return low === high ? write(low) : t`${write(low)} to ${write(high)}`;
 }

@@ -1,3 +1,6 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { RankingCheck } from "@/api/types";
 import { measured } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
@@ -11,9 +14,11 @@ export function ReturnsByTier({ returns }: { returns: RankingCheck["returns"] })
   const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
   return (
     <figure className={styles.scatter}>
-      <figcaption>Predicted return by tier, 1 is the best</figcaption>
+      <figcaption>
+        <Trans>Predicted return by tier, 1 is the best</Trans>
+      </figcaption>
       <ScatterPlot
-        label="Predicted return by tier"
+        label={t`Predicted return by tier`}
         range={[0.5, tiers + 0.5]}
         xTicks={Array.from({ length: tiers }, (_, index) => index + 1)}
         points={returns.map(({ tier, recording, predicted_return: value }) => ({
@@ -21,7 +26,7 @@ export function ReturnsByTier({ returns }: { returns: RankingCheck["returns"] })
           x: tier,
           y: value,
           thing: playedBy(recording.source),
-          title: `${recordingName(recording)}, tier ${tier}: ${measured(value)}`,
+          title: t`${recordingName(recording)}, tier ${tier}: ${measured(value)}`,
         }))}
       />
     </figure>

@@ -1,8 +1,11 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import tables from "@/features/results/tables.module.css";
 import type { Watched } from "@/features/results/watched";
-import { count, fixed, measured, percent } from "@/lib/format";
+import { fixed, measured, percent } from "@/lib/format";
 import { recordingName, describeScore } from "@/lib/recordings";
 
 import { ReturnsByTier } from "./ReturnsByTier";
@@ -31,24 +34,30 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
 
 function verdictOf({ passed, advice, warning }: RankingCheck): string {
   if (!passed) return advice;
-  const order = "The learned reward orders the recordings as they are ranked";
-  return warning ? `${order}, but can’t tell some tiers apart.` : `${order}.`;
+  const order = t`The learned reward orders the recordings as they are ranked`;
+  return warning ? t`${order}, but can’t tell some tiers apart.` : `${order}.`;
 }
 
 function Numbers({ check }: { check: RankingCheck }) {
   return (
     <dl className={styles.numbers}>
       <div>
-        <dt>Kendall&rsquo;s tau</dt>
+        <dt>
+          <Trans>Kendall&rsquo;s tau</Trans>
+        </dt>
         <dd>{fixed(check.tau, 2)}</dd>
       </div>
       <div>
-        <dt>Fragment pairs in order</dt>
+        <dt>
+          <Trans>Fragment pairs in order</Trans>
+        </dt>
         <dd>{percent(check.pair_accuracy)}</dd>
       </div>
       {check.held_out_accuracy !== null && (
         <div>
-          <dt>Held-out pairs in order</dt>
+          <dt>
+            <Trans>Held-out pairs in order</Trans>
+          </dt>
           <dd>{percent(check.held_out_accuracy)}</dd>
         </div>
       )}
@@ -63,12 +72,16 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
   const sorted = [...confused].sort((a, b) => Number(a.held_out) - Number(b.held_out));
   const more = sorted.slice(SHOWN);
   return (
-    <section aria-label="Confused tiers" className={styles.confused}>
-      <h3>Confused tiers</h3>
+    <section aria-label={t`Confused tiers`} className={styles.confused}>
+      <h3>
+        <Trans>Confused tiers</Trans>
+      </h3>
       <ConfusedList confused={sorted.slice(0, SHOWN)} />
       {more.length > 0 && (
         <details>
-          <summary>{more.length} more</summary>
+          <summary>
+            <Trans>{more.length} more</Trans>
+          </summary>
           <ConfusedList confused={more} />
         </details>
       )}
@@ -81,9 +94,7 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
     <ul>
       {confused.map((one) => (
         <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
-          Tier {one.better_tier} ({names(one.better)}) isn&rsquo;t always ranked above the worse
-          tier {one.worse_tier} ({names(one.worse)})
-          {one.held_out ? " when one of their recordings is held out" : ""}
+          <ConfusedTier confused={one} />
           {counted(one)}.
         </li>
       ))}
@@ -91,9 +102,27 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
   );
 }
 
+function ConfusedTier({ confused }: { confused: ConfusedTiers }) {
+  const { better_tier: better, worse_tier: worse } = confused;
+  const [betterNames, worseNames] = [names(confused.better), names(confused.worse)];
+  return confused.held_out ? (
+    <Trans>
+      Tier {better} ({betterNames}) isn&rsquo;t always ranked above the worse tier {worse} (
+      {worseNames}) when one of their recordings is held out
+    </Trans>
+  ) : (
+    <Trans>
+      Tier {better} ({betterNames}) isn&rsquo;t always ranked above the worse tier {worse} (
+      {worseNames})
+    </Trans>
+  );
+}
+
 /** Empty for runs of earlier versions, which did not count. */
 function counted({ n_right: right, n_compared: all }: ConfusedTiers): string {
-  return right === null || all === null ? "" : `: ${right} of ${count(all, "comparison")} in order`;
+  return right === null || all === null
+    ? ""
+    : `: ${t`${right} of ${plural(all, { one: "# comparison", other: "# comparisons" })} in order`}`;
 }
 
 function names(ids: readonly number[]): string {
@@ -106,22 +135,28 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
   const odd = (index: number) =>
     isOdd(check, index) ? `${tables.right} ${styles.odd}` : tables.right;
   return (
-    <table className={tables.table} aria-label="Predicted returns">
+    <table className={tables.table} aria-label={t`Predicted returns`}>
       <thead>
         <tr>
-          <th scope="col">Tier</th>
-          <th scope="col">Recording</th>
-          <th scope="col">Played by</th>
+          <th scope="col">
+            <Trans>Tier</Trans>
+          </th>
+          <th scope="col">
+            <Trans>Recording</Trans>
+          </th>
+          <th scope="col">
+            <Trans>Played by</Trans>
+          </th>
           <th scope="col" className={tables.right}>
-            Predicted return
+            <Trans>Predicted return</Trans>
           </th>
           {hasLevels && (
             <th
               scope="col"
               className={tables.right}
-              title="What the game reached in the end: 0 at the beginning, 1 at the end of the best"
+              title={t`What the game reached in the end: 0 at the beginning, 1 at the end of the best`}
             >
-              Final level
+              <Trans>Final level</Trans>
             </th>
           )}
         </tr>
@@ -160,7 +195,12 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
 }
 
 function Highest() {
-  return <span className="visually-hidden"> (highest)</span>;
+  return (
+    <span className="visually-hidden">
+      {" "}
+      (<Trans>highest</Trans>)
+    </span>
+  );
 }
 
 /** What the ranking is checked by: the final level, or the return in runs of earlier versions. */

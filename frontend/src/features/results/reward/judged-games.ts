@@ -1,4 +1,7 @@
 /** The data of the plot of predicted return against the worth of games. */
+
+import { t } from "@lingui/core/macro";
+
 import type { JudgedGames } from "@/api/types";
 import { measured } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
@@ -19,7 +22,7 @@ export function marksOf(groups: readonly JudgedGames[]): readonly ScatterPoint[]
       thing: player,
       hollow: !demonstrated,
       title:
-        `${recordingName({ id: game.recording_id })}, worth ${game.true_quantity}: ` +
+        t`${recordingName({ id: game.recording_id })}, worth ${game.true_quantity}: ` +
         measured(game.predicted_return),
     }));
   });

@@ -1,3 +1,5 @@
+import { Trans } from "@lingui/react/macro";
+
 import type { RunResults } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 
@@ -9,12 +11,19 @@ export function Alarms({ results }: { results: RunResults }) {
       {alarm && (
         <Notice tone="bad" live>
           <p>
-            <strong>The reward may be hacked.</strong> {alarm.message}{" "}
-            <a href="#curves">See the curves</a>
+            <strong>
+              <Trans>The reward may be hacked.</Trans>
+            </strong>{" "}
+            {alarm.message}{" "}
+            <a href="#curves">
+              <Trans>See the curves</Trans>
+            </a>
             {comparison.length > 0 && (
               <>
                 {" "}
-                or <a href="#games">watch the games</a>
+                <Trans>
+                  or <a href="#games">watch the games</a>
+                </Trans>
               </>
             )}
             .
@@ -24,7 +33,11 @@ export function Alarms({ results }: { results: RunResults }) {
       {check?.warning && (
         <Notice live>
           <p>
-            {check.warning} <a href="#check">See which recordings</a>.
+            {check.warning}{" "}
+            <a href="#check">
+              <Trans>See which recordings</Trans>
+            </a>
+            .
           </p>
         </Notice>
       )}

@@ -1,31 +1,38 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { Artifact } from "@/api/types";
 import tables from "@/features/results/tables.module.css";
 import { bytes } from "@/lib/format";
 
 import styles from "./Files.module.css";
 
-const KINDS: Readonly<Record<string, string>> = {
-  reward_model: "Reward model",
-  imitator: "Imitator",
-  clone: "Clone",
-  attention_map: "Attention map",
-  attention_red_blue: "Attention map, red-blue",
-  attention_frame: "Screen of an attention map",
-  figure: "Figure",
-  summary: "Summary",
-};
+const kinds = (): Readonly<Record<string, string>> => ({
+  reward_model: t`Reward model`,
+  imitator: t`Imitator`,
+  clone: t`Clone`,
+  attention_map: t`Attention map`,
+  attention_red_blue: t`Attention map, red-blue`,
+  attention_frame: t`Screen of an attention map`,
+  figure: t`Figure`,
+  summary: t`Summary`,
+});
 
 /** The artifacts of a run, for download. */
 export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
   return (
     <div className={styles.scroll}>
-      <table className={tables.table} aria-label="Files">
+      <table className={tables.table} aria-label={t`Files`}>
         <thead>
           <tr>
-            <th scope="col">File</th>
-            <th scope="col">What it is</th>
+            <th scope="col">
+              <Trans>File</Trans>
+            </th>
+            <th scope="col">
+              <Trans>What it is</Trans>
+            </th>
             <th scope="col" className={tables.right}>
-              Size
+              <Trans>Size</Trans>
             </th>
           </tr>
         </thead>
@@ -38,8 +45,8 @@ export function Files({ artifacts }: { artifacts: readonly Artifact[] }) {
                 </a>
               </td>
               <td>
-                {KINDS[file.kind] ?? file.kind.replaceAll("_", " ")}
-                {file.name.endsWith(".zip") && ", for stable-baselines3"}
+                {kinds()[file.kind] ?? file.kind.replaceAll("_", " ")}
+                {file.name.endsWith(".zip") && `, ${t`for stable-baselines3`}`}
                 {file.kind.startsWith("attention") && `, ${formatOf(file.name)}`}
               </td>
               <td className={tables.right}>{bytes(file.size_bytes)}</td>

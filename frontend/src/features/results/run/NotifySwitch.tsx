@@ -1,10 +1,11 @@
+import { t } from "@lingui/core/macro";
 import { useState } from "react";
 
 import { Checkbox } from "@/components/controls/Field";
 import { allowNotifications, areNotificationsOn, turnNotificationsOff } from "@/lib/notifications";
 
-const REFUSED =
-  "The browser refuses notifications of this page. Allow them in its settings for this address.";
+const refusal = () =>
+  t`The browser refuses notifications of this page. Allow them in its settings for this address.`;
 
 /** The switch of the browser's notifications of runs that end. */
 export function NotifySwitch() {
@@ -19,8 +20,8 @@ export function NotifySwitch() {
   };
   return (
     <Checkbox
-      label="Notify me when a run ends"
-      hint={refused ? REFUSED : "By the browser, while a page of Tril is open."}
+      label={t`Notify me when a run ends`}
+      hint={refused ? refusal() : t`By the browser, while a page of Tril is open.`}
       checked={on}
       onChange={(wanted) => void change(wanted)}
     />

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
@@ -27,7 +29,7 @@ export function RunActions({ run }: { run: Run }) {
   });
   const again = (
     <ButtonLink icon="redo" to={againPath(run)}>
-      Run again with changes
+      <Trans>Run again with changes</Trans>
     </ButtonLink>
   );
   if (isActive(run)) {
@@ -38,7 +40,7 @@ export function RunActions({ run }: { run: Run }) {
           disabled={act.isPending || run.status === "cancelling"}
           onClick={() => act.mutate(cancelRun)}
         >
-          {run.status === "cancelling" ? "Cancelling…" : "Cancel run"}
+          {run.status === "cancelling" ? t`Cancelling…` : t`Cancel run`}
         </Button>
         {again}
       </div>
@@ -53,12 +55,12 @@ export function RunActions({ run }: { run: Run }) {
           disabled={act.isPending}
           onClick={() => act.mutate(resumeRun)}
         >
-          {run.status === "stopped" ? "Go on anyway" : "Resume run"}
+          {run.status === "stopped" ? t`Go on anyway` : t`Resume run`}
         </Button>
       )}
       {again}
       <Button icon="trash" disabled={remove.isPending} onClick={() => remove.mutate()}>
-        Delete run
+        <Trans>Delete run</Trans>
       </Button>
     </div>
   );

@@ -1,3 +1,4 @@
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 
 import { isAlive, systemQuery } from "@/api/system";
@@ -14,21 +15,33 @@ export function RunNotices({ run }: { run: Run }) {
       {run.example && (
         <Notice tone="calm" icon="eye">
           <p>
-            This is an example: its demonstrations were made by a scripted player, not by a person.
-            {run.imported && " It was trained elsewhere; delete it when you like."}
+            <Trans>
+              This is an example: its demonstrations were made by a scripted player, not by a
+              person.
+            </Trans>
+            {run.imported && (
+              <>
+                {" "}
+                <Trans>It was trained elsewhere; delete it when you like.</Trans>
+              </>
+            )}
           </p>
         </Notice>
       )}
       {run.imported && !run.example && (
         <Notice tone="calm" icon="eye">
-          <p>This run was imported: it was trained elsewhere.</p>
+          <p>
+            <Trans>This run was imported: it was trained elsewhere.</Trans>
+          </p>
         </Notice>
       )}
       {waiting && (
         <Notice live>
           <p>
-            The worker isn&rsquo;t running, so this run makes no progress. Start it with{" "}
-            <code>tril up</code>; the run then continues where it stopped.
+            <Trans>
+              The worker isn&rsquo;t running, so this run makes no progress. Start it with{" "}
+              <code>tril up</code>; the run then continues where it stopped.
+            </Trans>
           </p>
         </Notice>
       )}

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useQuery } from "@tanstack/react-query";
 import type { CSSProperties } from "react";
 
@@ -17,7 +18,7 @@ export function Stages({ run }: { run: Run }) {
   const latest = waiting?.find(({ id }) => id === run.id) ?? run;
   const running = run.status === "running" || run.status === "cancelling";
   return (
-    <section aria-label="Progress">
+    <section aria-label={t`Progress`}>
       {isActive(run) && (
         <p className={styles.summary}>
           <span className={styles.percent}>{Math.floor(run.progress * 100)}%</span>

@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
@@ -18,15 +20,17 @@ export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour })
   return (
     <div className={styles.takeAway}>
       <p>
-        One zip with a report that opens anywhere, the policies and the reward as files that load
-        without Tril, all games, curves and hyperparameters. <code>tril runs import</code> reads it
-        again, on any machine.
+        <Trans>
+          One zip with a report that opens anywhere, the policies and the reward as files that load
+          without Tril, all games, curves and hyperparameters. <code>tril runs import</code> reads
+          it again, on any machine.
+        </Trans>
       </p>
       <Button icon="download" disabled={download.isPending} onClick={() => download.mutate()}>
-        {download.isPending ? "Making the zip…" : "Everything as a zip"}
+        {download.isPending ? t`Making the zip…` : t`Everything as a zip`}
       </Button>
       <p className={styles.hint} role="status">
-        {download.isPending && "Figures and clips are drawn; this takes up to a minute."}
+        {download.isPending && t`Figures and clips are drawn; this takes up to a minute.`}
       </p>
       {download.error && (
         <Notice tone="bad" live>

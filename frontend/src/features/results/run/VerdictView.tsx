@@ -1,3 +1,5 @@
+import { t } from "@lingui/core/macro";
+
 import type { Behaviour, Run, Verdict } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { classes } from "@/lib/classes";
@@ -16,7 +18,7 @@ interface VerdictViewProps {
 export function VerdictView({ verdict, run, behaviour, canTeach }: VerdictViewProps) {
   const next = nextOf(verdict.next_step, run, behaviour, canTeach);
   return (
-    <section className={classes(styles.verdict, styles[verdict.tone])} aria-label="Verdict">
+    <section className={classes(styles.verdict, styles[verdict.tone])} aria-label={t`Verdict`}>
       <p className={styles.sentence}>{verdict.sentence}</p>
       <p className={styles.advice}>
         <span>{verdict.advice}</span>
@@ -35,15 +37,15 @@ function nextOf(
   const at = `/behaviours/${behaviour.id}`;
   switch (step) {
     case "games":
-      return { to: `/runs/${run.id}#games`, label: "Watch its games" };
+      return { to: `/runs/${run.id}#games`, label: t`Watch its games` };
     case "teach":
       return canTeach
-        ? { to: `/runs/${run.id}#teach`, label: "Choose games to rank" }
-        : { to: `${at}/rank`, label: "Go to the ranking" };
+        ? { to: `/runs/${run.id}#teach`, label: t`Choose games to rank` }
+        : { to: `${at}/rank`, label: t`Go to the ranking` };
     case "rank":
-      return { to: `${at}/rank`, label: "Go to the ranking" };
+      return { to: `${at}/rank`, label: t`Go to the ranking` };
     case "train":
-      return { to: `${at}/train`, label: "Train again" };
+      return { to: `${at}/train`, label: t`Train again` };
     case null:
       return null;
   }

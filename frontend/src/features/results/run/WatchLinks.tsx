@@ -1,5 +1,10 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+
 import type { RunResults } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
+import { inSentence } from "@/lib/format";
+import { thingNames } from "@/lib/things";
 
 import styles from "./RunActions.module.css";
 
@@ -10,15 +15,15 @@ export function WatchLinks({ results: { run, artifacts } }: { results: RunResult
   const trained = POLICIES.filter((policy) => artifacts.some(({ kind }) => kind === policy));
   if (trained.length === 0) return null;
   return (
-    <div className={styles.actions} role="group" aria-label="Watch it play">
+    <div className={styles.actions} role="group" aria-label={t`Watch it play`}>
       {trained.map((policy) => (
         <ButtonLink key={policy} icon="play" to={watchPath(run.id, [policy])}>
-          Watch the {policy} play
+          <Trans>Watch the {inSentence(thingNames()[policy])} play</Trans>
         </ButtonLink>
       ))}
       {trained.length > 1 && (
         <ButtonLink kind="quiet" to={watchPath(run.id, trained)}>
-          Both side by side
+          <Trans>Both side by side</Trans>
         </ButtonLink>
       )}
     </div>

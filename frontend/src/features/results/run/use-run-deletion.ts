@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
@@ -28,8 +29,8 @@ export function useRunDeletion(run: Run) {
       await navigate(`/behaviours/${run.behaviour_id}/runs`);
       client.removeQueries({ queryKey: runQuery(run.id).queryKey });
       settle();
-      toast(`${runName(run)} deleted. Its recordings and the ranking stay as they are.`, {
-        label: "Undo",
+      toast(t`${runName(run)} deleted. Its recordings and the ranking stay as they are.`, {
+        label: t`Undo`,
         run: () => restore.mutate(),
       });
     },

@@ -1,23 +1,25 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
-import { type ReactNode, type SubmitEvent, useState } from "react";
+import { type ReactNode, useState } from "react";
 
 import { behavioursQuery } from "@/api/behaviours";
-import { fieldMessageOf, messageOf } from "@/api/client";
+import { fieldMessageOf } from "@/api/client";
 import type { Behaviour, BehaviourNew } from "@/api/types";
-import { Button } from "@/components/controls/Button";
+import type { Draft } from "@/components/controls/drafts";
 import { Checkbox, Field } from "@/components/controls/Field";
-import { Notice } from "@/components/feedback/States";
+import { FormDialog } from "@/components/controls/FormDialog";
 import type { Cell } from "@/lib/game/aliens";
 
 import { AlienPicker } from "./AlienPicker";
-import styles from "./BehaviourForm.module.css";
+import styles from "./BehaviourDialog.module.css";
 import { type BehaviourDraft, nameProblem } from "./draft";
 
-interface BehaviourFormProps {
-  value: BehaviourDraft;
-  onChange: (value: BehaviourDraft) => void;
+interface BehaviourDialogProps {
+  title: string;
+  draft: Draft<BehaviourDraft>;
   onSubmit: (behaviour: BehaviourNew) => void;
-  onCancel: () => void;
+  onClose: () => void;
   /** The behaviour that is being edited, which may keep its name. */
   edited?: Behaviour;
   /** Why the target can't be changed; it is not shown then. */
@@ -26,16 +28,17 @@ interface BehaviourFormProps {
   pending: boolean;
   error: unknown;
   /** Further buttons, at the end of the row. */
-  children?: ReactNode;
+  more?: ReactNode;
 }
 
-/** The name, description and target of a behaviour. */
-export function BehaviourForm(props: BehaviourFormProps) {
-  const { value, onChange, edited, fixedTarget, pending, error } = props;
+/** Edits the name, description and target of a behaviour. */
+export function BehaviourDialog(props: BehaviourDialogProps) {
+  const { draft, edited, fixedTarget, error } = props;
+  const { value } = draft;
   const { data: others } = useQuery(behavioursQuery);
   const [left, setLeft] = useState(false);
   const [refused, setRefused] = useState<string | null>(null);
-  const set = (change: Partial<BehaviourDraft>) => onChange({ ...value, ...change });
+  const set = (change: Partial<BehaviourDraft>) => draft.set({ ...value, ...change });
 
   const problem = nameProblem(value.name, others ?? [], edited?.id);
   // While an empty field has not been left, nothing is wrong with it yet.
@@ -44,13 +47,10 @@ export function BehaviourForm(props: BehaviourFormProps) {
   const nameError = said ?? (refused === value.name ? answered : null);
   const noTarget = value.hasTarget && value.target.length === 0;
 
-  function submit(event: SubmitEvent) {
-    event.preventDefault();
+  function submit(form: HTMLFormElement) {
     setLeft(true);
     if (problem !== null || noTarget) {
-      event.currentTarget
-        .querySelector<HTMLElement>("[aria-invalid], [data-empty] button")
-        ?.focus();
+      form.querySelector<HTMLElement>("[aria-invalid], [data-empty] button")?.focus();
       return;
     }
     setRefused(value.name);
@@ -63,14 +63,23 @@ export function BehaviourForm(props: BehaviourFormProps) {
   }
 
   return (
-    <form className={styles.form} onSubmit={submit} noValidate>
-      <Field label="Name" error={nameError}>
+    <FormDialog
+      title={props.title}
+      draft={draft}
+      submit={props.submit}
+      disabled={props.pending}
+      error={answered ? null : error}
+      onSubmit={submit}
+      onClose={props.onClose}
+      more={props.more}
+    >
+      <Field label={t`Name`} error={nameError}>
         {(control) => (
           <input
             {...control}
             value={value.name}
             maxLength={120}
-            placeholder="Stay on the left"
+            placeholder={t`Stay on the left`}
             onBlur={(event) => {
               // Cancel and Close need no name.
               if (event.relatedTarget?.tagName !== "BUTTON") setLeft(true);
@@ -79,7 +88,7 @@ export function BehaviourForm(props: BehaviourFormProps) {
           />
         )}
       </Field>
-      <Field label="Description" hint="What a perfect game looks like, in a sentence or two.">
+      <Field label={t`Description`} hint={t`What a perfect game looks like, in a sentence or two.`}>
         {(control) => (
           <textarea
             {...control}
@@ -93,8 +102,8 @@ export function BehaviourForm(props: BehaviourFormProps) {
       {fixedTarget ?? (
         <div className={styles.target} data-empty={noTarget || undefined}>
           <Checkbox
-            label="Target certain aliens"
-            hint="Hits and strays are then counted. The agent never sees this: it learns from your ranking and your perfect games."
+            label={t`Target certain aliens`}
+            hint={t`Hits and strays are then counted. The agent never sees this: it learns from your ranking and your perfect games.`}
             checked={value.hasTarget}
             onChange={(hasTarget) => set({ hasTarget })}
           />
@@ -107,12 +116,12 @@ export function BehaviourForm(props: BehaviourFormProps) {
               />
               {noTarget && (
                 <p className={styles.error} role="status">
-                  Pick at least one alien, or turn the target off.
+                  <Trans>Pick at least one alien, or turn the target off.</Trans>
                 </p>
               )}
               <Checkbox
-                label="The order matters"
-                hint="They are to be hit in the order in which you pick them."
+                label={t`The order matters`}
+                hint={t`They are to be hit in the order in which you pick them.`}
                 checked={value.ordered}
                 onChange={(ordered) => set({ ordered })}
               />
@@ -120,20 +129,6 @@ export function BehaviourForm(props: BehaviourFormProps) {
           )}
         </div>
       )}
-      {Boolean(error) && !answered && (
-        <Notice tone="bad" live>
-          <p>{messageOf(error)}</p>
-        </Notice>
-      )}
-      <div className={styles.actions}>
-        <Button kind="primary" type="submit" disabled={pending}>
-          {props.submit}
-        </Button>
-        <Button kind="quiet" onClick={props.onCancel}>
-          Cancel
-        </Button>
-        {props.children}
-      </div>
-    </form>
+    </FormDialog>
   );
 }
