@@ -49,12 +49,12 @@ export function describe(attention: Attention): string {
   if (!map || attention.shown === null) return t`Looking at step ${step}…`;
   const chosen = network === "reward" || map.action === null ? null : actionName(map.action);
   if (chosen === null) return made(attention, step, "R");
-  const logOdds = made(attention, step, t`the log odds of “${chosen}”`);
+  const explained = made(attention, step, t`the logit of “${chosen}”`);
   const choice =
     network === "imitator"
       ? t`The imitator chooses “${chosen}” here.`
       : t`The clone chooses “${chosen}” here.`;
-  return `${logOdds} ${choice}`;
+  return `${explained} ${choice}`;
 }
 
 function made({ shown, method }: Attention, step: number, what: string): string {
@@ -74,7 +74,7 @@ export function describeMost({ map, network }: Attention): string {
   if (!map) return t`most`;
   const most = map.values.reduce((high, value) => Math.max(high, value), 0);
   const figure = measured(most);
-  return network === "reward" ? `${figure} R` : t`${figure} log odds`;
+  return network === "reward" ? `${figure} R` : t`${figure} logits`;
 }
 
 function pauseToSee(network: AttentionNetwork): string {

@@ -297,13 +297,13 @@ describe("the page of a recording", () => {
       await userEvent.selectOptions(how, "9×9 pixels, all four screens");
       expect(
         await screen.findByText(
-          /the log odds of “left and fire”, which the clone chooses, changes/,
+          /the logit of “left and fire” changes .* The clone chooses “left and fire” here\./,
         ),
       ).toHaveTextContent("9×9 pixels of all four screens");
-      expect(screen.getByRole("img", { name: "Colours: from 0 to 0.31 log odds" })).toBeVisible();
+      expect(screen.getByRole("img", { name: "Colours: from 0 to 0.31 logits" })).toBeVisible();
       expect(screen.getByRole("img", { name: "What the clone looks at in step 2" })).toBeVisible();
       await userEvent.selectOptions(how, "Gradient");
-      expect(await screen.findByText(/estimated by the gradient of the log odds/)).toBeVisible();
+      expect(await screen.findByText(/estimated by the gradient of the logit/)).toBeVisible();
       const last = asked.filter(({ path }) => path.includes("/attention/")).at(-1)?.query;
       expect([last?.get("network"), last?.get("method")]).toEqual(["clone", "patches"]);
     });
