@@ -8,6 +8,7 @@ import { Empty } from "@/components/feedback/States";
 export function NotFound() {
   return (
     <Empty
+      level="h1"
       title={t`Page not found`}
       actions={
         <ButtonLink to="/">

@@ -34,16 +34,19 @@ export function Loading({
 /** An empty state: what is missing and what to do next. */
 export function Empty({
   title,
+  level: Heading = "h2",
   children,
   actions,
 }: {
   title: string;
+  /** "h1" where it is all that the page has. */
+  level?: "h1" | "h2";
   children?: ReactNode;
   actions?: ReactNode;
 }) {
   return (
     <div className={styles.state}>
-      <h2>{title}</h2>
+      <Heading>{title}</Heading>
       {children}
       {actions && <div className={styles.actions}>{actions}</div>}
     </div>

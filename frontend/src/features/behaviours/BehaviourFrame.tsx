@@ -33,6 +33,7 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
   if (isNotFound(error)) {
     return (
       <Empty
+        level="h1"
         title={t`Behaviour not found`}
         actions={
           <ButtonLink to="/">

@@ -27,7 +27,7 @@ export function ComparePage() {
     const [first] = queries;
     if (first?.error) return <Failed what={t`The runs`} error={first.error} />;
     return (
-      <Empty title={t`Nothing to compare`}>
+      <Empty level="h1" title={t`Nothing to compare`}>
         <p>
           <Trans>
             Select runs in a behaviour&rsquo;s list of runs, and compare them from there.

@@ -57,7 +57,12 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
         </Notice>
       )}
       {charts.map((group) => (
-        <CurveGroupView key={group.stage} group={group} syncKey={`compared-${group.stage}`} />
+        <CurveGroupView
+          key={group.stage}
+          level="h2"
+          group={group}
+          syncKey={`compared-${group.stage}`}
+        />
       ))}
       {charts.length > 0 && (
         <div className={styles.section}>

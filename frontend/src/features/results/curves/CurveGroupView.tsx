@@ -10,12 +10,20 @@ export const chartHint = () =>
   t`Drag over a chart to zoom, double-click to show everything. With the keyboard: arrows read values, + and − zoom, 0 shows everything.`;
 
 /** The charts of a stage, which share zoom and cursor. */
-export function CurveGroupView({ group, syncKey }: { group: CurveGroup; syncKey: string }) {
+export function CurveGroupView({
+  group,
+  syncKey,
+  level: Heading = "h3",
+}: {
+  group: CurveGroup;
+  syncKey: string;
+  level?: "h2" | "h3";
+}) {
   const zoom = useZoom(group.charts);
   return (
     <section className={styles.group} aria-label={group.name}>
       <div className={styles.head}>
-        <h3>{group.name}</h3>
+        <Heading className={styles.name}>{group.name}</Heading>
         <ZoomBar zoom={zoom} of={group.name} />
       </div>
       <div className={styles.charts}>
