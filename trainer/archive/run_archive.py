@@ -13,8 +13,6 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from trainer.archive.commands import commands
 from trainer.archive.games import best_and_worst
 from trainer.archive.tables import curves_table, evaluation_table
@@ -107,13 +105,10 @@ def check_networks(archive: RunArchive) -> None:
             try:
                 if kind in POLICIES:
                     load_network(path)
-                    continue
-                model = RewardModel.load(path)
-                usable = bool(np.isfinite([model.zero, model.one]).all()) and model.zero < model.one
+                else:
+                    RewardModel.load(path)
             except (TypeError, ValueError) as error:
                 raise Invalid(f"{path.name} cannot be read: {error}") from error
-            if not usable:
-                raise Invalid(f"{path.name} has levels that are no scale.")
 
 
 def _data(exported: ExportedRun) -> Iterator[tuple[str, bytes]]:

@@ -143,12 +143,14 @@ class Spread:
     bias: Tensor
 
     def __post_init__(self) -> None:
-        """Check the shapes; raises ValueError."""
+        """Check shapes and values; raises ValueError."""
         if self.weight.ndim != 2 or self.bias.shape != self.weight.shape[:1]:
             raise ValueError(
                 f"Expected a row of weights per bias, got {tuple(self.weight.shape)} and"
                 f" {tuple(self.bias.shape)}."
             )
+        if not (self.weight.isfinite().all() and self.bias.isfinite().all()):
+            raise ValueError("Expected a finite spread.")
 
     def at(self, features: Tensor) -> Tensor:
         """Return the standard deviation of R, float32 (N,), from features (N, n_features)."""
@@ -208,6 +210,8 @@ class RewardModel:
             )
         if not all(np.isfinite(self.offsets)) or not all(0 < s < np.inf for s in self.scales):
             raise ValueError(f"Offsets or scales are unusable: {self.offsets}, {self.scales}.")
+        if not (np.isfinite(self.zero) and np.isfinite(self.one) and self.zero < self.one):
+            raise ValueError(f"Expected a level from low to high, got {self.zero} to {self.one}.")
         if self.spread is not None:
             n_features = {member.output.in_features for member in self.members}
             if len(self.members) > 1 or n_features != {self.spread.weight.shape[1]}:
@@ -349,7 +353,7 @@ class RewardModel:
                 header["one"],
                 _spread_of(weights[_SPREAD]) if _SPREAD in weights else None,
             )
-        except (SafetensorError, KeyError, RuntimeError, ValueError) as error:
+        except (SafetensorError, KeyError, RuntimeError, TypeError, ValueError) as error:
             raise Invalid(f"{path.name} cannot be read as a reward model: {error}") from error
 
 

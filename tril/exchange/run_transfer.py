@@ -239,8 +239,6 @@ def import_run(
             row = RunRow(
                 id=run.id,
                 behaviour_id=behaviour.id,
-                name=run.name,
-                notes=run.notes,
                 example=run.example,
                 example_kind=run.example_kind,
                 recipe_name=recipe.name,
@@ -265,6 +263,7 @@ def import_run(
             )
             session.add(row)
             session.flush()
+            runs.describe(session, run.id, run.name, run.notes)
             _add_results(session, archive, behaviour, ids, replayed)
             _name_files(session, run, ids, paths)
             _keep_percentiles(session, store, run, ids)

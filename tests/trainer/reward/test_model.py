@@ -128,12 +128,31 @@ def test_a_spread_of_other_features_is_refused(tmp_path: Path) -> None:
         RewardModel.load(path)
 
 
+def test_a_spread_that_is_not_finite_is_refused() -> None:
+    for value in (float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="finite spread"):
+            Spread(torch.full((2, 64), value), torch.zeros(2))
+        with pytest.raises(ValueError, match="finite spread"):
+            Spread(torch.zeros(2, 64), torch.full((2,), value))
+
+
+@pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0), (0.0, float("inf"))])
+def test_a_level_without_a_range_is_refused(ends: tuple[float, float]) -> None:
+    with pytest.raises(ValueError, match="from low to high"):
+        RewardModel(two_networks()[:1], zero=ends[0], one=ends[1])
+
+
 @pytest.mark.parametrize(
     ("metadata", "message"),
     [
         (None, "not a reward model"),
         ({"format": "tril-reward-model", "version": "9"}, "format 9"),
         ({"format": "tril-reward-model", "version": "1", "model": "{"}, "cannot be read"),
+        ({"format": "tril-reward-model", "version": "1", "model": "[]"}, "cannot be read"),
+        (
+            {"format": "tril-reward-model", "version": "1", "model": '{"offsets": 5}'},
+            "cannot be read",
+        ),
     ],
 )
 def test_other_files_are_refused(

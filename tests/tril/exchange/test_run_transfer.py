@@ -339,7 +339,7 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
         "is no picture",
     ),
     "a huge picture": (large_picture, "too large"),
-    "a reward without a scale": (without_scale, "no scale"),
+    "a reward without a scale": (without_scale, "from low to high"),
     "a damaged member": (lambda m: m.update({RUN_FILE: m[RUN_FILE][:-9]}), "can't be read"),
     "too many members": (
         lambda m: m.update({f"more/{n}": b"" for n in range(600)}),
