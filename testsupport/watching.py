@@ -127,7 +127,7 @@ class Watcher:
         while not any(seen.frame >= frame for seen in self.frames.get(lane, [])):
             self.next()
 
-    def say(self, command: str, **more: int) -> None:
+    def say(self, command: str, **more: int | str | None) -> None:
         """Send a command."""
         self.socket.send(json.dumps({"type": command, **more}))
 

@@ -29,7 +29,7 @@ import select
 import socket
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,6 +106,15 @@ class AttentionMap:
     values: Values
     action: Action | None
 
+    @classmethod
+    def of(cls, header: Mapping[str, Any], values: bytes | bytearray) -> AttentionMap:
+        """Return what the process answered: the header, and float32 (84, 84)."""
+        action = header.get("action")
+        return cls(
+            np.frombuffer(values, np.float32).reshape(SIZE, SIZE),
+            None if action is None else Action(action),
+        )
+
 
 class GivenUp(Exception):
     """Nobody waits for the reply any more."""
@@ -180,12 +189,7 @@ class InferenceClient:
             GivenUp: ``is_given_up`` said so.
         """
         request = {"op": "attention", "run_id": run_id, "network": network, "method": method}
-        header, values = self._exchange(request, _checked(observation[None]), is_given_up)
-        action = header.get("action")
-        return AttentionMap(
-            np.frombuffer(values, np.float32).reshape(SIZE, SIZE),
-            None if action is None else Action(action),
-        )
+        return AttentionMap.of(*self._exchange(request, _checked(observation[None]), is_given_up))
 
     def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:
         return self._exchange(request, body)[1]

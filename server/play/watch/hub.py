@@ -19,10 +19,11 @@ from server.play.limits import GameLimits, TooManyGames
 from server.play.rules import PlayRules
 from server.play.saving.committer import Committer
 from server.play.session.session import Phase, SessionResources
+from server.play.watch.lane import Lane
 from server.play.watch.messages import Actor, Taken, WatchRequest
 from server.play.watch.policy_client import PolicyClient
 from server.play.watch.policy_game import PolicyGame
-from server.play.watch.session import Lane, WatchEvents, WatchSession
+from server.play.watch.session import WatchEvents, WatchSession
 from server.play.watch.watch_socket import WatchSocket
 from server.play.wire.protocol import Close
 from tril.behaviours import Behaviour
@@ -140,8 +141,7 @@ class WatchHub:
             [Lane(n, game, plan.behaviour, socket) for n, game in enumerate(played)],
             request.start_number,
             socket,
-            PolicyClient(self._inference_socket, plan.run_id),
-            PolicyClient(self._inference_socket, plan.run_id),
+            lambda: PolicyClient(self._inference_socket, plan.run_id),
             self._resources,
             self._events,
         )

@@ -120,6 +120,17 @@ class TakeOver(PageMessage):
     lane: int = Field(ge=0, lt=MAX_LANES)
 
 
+Watched = Literal["reward", "policy"]
+"""Whose attention a page is shown: the reward model's, or each game's policy's."""
+
+
+class ShowAttention(PageMessage):
+    """Page to server: show what a network looks at in the games; with None nothing any more."""
+
+    type: Literal["attention"]
+    network: Watched | None
+
+
 @dataclass(frozen=True)
 class LaneAck:
     """Page to server: an acknowledgement of a lane's frame."""
@@ -128,7 +139,7 @@ class LaneAck:
     ack: AckMessage
 
 
-_TEXT = WatchCommand | SetSpeed | TakeOver
+_TEXT = WatchCommand | SetSpeed | TakeOver | ShowAttention
 WatcherMessage = _TEXT | LaneAck
 _TEXTS: TypeAdapter[_TEXT] = TypeAdapter(Annotated[_TEXT, Field(discriminator="type")])
 
@@ -153,7 +164,7 @@ def parse_watcher(data: bytes | str, n_lanes: int) -> WatcherMessage:
     try:
         message = _TEXTS.validate_json(data)
     except ValidationError as error:
-        names = ", ".join((*get_args(CommandType), "speed", "take_over"))
+        names = ", ".join((*get_args(CommandType), "speed", "take_over", "attention"))
         raise BadMessage(f"Expected one of {names}, got {data[:80]!r}.") from error
     if isinstance(message, TakeOver) and message.lane >= n_lanes:
         raise BadMessage(f"Expected lane 0 to {n_lanes - 1}, got {message.lane}.")
@@ -220,6 +231,21 @@ class LaneReward(Message):
     frame: int
     reward: float
     deviation: float | None
+
+
+class LaneAttention(Message):
+    """What a network looks at in a lane's state at a frame, by the gradient.
+
+    ``shares`` are the 84x84 values of the map, a byte each, 255 for ``most``, base64. ``most`` is in
+    R for the reward model; for a policy in the log odds of ``action``, which it would choose.
+    """
+
+    type: Literal["attention"] = "attention"
+    lane: int
+    frame: int
+    most: float
+    action: int | None
+    shares: str
 
 
 class LaneHit(HitAt):

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tril.game.observation import Observations
+from tril.game.observation import Observation, Observations
 from tril.game.space_invaders import ACTION_COUNT
 from tril.inference import (
     LENGTH_BYTES,
+    AttentionMap,
+    AttentionNetwork,
     Judgement,
     address_of,
     head_of,
@@ -28,7 +30,7 @@ TIMEOUT_S = 20.0
 
 
 class PolicyClient:
-    """Asks for the actions and rewards of one run's networks.
+    """Asks one run's networks for actions, rewards and attention maps.
 
     A request whose connection turns out to be closed is repeated once on a new one, because the
     process may have been restarted, or closed it after a long pause.
@@ -59,13 +61,21 @@ class PolicyClient:
             NotFound: The run has no such policy.
             Unavailable: The process does not reply.
         """
-        values = await self._ask({"op": "act", "policies": list(policies)}, observations)
+        _, values = await self._ask({"op": "act", "policies": list(policies)}, observations)
         return np.frombuffer(values, np.float32).reshape(len(observations), ACTION_COUNT)
 
     async def judge(self, observations: Observations) -> Judgement:
         """Return R of observations, uint8 (N, 4, 84, 84); raises as ``act``."""
-        values = np.frombuffer(await self._ask({"op": "judge"}, observations), np.float32)
-        return Judgement.of(values.reshape(2, len(observations)))
+        _, values = await self._ask({"op": "judge"}, observations)
+        return Judgement.of(np.frombuffer(values, np.float32).reshape(2, len(observations)))
+
+    async def attention(self, network: AttentionNetwork, observation: Observation) -> AttentionMap:
+        """Return what a network looks at in an observation, uint8 (4, 84, 84), by the gradient.
+
+        Raises as ``act``.
+        """
+        request = {"op": "attention", "network": network, "method": "gradient"}
+        return AttentionMap.of(*await self._ask(request, observation[None]))
 
     def close(self) -> None:
         """Close the connection."""
@@ -73,7 +83,9 @@ class PolicyClient:
             self._opened[1].close()
             self._opened = None
 
-    async def _ask(self, request: dict[str, Any], observations: Observations) -> bytes:
+    async def _ask(
+        self, request: dict[str, Any], observations: Observations
+    ) -> tuple[dict[str, Any], bytes]:
         request = {**request, "run_id": self._run_id}
         message = head_of(request, observations.nbytes) + observations.tobytes()
         async with self._lock:
@@ -89,7 +101,7 @@ class PolicyClient:
                 self.close()
                 raise
         raise_refusal(header)
-        return values
+        return header, values
 
     async def _exchange(self, message: bytes) -> tuple[dict[str, Any], bytes]:
         try:

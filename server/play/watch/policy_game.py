@@ -79,6 +79,12 @@ class PolicyGame:
         """The observation after the last step, uint8 (4, 84, 84), a fresh array."""
         return self._game.observation
 
+    @property
+    def observed_frame(self) -> int:
+        """The frame that the observation is of."""
+        frame = self.episode.frame
+        return frame if self.is_over else frame - frame % game.FRAMES_PER_STEP
+
     def decide(self, probabilities: npt.NDArray[np.float32]) -> int:
         """Select the next step's action by its probabilities, float32 (6,), and return it."""
         if self.actor.action_selection == "sampled":

@@ -14,28 +14,22 @@ from server.play.conditions import FULL_SPEED_PERCENT
 from server.play.session.activity import Activity
 from server.play.session.clock import FrameClock
 from server.play.session.session import WHY_STALLED, Phase, SessionResources
+from server.play.watch.attention_feed import AttentionFeed
+from server.play.watch.lane import Lane
 from server.play.watch.messages import (
     Decision,
     Finished,
-    LaneEnded,
-    LaneHit,
     LaneReward,
     Playing,
+    ShowAttention,
     TakeOver,
     Waiting,
     WatchCommand,
     WatchPaused,
-    lane_ended,
-    lane_hits_after,
     watch_hello,
 )
 from server.play.watch.policy_client import PolicyClient
-from server.play.watch.policy_game import PolicyGame
-from server.play.watch.watch_socket import LaneSocket, WatchSocket
-from server.play.wire.connection import Connection
-from server.play.wire.protocol import AckMessage
-from server.play.wire.scene import Scene
-from tril.behaviours import Behaviour
+from server.play.watch.watch_socket import WatchSocket
 from tril.errors import TrilError
 from tril.game.observation import Observations
 
@@ -46,50 +40,6 @@ REWARD_EVERY_S = 0.2
 
 PATIENCE_S = 0.5
 """How long the games wait for decisions before the page says so."""
-
-
-class Lane:
-    """One of the games that are watched side by side.
-
-    Args:
-        number: Its place, from 0.
-        game: The game.
-        behaviour: What its policy has been taught.
-        socket: The page's socket.
-    """
-
-    def __init__(
-        self, number: int, game: PolicyGame, behaviour: Behaviour, socket: WatchSocket
-    ) -> None:
-        self.number = number
-        self.game = game
-        self.connection = Connection(LaneSocket(socket, number))
-        self._behaviour = behaviour
-
-    def advance(self) -> list[LaneHit]:
-        """Execute one frame; returns the hits in it."""
-        n_hits = len(self.game.episode.hits)
-        self.game.advance()
-        return lane_hits_after(self.number, self._behaviour, self.game.episode, n_hits)
-
-    def ended(self) -> LaneEnded:
-        """Return the last message of the game, which is over."""
-        return lane_ended(self.number, self._behaviour, self.game.episode)
-
-    async def show(self) -> bool:
-        """Send the screen; returns whether the page is not too far behind."""
-        return await self.connection.show(Scene.of(self.game.episode))
-
-    async def acknowledge(self, ack: AckMessage, is_playing: bool) -> None:
-        """Handle an acknowledgement: show a frame that was dropped, if no other follows.
-
-        Raises:
-            BadMessage: It acknowledges a frame that was not sent.
-        """
-        self.connection.receive(ack)
-        shown = self.connection.shown_frame
-        if shown != self.game.episode.frame and (self.game.is_over or not is_playing):
-            await self.show()
 
 
 @dataclass(frozen=True)
@@ -117,8 +67,8 @@ class WatchSession:
         lanes: The games, all at the same frame.
         start_number: Their evaluation start, if they have one.
         socket: The page's socket.
-        actors: Asks for actions.
-        critic: Asks for rewards, on a connection of its own, so that no action waits for them.
+        connect: Connects to the run's networks. Actions, rewards and attention maps have a
+            connection each, so that no action waits for the others.
         resources: What all games of the process share; frames' lateness among it.
         events: What it reports to.
 
@@ -133,8 +83,7 @@ class WatchSession:
         lanes: Sequence[Lane],
         start_number: int | None,
         socket: WatchSocket,
-        actors: PolicyClient,
-        critic: PolicyClient,
+        connect: Callable[[], PolicyClient],
         resources: SessionResources,
         events: WatchEvents,
     ) -> None:
@@ -144,8 +93,9 @@ class WatchSession:
         self.speed_percent = FULL_SPEED_PERCENT
         self.waiting_since = asyncio.get_running_loop().time()
         self._start_number = start_number
-        self._actors = actors
-        self._critic: PolicyClient | None = critic
+        self._actors = connect()
+        self._critic: PolicyClient | None = connect()
+        self._attention = AttentionFeed(self.lanes, socket, connect())
         self._resources = resources
         self._events = events
         self._activity = Activity("a watched game", lambda: events.on_error(self))
@@ -161,8 +111,11 @@ class WatchSession:
         for lane in self.lanes:
             await lane.show()
 
-    async def handle(self, message: WatchCommand | TakeOver) -> None:
+    async def handle(self, message: WatchCommand | TakeOver | ShowAttention) -> None:
         """Execute a command; one that makes no sense in this phase is ignored."""
+        if isinstance(message, ShowAttention):
+            await self._attention.show(message.network)
+            return
         if self.phase is Phase.ENDED or not self._in_play:
             return
         if isinstance(message, TakeOver):
@@ -183,6 +136,7 @@ class WatchSession:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+        await self._attention.close()
         self._actors.close()
         if self._critic is not None:
             self._critic.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import uuid
+from base64 import b64decode
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from datetime import timedelta
@@ -19,14 +20,18 @@ from testsupport.live import QUICK, LiveServer, live_server
 from testsupport.waiting import wait_until
 from testsupport.watching import Watcher, finished_run, running_inference, watching
 from testsupport.workplace import TINY, Workplace, make_workplace
+from trainer.explain.gradient import gradient_map
+from trainer.explain.subject import ActionOdds
 from trainer.policy.evaluation import beginnings, play
 from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from trainer.runtime.inference import Models
 from tril.files.artifact_store import ArtifactStore
+from tril.game.agent import AgentGame
+from tril.game.console import Console
 from tril.game.controls import Keys
-from tril.game.episode import Episode
-from tril.game.openings import Opening
+from tril.game.episode import Ending, Episode
+from tril.game.openings import Opening, evaluation_beginning
 from tril.game.starts import TRAINING_IDLE_FRAMES
 from tril.recipes import with_values
 from tril.recording import replay, verify
@@ -191,6 +196,51 @@ def test_pausing_and_single_steps_of_four_frames(scene: Scene) -> None:
         page.say("step")
         page.until("paused")
         assert page.frames[0][-1].frame == stepped + 4
+
+
+def test_attention_is_that_of_the_state_on_the_screen(scene: Scene) -> None:
+    with watching(
+        scene.live.settings, scene.run_id, "imitator.greedy", "clone.greedy", start=0
+    ) as page:
+        first = page.until("hello")["frame"]
+        page.say("attention", network="policy")
+        found = [page.until("attention") for _ in range(2)]
+        page.say("step")
+        page.until("paused")
+        page.say("attention", network="reward")
+        page.until("attention")
+        rewards = [one for one in page.said if one["type"] == "attention" and one["action"] is None]
+        page.say("attention", network=None)
+    begun = AgentGame(Console(), Ending.HIT)
+    begun.begin(evaluation_beginning(0, True))
+    for kind, message in zip(("imitator", "clone"), found, strict=True):
+        policy = scene.policy(kind)
+        subject = ActionOdds.of_choice(policy, begun.observation)
+        expected = gradient_map(subject, begun.observation).sum(0)
+        assert (message["frame"], message["action"]) == (first, subject.action)
+        assert message["most"] == pytest.approx(float(expected.max()), rel=1e-4)
+        shares = np.frombuffer(b64decode(message["shares"]), np.uint8).reshape(84, 84)
+        assert np.abs(shares - 255 * expected / expected.max()).max() <= 1.0
+    assert rewards[0]["frame"] == first + 4
+    assert rewards[0]["most"] > 0
+
+
+def test_attention_of_a_game_that_plays_keeps_up_and_can_be_switched_off(scene: Scene) -> None:
+    with watching(scene.live.settings, scene.run_id, "imitator.greedy", start=0) as page:
+        first = page.until("hello")["frame"]
+        page.say("attention", network="reward")
+        page.say("play")
+        page.until_frame(first + 120)
+        frames = [one["frame"] for one in page.of("attention")]
+        assert frames == sorted(set(frames))
+        assert len(frames) >= 5
+        page.say("attention", network=None)
+        page.say("pause")
+        page.until("paused")
+        n_before = len(page.of("attention"))
+        page.say("step")
+        page.until("paused")
+        assert len(page.of("attention")) == n_before
 
 
 def test_what_is_only_watched_leaves_nothing_behind(scene: Scene) -> None:

@@ -1,0 +1,55 @@
+"""One of the games that are watched side by side."""
+
+from __future__ import annotations
+
+from server.play.watch.messages import LaneEnded, LaneHit, lane_ended, lane_hits_after
+from server.play.watch.policy_game import PolicyGame
+from server.play.watch.watch_socket import LaneSocket, WatchSocket
+from server.play.wire.connection import Connection
+from server.play.wire.protocol import AckMessage
+from server.play.wire.scene import Scene
+from tril.behaviours import Behaviour
+
+
+class Lane:
+    """One of the games that are watched side by side.
+
+    Args:
+        number: Its place, from 0.
+        game: The game.
+        behaviour: What its policy has been taught.
+        socket: The page's socket.
+    """
+
+    def __init__(
+        self, number: int, game: PolicyGame, behaviour: Behaviour, socket: WatchSocket
+    ) -> None:
+        self.number = number
+        self.game = game
+        self.connection = Connection(LaneSocket(socket, number))
+        self._behaviour = behaviour
+
+    def advance(self) -> list[LaneHit]:
+        """Execute one frame; returns the hits in it."""
+        n_hits = len(self.game.episode.hits)
+        self.game.advance()
+        return lane_hits_after(self.number, self._behaviour, self.game.episode, n_hits)
+
+    def ended(self) -> LaneEnded:
+        """Return the last message of the game, which is over."""
+        return lane_ended(self.number, self._behaviour, self.game.episode)
+
+    async def show(self) -> bool:
+        """Send the screen; returns whether the page is not too far behind."""
+        return await self.connection.show(Scene.of(self.game.episode))
+
+    async def acknowledge(self, ack: AckMessage, is_playing: bool) -> None:
+        """Handle an acknowledgement: show a frame that was dropped, if no other follows.
+
+        Raises:
+            BadMessage: It acknowledges a frame that was not sent.
+        """
+        self.connection.receive(ack)
+        shown = self.connection.shown_frame
+        if shown != self.game.episode.frame and (self.game.is_over or not is_playing):
+            await self.show()
