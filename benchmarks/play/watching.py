@@ -1,14 +1,15 @@
 """Watched games side by side: how late their frames begin, and how long decisions take.
 
     python -m benchmarks.play.watching
+    python -m benchmarks.play.watching --attention reward
 
 Runs a server process, an inference process and one page of its own, which watches policies of the
 usual size (untrained ones: they are as fast as trained ones) and acknowledges every frame at once.
 Games that are over are watched again from the next start. A frame is late by the time from its
 deadline to its begin, waits for decisions included; a decision takes the time from a step's last
 frame to the message that announces the next action, both as the page receives them. The processor
-time of both processes is given, too, since other load does not change it much. Prints a table and a
-JSON line.
+time of both processes is given, too, since other load does not change it much. With `--attention`
+the page is shown what the reward or the policies look at besides. Prints a table and a JSON line.
 """
 
 from __future__ import annotations
@@ -49,19 +50,26 @@ class Seen:
         n_frames: Frames received.
         n_waits: How often it was told that the games wait.
         n_games: Games that were watched to their end.
+        n_maps: Attention maps received.
     """
 
     decisions_ms: list[float] = field(default_factory=list)
     n_frames: int = 0
     n_waits: int = 0
     n_games: int = 0
+    n_maps: int = 0
 
 
-def watch(settings: Settings, run_id: str, n_games: int, start: int, until_s: float) -> Seen:
+def watch(
+    settings: Settings, run_id: str, arguments: argparse.Namespace, start: int, until_s: float
+) -> Seen:
     """Watch games from a start until they are over or the time is up."""
     seen = Seen()
-    with watching(settings, run_id, *PLAYERS[:n_games], start=start % N_STARTS) as page:
+    players = PLAYERS[: arguments.games]
+    with watching(settings, run_id, *players, start=start % N_STARTS) as page:
         page.until("hello")
+        if arguments.attention:
+            page.say("attention", network=arguments.attention)
         page.say("play")
         shown_at = time.monotonic()
         while time.monotonic() < until_s:
@@ -78,8 +86,10 @@ def watch(settings: Settings, run_id: str, n_games: int, start: int, until_s: fl
                 seen.decisions_ms.append(1000 * (now - shown_at))
             elif message["type"] == "waiting":
                 seen.n_waits += 1
+            elif message["type"] == "attention":
+                seen.n_maps += 1
             elif message["type"] == "finished":
-                seen.n_games += n_games
+                seen.n_games += len(players)
                 break
     return seen
 
@@ -108,6 +118,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--games", type=int, default=len(PLAYERS), choices=range(1, 5))
     parser.add_argument("--network", default="nature", choices=("small", "nature"))
+    parser.add_argument("--attention", choices=("reward", "policy"))
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--warm-up", type=float, default=5.0)
     arguments = parser.parse_args()
@@ -121,7 +132,7 @@ def main() -> None:
             tril_process(fleet.settings, "inference") as inference,
         ):
             wait_until(fleet.settings.inference_socket.exists, START_TIMEOUT_S)
-            watch(fleet.settings, run_id, arguments.games, 0, time.monotonic() + arguments.warm_up)
+            watch(fleet.settings, run_id, arguments, 0, time.monotonic() + arguments.warm_up)
             process = psutil.Process(inference.process.pid)
             before, load_before = fleet.sample(), os.getloadavg()[0]
             inference_before_s = cpu_s(process)
@@ -129,9 +140,7 @@ def main() -> None:
             parts: list[Seen] = []
             while time.monotonic() < began + arguments.seconds:
                 until_s = began + arguments.seconds
-                parts.append(
-                    watch(fleet.settings, run_id, arguments.games, len(parts) + 1, until_s)
-                )
+                parts.append(watch(fleet.settings, run_id, arguments, len(parts) + 1, until_s))
             took_s = time.monotonic() - began
             after, load_after = fleet.sample(), os.getloadavg()[0]
             inference_s = cpu_s(process) - inference_before_s
@@ -160,7 +169,8 @@ def report(
             for name, share in SHARES.items()
         },
         "waits": sum(part.n_waits for part in parts),
-        "games": sum(part.n_games for part in parts),
+        "n_games": sum(part.n_games for part in parts),
+        "maps_per_s": round(sum(part.n_maps for part in parts) / took_s, 1),
         "server_ms_per_frame": round(1000 * cpu.server_s / max(1, late.n_frames), 2),
         "inference_ms_per_step": round(1000 * cpu.inference_s / max(1, len(decisions_ms)), 1),
     }
@@ -173,6 +183,8 @@ def report(
     print(f"\n{found['frames_per_s']} frames/s of 60, {found['waits']} waits shown to the person,")
     print(f"{found['server_ms_per_frame']} ms of the server's processor time for a frame of all,")
     print(f"{found['inference_ms_per_step']} ms of the inference process's for a step of all.")
+    if arguments["attention"]:
+        print(f"{found['maps_per_s']} attention maps/s, of all games together.")
     print(json.dumps({"benchmark": "watching", **arguments, **found}))
 
 

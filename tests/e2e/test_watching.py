@@ -42,8 +42,11 @@ def built(workplace: Workplace, run_id: str) -> Iterator[LiveServer]:
 
 
 def step_of(page: Page) -> int:
-    """Return the step that the page shows."""
-    return int(page.get_by_text(FIRST_STEP).inner_text().split()[1])
+    """Return the step that a page with paused games shows, once it has come to rest."""
+    shown = -1
+    while shown != (shown := int(page.get_by_text(FIRST_STEP).inner_text().split()[1])):
+        page.wait_for_timeout(300)
+    return shown
 
 
 def test_an_imitator_is_watched_stepped_and_taken_over(
@@ -56,6 +59,15 @@ def test_an_imitator_is_watched_stepped_and_taken_over(
         expect(page.get_by_text(FIRST_STEP)).not_to_have_text(NOT_BEGUN, timeout=PATIENCE_MS)
         expect(lane.get_by_text("Reward R")).not_to_contain_text("–")
 
+        page.get_by_role("combobox", name="Over the picture").select_option(
+            "What the reward looks at"
+        )
+        expect(lane.get_by_role("img", name="What the reward looks at")).to_be_visible()
+        expect(lane.get_by_text(re.compile(r"up to .* R$"))).to_be_visible()
+        page.get_by_role("combobox", name="Over the picture").select_option("Picture alone")
+        expect(lane.get_by_role("img", name="What the reward looks at")).to_have_count(0)
+        page.get_by_role("combobox", name="Over the picture").blur()
+
         page.keyboard.press("Space")
         expect(page.get_by_role("button", name="Play Space")).to_be_visible()
         page.keyboard.press("Period")
@@ -63,6 +75,7 @@ def test_an_imitator_is_watched_stepped_and_taken_over(
         before = step_of(page)
         page.keyboard.press("Period")
         expect(page.get_by_text(f"step {before + 1} of 300")).to_be_visible()
+        assert step_of(page) == before + 1
         chosen = lane.get_by_role("listitem").filter(has_text=re.compile(r"\d+%"))
         expect(chosen).to_have_count(6)
 

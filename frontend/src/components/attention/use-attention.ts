@@ -1,5 +1,5 @@
-import { useQuery } from "@tanstack/react-query";
-import { useState, useSyncExternalStore } from "react";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useState, useSyncExternalStore } from "react";
 
 import {
   type AttentionMapValues,
@@ -14,6 +14,11 @@ import { useSettled } from "@/lib/use-settled";
 /** A state has to be shown for this long before its map is asked for, while a person scrubs. */
 const SETTLED_MS = 60;
 
+/** Between the maps of a recording that plays, each of the newest state. */
+const REST_MS = 50;
+/** Before another try after one that failed. */
+const RETRY_MS = 2000;
+
 export interface Attention {
   readonly on: boolean;
   readonly toggle: () => void;
@@ -21,7 +26,9 @@ export interface Attention {
   readonly setNetwork: (network: AttentionNetwork) => void;
   readonly method: AttentionMethod;
   readonly setMethod: (method: AttentionMethod) => void;
-  /** The step of the state that is shown; null while the recording plays. */
+  /** Whether the recording plays, so that quick maps follow it. */
+  readonly playing: boolean;
+  /** The step that the map is of; null while the recording plays and none is there yet. */
   readonly step: number | null;
   /** The map by the chosen method where it is ready, else the quick one; undefined until then. */
   readonly map: AttentionMapValues | undefined;
@@ -37,7 +44,8 @@ interface Judged {
 
 /**
  * What a network looks at in the state that is shown: a quick map at once, then the one that is
- * chosen. Both requests are cancelled when another state is shown.
+ * chosen. Both requests are cancelled when another state is shown. While the recording plays, quick
+ * maps follow it one after the other.
  */
 export function useAttention(judged: Judged | undefined, playback: Playback): Attention {
   const [on, setOn] = useState(false);
@@ -59,20 +67,64 @@ export function useAttention(judged: Judged | undefined, playback: Playback): At
     enabled: wanted && quick.isSuccess && method !== "gradient",
   });
   const isExact = method !== "gradient" && exact.data !== undefined;
-  const map = wanted ? (isExact ? exact.data : quick.data) : undefined;
+  const followed = useFollowed(on && step === null ? judged : undefined, network, playback);
+  const map = wanted ? (isExact ? exact.data : quick.data) : followed.map;
   return {
     on,
-    toggle: () => {
-      if (!on) playback.pause();
-      setOn(!on);
-    },
+    toggle: () => setOn(!on),
     network,
     setNetwork,
     method,
     setMethod,
-    step,
+    playing: step === null,
+    step: step ?? followed.step,
     map,
-    shown: map ? (isExact ? method : "gradient") : null,
-    error: wanted ? (quick.error ?? exact.error) : null,
+    shown: map ? (wanted && isExact ? method : "gradient") : null,
+    error: wanted ? (quick.error ?? exact.error) : followed.error,
   };
+}
+
+interface Followed {
+  readonly step: number | null;
+  readonly map: AttentionMapValues | undefined;
+  readonly error: Error | null;
+}
+
+const NOTHING: Followed = { step: null, map: undefined, error: null };
+
+/** Quick maps of a recording that plays; nothing without one. */
+function useFollowed(
+  judged: Judged | undefined,
+  network: AttentionNetwork,
+  playback: Playback,
+): Followed {
+  const queries = useQueryClient();
+  const [followed, setFollowed] = useState(NOTHING);
+  const { runId, recordingId } = judged ?? { runId: "", recordingId: 0 };
+  const follows = judged !== undefined;
+  useEffect(() => {
+    if (!follows) return undefined;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let over = false;
+    const next = async () => {
+      const step = stepOf(playback.snapshot().frame);
+      const query = attentionQuery(runId, recordingId, step, network, "gradient");
+      let rest = REST_MS;
+      try {
+        const map = await queries.query(query);
+        if (!over) setFollowed({ step, map, error: null });
+      } catch (problem) {
+        rest = RETRY_MS;
+        if (!over) setFollowed({ ...NOTHING, error: problem as Error });
+      }
+      if (!over) timer = setTimeout(() => void next(), rest);
+    };
+    void next();
+    return () => {
+      over = true;
+      clearTimeout(timer);
+      setFollowed(NOTHING);
+    };
+  }, [follows, runId, recordingId, network, playback, queries]);
+  return followed;
 }

@@ -43,9 +43,11 @@ export function mapLabel({ network, step: shown }: Attention): string {
 
 /** Describes the state that is shown, and how its map was made. */
 export function describe(attention: Attention): string {
-  const { step, network, map, error } = attention;
-  if (step === null) return pauseToSee(network);
+  const { playing, step, network, map, error } = attention;
   if (error) return t`The map can’t be shown: ${messageOf(error)}`;
+  // The same while it plays, since a screen reader says what changes.
+  if (playing) return whilePlaying(attention);
+  if (step === null) return "";
   if (!map || attention.shown === null) return t`Looking at step ${step}…`;
   const chosen = network === "reward" || map.action === null ? null : actionName(map.action);
   if (chosen === null) return made(attention, step, "R");
@@ -73,12 +75,22 @@ function made({ shown, method }: Attention, step: number, what: string): string 
 export function describeMost({ map, network }: Attention): string {
   if (!map) return t`most`;
   const most = map.values.reduce((high, value) => Math.max(high, value), 0);
-  const figure = measured(most);
-  return network === "reward" ? `${figure} R` : t`${figure} logits`;
+  return withUnit(most, network === "reward");
 }
 
-function pauseToSee(network: AttentionNetwork): string {
-  if (network === "imitator") return t`Pause to see what the imitator looks at.`;
-  if (network === "clone") return t`Pause to see what the clone looks at.`;
-  return t`Pause to see what the reward looks at.`;
+/** Returns a value of a map with its unit, which is R's for the reward, else a logit. */
+export function withUnit(value: number, isReward: boolean): string {
+  const figure = measured(value);
+  return isReward ? `${figure} R` : t`${figure} logits`;
+}
+
+function whilePlaying({ network, method }: Attention): string {
+  const sentence = followsBy(network === "reward");
+  return method === "gradient" ? sentence : `${sentence} ${t`Pause for the exact map.`}`;
+}
+
+/** Says how the maps are made that follow a game while it plays. */
+export function followsBy(isReward: boolean): string {
+  const what = isReward ? t`the learned reward R` : t`the logit of the chosen action`;
+  return t`Estimated by the gradient of ${what}, several times a second.`;
 }

@@ -11,6 +11,7 @@ import {
 } from "react";
 
 import type { Recording } from "@/api/types";
+import { OPACITY } from "@/components/attention/AttentionKey";
 import { AttentionLayer } from "@/components/attention/AttentionLayer";
 import { AttentionPanel } from "@/components/attention/AttentionPanel";
 import { useAttention } from "@/components/attention/use-attention";
@@ -50,7 +51,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   const player = useRef<HTMLDivElement>(null);
   const attention = useAttention(reward, playback);
-  const [opacity, setOpacity] = useState(0.8);
+  const [opacity, setOpacity] = useState(OPACITY);
 
   // The keyboard controls the player, not the buttons before it.
   useEffect(() => player.current?.focus({ preventScroll: true }), []);

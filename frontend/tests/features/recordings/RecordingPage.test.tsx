@@ -286,6 +286,22 @@ describe("the page of a recording", () => {
       });
     });
 
+    it("follows a recording that plays with quick maps", async () => {
+      const asked = page({}, {}, "/?step=2", runs);
+      await curve();
+      await userEvent.click(screen.getByRole("button", { name: "What the reward looks at" }));
+      await userEvent.click(screen.getByRole("button", { name: "Play" }));
+      expect(await screen.findByText(/several times a second\. Pause for the exact/)).toBeVisible();
+      const methods = () =>
+        asked
+          .filter(({ path }) => path.includes("/attention/"))
+          .slice(2)
+          .map(({ query }) => query.get("method"));
+      await waitFor(() => expect(methods().length).toBeGreaterThan(1));
+      expect(new Set(methods())).toEqual(new Set(["gradient"]));
+      expect(screen.getByRole("img", { name: /What the reward looks at in step/ })).toBeVisible();
+    });
+
     it("shows what a policy looks at, and by larger patches", async () => {
       const asked = page({}, {}, "/?step=2", runs);
       await curve();

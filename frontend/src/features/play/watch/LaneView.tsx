@@ -1,8 +1,10 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { type CSSProperties, useCallback, useEffect, useRef } from "react";
+import { type CSSProperties, useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import type { Behaviour } from "@/api/types";
+import { AttentionLayer } from "@/components/attention/AttentionLayer";
+import { withUnit } from "@/components/attention/words";
 import { Button, IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { ThingMark } from "@/components/game/ThingMark";
@@ -10,14 +12,15 @@ import { Score } from "@/features/play/hud/Score";
 import { endSentence, scoreSentence } from "@/features/play/stage/outcome-words";
 import { classes } from "@/lib/classes";
 import type { Palette, ScreenPainter } from "@/lib/game/screen";
-import { useFittingScreenSize } from "@/lib/game/use-screen-size";
+import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { thingNames, thingColour } from "@/lib/things";
 
-import { type Player, playerName, PLAYERS, policyOf } from "./choice";
+import { type Player, playerName, PLAYERS, policyOf, type LookingNetwork } from "./choice";
 import { DecisionBars, type DecisionHandle } from "./DecisionBars";
 import styles from "./LaneView.module.css";
 import type { LaneRelay } from "./use-watch";
 import { takeOverKey } from "./watch-keys";
+import type { LaneAttention } from "./watch-messages";
 import type { LaneState } from "./watch-stream";
 
 interface LaneViewProps {
@@ -28,6 +31,9 @@ interface LaneViewProps {
   behaviour: Behaviour;
   state: LaneState | undefined;
   relay: LaneRelay;
+  /** Whose attention lies over the picture; null for none. */
+  attention: LookingNetwork | null;
+  opacity: number;
   /** Called with each frame, outside React. */
   onFrame: (frame: number, maxFrames: number) => void;
   heightFor: (windowHeight: number) => number;
@@ -45,6 +51,7 @@ export function LaneView(props: LaneViewProps) {
   const palette = useRef<Palette | null>(null);
   const decisions = useRef<DecisionHandle>(null);
   const size = useFittingScreenSize(stage, heightFor);
+  const [shown, setShown] = useState<LaneAttention | null>(null);
   const setPainter = useCallback((ready: ScreenPainter) => {
     painter.current = ready;
     if (palette.current) ready.setPalette(palette.current);
@@ -62,6 +69,7 @@ export function LaneView(props: LaneViewProps) {
         },
         decide: (decision) => decisions.current?.decide(decision),
         reward: (reward, deviation) => decisions.current?.reward(reward, deviation),
+        attend: setShown,
       }),
     [relay, onFrame],
   );
@@ -109,6 +117,9 @@ export function LaneView(props: LaneViewProps) {
       <div className={classes(styles.body, nLanes === 2 && styles.below)}>
         <div ref={stage} className={styles.stage}>
           <GameCanvas size={size} label={t`Screen of game ${lane + 1}`} onPainter={setPainter} />
+          {props.attention && shown && isOf(shown, props.attention) && (
+            <AttentionOver shown={shown} size={size} opacity={props.opacity} />
+          )}
           {ended && (
             <div className={styles.ended} role="status">
               <b>{endSentence(ended)}</b>
@@ -123,4 +134,40 @@ export function LaneView(props: LaneViewProps) {
       </div>
     </article>
   );
+}
+
+function AttentionOver({
+  shown,
+  size,
+  opacity,
+}: {
+  shown: LaneAttention;
+  size: ScreenSize;
+  opacity: number;
+}) {
+  const values = useMemo(() => mapOf(shown.shares), [shown]);
+  const most = withUnit(shown.most, shown.action === null);
+  return (
+    <>
+      <AttentionLayer
+        map={values}
+        label={shown.action === null ? t`What the reward looks at` : t`What the policy looks at`}
+        size={size}
+        opacity={opacity}
+      />
+      <span className={styles.most}>
+        <Trans>up to {most}</Trans>
+      </span>
+    </>
+  );
+}
+
+/** Whether a map is of what is asked for now, and not one that was on its way. */
+function isOf(shown: LaneAttention, attention: LookingNetwork): boolean {
+  return (shown.action === null) === (attention === "reward");
+}
+
+/** Returns the values of a map, of which only the proportions matter. */
+function mapOf(shares: string): Float32Array {
+  return Float32Array.from(atob(shares), (character) => character.charCodeAt(0));
 }

@@ -1,9 +1,10 @@
 import { t } from "@lingui/core/macro";
 import { Plural, Trans } from "@lingui/react/macro";
-import { type RefObject, useCallback, useEffect, useRef } from "react";
+import { type RefObject, useCallback, useEffect, useRef, useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 
 import type { Behaviour, Run } from "@/api/types";
+import { OPACITY } from "@/components/attention/AttentionKey";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import type { ClockHandle } from "@/features/play/hud/Clock";
@@ -26,6 +27,7 @@ import { LaneView } from "./LaneView";
 import { Transport } from "./Transport";
 import { useWatch } from "./use-watch";
 import { speedAfter, type WatchIntent, watchIntentOf } from "./watch-keys";
+import { WatchedAttention } from "./WatchedAttention";
 import styles from "./WatchPage.module.css";
 import type { WatchState, WatchStream } from "./watch-stream";
 
@@ -41,7 +43,8 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
   const [search, setSearch] = useSearchParams();
   const choice = readChoice(search);
   const { players } = choice;
-  const { state, stream, relays, restart } = useWatch(run.id, choice);
+  const { state, stream, relays, restart, attention, setAttention } = useWatch(run.id, choice);
+  const [opacity, setOpacity] = useState(OPACITY);
   const clock = useRef<ClockHandle>(null);
   const onFrame = useCallback(
     (frame: number, maxFrames: number) => clock.current?.show(frame, maxFrames),
@@ -82,6 +85,12 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
         onNext={() => execute("next")}
         onStart={(start) => choose(start === null ? newStart(choice) : { ...choice, start })}
       />
+      <WatchedAttention
+        network={attention}
+        onNetwork={setAttention}
+        opacity={opacity}
+        onOpacity={setOpacity}
+      />
       <Situation state={state} onAgain={restart} />
       <div className={styles.lanes} data-several={players.length > 1 || undefined}>
         {players.map((player, lane) => {
@@ -96,6 +105,8 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
                 behaviour={behaviour}
                 state={state?.lanes[lane]}
                 relay={relay}
+                attention={attention}
+                opacity={opacity}
                 onFrame={onFrame}
                 heightFor={players.length > 2 ? heightOfTwoRows : heightOfOneRow}
                 canTakeOver={canTakeOver}

@@ -78,3 +78,6 @@ function wholeIn(text: string | null, below: number): number | null {
   const number = Number(text);
   return number < below ? number : null;
 }
+
+/** Whose attention is shown: the reward's, or that of each game's policy. */
+export type LookingNetwork = "reward" | "policy";

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 
-import type { Choice } from "./choice";
+import type { Choice, LookingNetwork } from "./choice";
 import { writeChoice } from "./choice";
 import { type LaneScreen, type WatchState, WatchStream } from "./watch-stream";
 
@@ -31,6 +31,9 @@ export class LaneRelay implements LaneScreen {
 
   readonly reward = (...reward: Parameters<LaneScreen["reward"]>): void =>
     this.view?.reward(...reward);
+
+  readonly attend = (...attention: Parameters<LaneScreen["attend"]>): void =>
+    this.view?.attend(...attention);
 }
 
 interface Watched {
@@ -40,6 +43,9 @@ interface Watched {
   readonly relays: readonly LaneRelay[];
   /** Plays the same games again from their start; sampled ones with other actions. */
   restart: () => void;
+  /** Whose attention lies over the games; null for none. */
+  readonly attention: LookingNetwork | null;
+  setAttention: (network: LookingNetwork | null) => void;
 }
 
 /** Watches what is chosen, and something else as soon as the choice changes. */
@@ -49,6 +55,7 @@ export function useWatch(runId: string, choice: Choice): Watched {
   const relays = useMemo(() => Array.from({ length: nLanes }, () => new LaneRelay()), [nLanes]);
   const [stream, setStream] = useState<WatchStream | null>(null);
   const [take, setTake] = useState(0);
+  const [attention, setAttention] = useState<LookingNetwork | null>(null);
   const speed = useRef<number>(undefined);
   useEffect(() => {
     const next = new WatchStream(watchUrl(runId, search, take), relays, speed.current);
@@ -59,11 +66,13 @@ export function useWatch(runId: string, choice: Choice): Watched {
       next.leave();
     };
   }, [runId, search, take, relays]);
+  useEffect(() => stream?.showAttention(attention), [stream, attention]);
   const state = useSyncExternalStore<WatchState | null>(
     stream?.subscribe ?? NOTHING,
     () => stream?.snapshot() ?? null,
   );
-  return { state, stream, relays, restart: () => setTake((before) => before + 1) };
+  const restart = () => setTake((before) => before + 1);
+  return { state, stream, relays, restart, attention, setAttention };
 }
 
 /** Returns the URL of the stream; `take` draws sampled actions anew. */

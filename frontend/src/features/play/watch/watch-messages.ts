@@ -34,6 +34,17 @@ interface LaneReward {
   readonly deviation: number | null;
 }
 
+/** What a network looks at in a lane's state; `shares` are 84x84 bytes, base64, 255 for `most`. */
+export interface LaneAttention {
+  readonly type: "attention";
+  readonly lane: number;
+  readonly frame: number;
+  readonly most: number;
+  /** The action that a policy would choose, whose logit the map explains; null of the reward. */
+  readonly action: number | null;
+  readonly shares: string;
+}
+
 interface LaneHit extends HitAt {
   readonly type: "hit";
   readonly lane: number;
@@ -73,4 +84,13 @@ interface Bare {
 }
 
 export type WatchMessage =
-  WatchHello | Decision | LaneReward | LaneHit | LaneEnded | Paused | Taken | Refused | Bare;
+  | WatchHello
+  | Decision
+  | LaneReward
+  | LaneAttention
+  | LaneHit
+  | LaneEnded
+  | Paused
+  | Taken
+  | Refused
+  | Bare;

@@ -5,7 +5,8 @@ import { CLOSE, type HitAt, SPEEDS } from "@/features/play/stream/text-messages"
 import { ScreenDecoder } from "@/lib/game/codec";
 import type { Palette } from "@/lib/game/screen";
 
-import type { Decision, LaneEnded, Taken, WatchMessage } from "./watch-messages";
+import type { LookingNetwork } from "./choice";
+import type { Decision, LaneAttention, LaneEnded, Taken, WatchMessage } from "./watch-messages";
 
 /**
  * - connecting: nothing was received yet
@@ -51,6 +52,7 @@ export interface LaneScreen {
   show: (pixels: Uint8Array, info: FrameInfo, maxFrames: number) => void;
   decide: (decision: Decision) => void;
   reward: (reward: number, deviation: number | null) => void;
+  attend: (attention: LaneAttention) => void;
 }
 
 const FULL_SPEED: number = SPEEDS[0];
@@ -64,6 +66,7 @@ export class WatchStream {
   private readonly screens: readonly LaneScreen[];
   private socket: WebSocket | null = null;
   private maxFrames = 0;
+  private attention: LookingNetwork | null = null;
 
   /** @param screens One for each game. */
   constructor(url: string, screens: readonly LaneScreen[], speed = FULL_SPEED) {
@@ -121,6 +124,14 @@ export class WatchStream {
     this.send({ type: "speed", percent });
   }
 
+  /** Asks to show what a network looks at in the games; null for nothing any more. */
+  showAttention(network: LookingNetwork | null): void {
+    if (network === this.attention) return;
+    this.attention = network;
+    // Games that have not begun are asked for theirs when they do.
+    if (this.state.phase !== "connecting") this.sendAttention();
+  }
+
   /** Asks to go on with a lane's game; `taken` follows. */
   takeOver(lane: number): void {
     if (this.state.lanes[lane]?.ended === null) this.send({ type: "take_over", lane });
@@ -131,6 +142,10 @@ export class WatchStream {
     this.listeners.clear();
     this.socket?.close();
     this.socket = null;
+  }
+
+  private sendAttention(): void {
+    this.send({ type: "attention", network: this.attention });
   }
 
   private send(message: object): void {
@@ -157,6 +172,7 @@ export class WatchStream {
         if (message.speed_percent !== this.state.speed) {
           this.send({ type: "speed", percent: this.state.speed });
         }
+        if (this.attention !== null) this.sendAttention();
         this.command("play");
         break;
       case "playing":
@@ -178,6 +194,10 @@ export class WatchStream {
         break;
       case "reward":
         this.screens[message.lane]?.reward(message.reward, message.deviation);
+        break;
+      case "attention":
+        // One that was on its way when the page asked for nothing any more is late.
+        if (this.attention !== null) this.screens[message.lane]?.attend(message);
         break;
       case "taken":
         this.update({ phase: "taken", taken: message });

@@ -49,6 +49,30 @@ describe("the page that watches", () => {
     expect(screen.getByRole("button", { name: "25%" })).toHaveAttribute("aria-pressed", "true");
   });
 
+  it("shows what policies or the reward look at over the games, until that is switched off", async () => {
+    watch();
+    tell(WATCH_HELLO);
+    tell({ type: "playing" });
+    const choice = screen.getByRole("combobox", { name: "Over the picture" });
+    await userEvent.selectOptions(choice, "What each policy looks at");
+    const shares = btoa(String.fromCharCode(...new Uint8Array(84 * 84).fill(255)));
+    const map = { type: "attention", lane: 0, frame: 96, most: 0.25, action: 3, shares };
+    tell(map);
+    expect(screen.getByRole("img", { name: "What the policy looks at" })).toBeVisible();
+    expect(screen.getByText("up to 0.25 logits")).toBeVisible();
+    await userEvent.selectOptions(choice, "What the reward looks at");
+    expect(screen.queryByRole("img", { name: /looks at/ })).toBeNull();
+    tell({ ...map, action: null, most: 0.5 });
+    expect(screen.getByText("up to 0.50 R")).toBeVisible();
+    await userEvent.selectOptions(choice, "Picture alone");
+    expect(screen.queryByRole("img", { name: /looks at/ })).toBeNull();
+    expect(WatchSocket.newest.commands.slice(1)).toEqual([
+      { type: "attention", network: "policy" },
+      { type: "attention", network: "reward" },
+      { type: "attention", network: null },
+    ]);
+  });
+
   it("obeys the keys, but not while a list of choices has the focus", async () => {
     watch();
     tell(WATCH_HELLO);

@@ -22,6 +22,7 @@ function screen() {
     show: vi.fn<LaneScreen["show"]>(),
     decide: vi.fn<LaneScreen["decide"]>(),
     reward: vi.fn<LaneScreen["reward"]>(),
+    attend: vi.fn<LaneScreen["attend"]>(),
   };
 }
 
@@ -72,6 +73,32 @@ describe("the stream of a page that watches", () => {
     expect(screens[1]?.decide).toHaveBeenCalledWith(decision);
     expect(screens[0]?.reward).toHaveBeenCalledWith(0.25, null);
     expect(screens[0]?.decide).not.toHaveBeenCalled();
+  });
+
+  it("asks for attention maps until nothing is to be shown, also of games that begin later", () => {
+    const { screens, stream, socket } = begin();
+    socket.tell({ type: "playing" });
+    const map = { type: "attention", lane: 1, frame: 96, most: 0.5, action: null, shares: "" };
+    stream.showAttention("reward");
+    stream.showAttention("reward");
+    socket.tell(map);
+    stream.showAttention(null);
+    socket.tell(map);
+    expect(socket.commands.slice(1)).toEqual([
+      { type: "attention", network: "reward" },
+      { type: "attention", network: null },
+    ]);
+    expect(screens[1]?.attend).toHaveBeenCalledExactlyOnceWith(map);
+
+    const next = new WatchStream("ws://test/watch", screens);
+    next.connect();
+    next.showAttention("policy");
+    expect(WatchSocket.newest.commands).toEqual([]);
+    WatchSocket.newest.tell(WATCH_HELLO);
+    expect(WatchSocket.newest.commands).toEqual([
+      { type: "attention", network: "policy" },
+      { type: "play" },
+    ]);
   });
 
   it("keeps the hits of each lane, and takes over only games that go on", () => {
