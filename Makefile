@@ -22,7 +22,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run dev dev-server dev-page environment frontend test test-unit coverage test-e2e test-frontend check lint \
+.PHONY: help run dev dev-server dev-page environment frontend test test-unit coverage test-e2e screenshots test-frontend check lint \
 	format types imports migrations-check api api-check texts texts-check wheel docs constraints bench clean
 
 help: ## list the targets
@@ -58,6 +58,9 @@ coverage: $(DEV_STAMP) ## run the same and print the coverage; processes that te
 # One at a time: a game in a browser needs the machine to itself.
 test-e2e: $(DEV_STAMP) frontend ## run the tests in a real browser
 	$(PY) -m pytest -m e2e $(ARGS)
+
+screenshots: $(DEV_STAMP) frontend ## take the pictures anew that the pages are compared to
+	TRIL_RENEW_SCREENSHOTS=1 $(PY) -m pytest tests/e2e/test_screenshots.py -k looks_as_it_did $(ARGS)
 
 test-frontend: $(NPM_STAMP) ## run the page's unit tests
 	cd frontend && $(NPM) test

@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from server.web.pages import FRONTEND
+from tests.e2e.every_page import EveryPage, serving_every_page
 from tests.e2e.pages import DESKTOP, watched_page
 from testsupport.browser import launch_chromium
 from testsupport.live import LiveServer, live_server
@@ -31,6 +32,13 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveServer]:
     made.database.close()
     with live_server(made.settings.data, frontend=FRONTEND) as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def every_page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EveryPage]:
+    """Return a running server with all pages filled."""
+    with serving_every_page(tmp_path_factory.mktemp("pages") / "data") as pages:
+        yield pages
 
 
 @pytest.fixture(scope="module")

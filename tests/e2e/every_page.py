@@ -1,0 +1,71 @@
+"""Every page of a Tril in use: ranked games, a finished, a stopped and a waiting run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+from server.web.pages import FRONTEND
+from testsupport.finished_runs import make_finished_run
+from testsupport.live import LiveServer, live_server
+from testsupport.watching import running_inference
+from testsupport.workplace import Workplace, make_workplace
+from tril.store.models import RunStatus
+from tril.store.training import leases
+
+
+@dataclass(frozen=True)
+class EveryPage:
+    """A running server, and the paths of all its pages by name."""
+
+    server: LiveServer
+    paths: Mapping[str, str]
+
+
+@contextmanager
+def serving_every_page(data: Path) -> Iterator[EveryPage]:
+    """Fill a data folder and serve it for a block."""
+    workplace = make_workplace(data)
+    done = make_finished_run(workplace)
+    stopped = _stopped(workplace)
+    waiting = workplace.make_run()
+    paths = {
+        "behaviours": "/",
+        "play": "/behaviours/1/play",
+        "recordings": "/behaviours/1/recordings",
+        "rank": "/behaviours/1/rank",
+        "train": "/behaviours/1/train",
+        "runs": "/behaviours/1/runs",
+        "empty ranking": "/behaviours/2/rank",
+        "recording": "/recordings/1",
+        "finished run": f"/runs/{done}",
+        "stopped run": f"/runs/{stopped}",
+        "waiting run": f"/runs/{waiting}",
+        "compared runs": f"/runs/compare?run={done}&run={stopped}",
+        "no page": "/nowhere",
+    }
+    with (
+        running_inference(workplace),
+        live_server(workplace.settings.data, frontend=FRONTEND) as running,
+    ):
+        yield EveryPage(running, paths)
+    workplace.database.close()
+
+
+def _stopped(workplace: Workplace) -> str:
+    run_id = workplace.make_run()
+    lease = workplace.lease(run_id)
+    with workplace.database.writing() as session:
+        leases.end(session, lease, RunStatus.STOPPED, "There is nothing to learn.")
+    return run_id
+
+
+def settled(page: Page, path: str) -> None:
+    """Go to a page and wait until it shows what it has."""
+    page.goto(path)
+    expect(page.locator("h1, h2").first).to_be_visible()
+    expect(page.locator("[aria-busy=true]")).to_have_count(0)

@@ -1,0 +1,167 @@
+"""Every page looks as it did when its picture was last approved.
+
+The pictures are those of tests/e2e/screenshots; `make screenshots` takes them anew. Each run leaves
+the whole pictures in test-results/screenshots, with what differs marked red where a test fails.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from base64 import b64encode
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser, Page, Request
+
+from tests.e2e.every_page import EveryPage, settled
+from tests.e2e.pages import signed_in
+from tests.e2e.picture_comparison import (
+    BLOCK_PX,
+    Difference,
+    blocks_of,
+    compare,
+    load,
+    save,
+)
+
+KEPT = Path(__file__).with_name("screenshots")
+RESULTS = Path(__file__).parents[2] / "test-results" / "screenshots"
+RENEWED = "TRIL_RENEW_SCREENSHOTS" in os.environ
+
+FONT = (
+    Path(__file__).parents[2]
+    / "frontend/node_modules/@fontsource/roboto/files/roboto-latin-400-normal.woff2"
+)
+EVENTS = "/api/events"
+ALL_PICTURES = """async () => {
+  await document.fonts.ready;
+  for (const picture of document.images) picture.loading = "eager";
+  await Promise.all([...document.images].map((picture) => picture.decode().catch(() => {})));
+}"""
+
+WIDTHS = {360: 740, 1280: 800, 2560: 1440}
+THEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+PAGES = (
+    "behaviours",
+    "play",
+    "recordings",
+    "rank",
+    "train",
+    "runs",
+    "empty ranking",
+    "recording",
+    "finished run",
+    "stopped run",
+    "waiting run",
+    "compared runs",
+    "no page",
+)
+
+
+class Loads:
+    """The answers that a page waits for."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        self._under_way: set[Request] = set()
+        page.on("request", self._begin)
+        for event in ("requestfinished", "requestfailed"):
+            page.on(event, self._end)
+
+    def _begin(self, request: Request) -> None:
+        if not request.url.endswith(EVENTS):
+            self._under_way.add(request)
+
+    def _end(self, request: Request) -> None:
+        self._under_way.discard(request)
+
+    def finish(self) -> None:
+        """Wait until there are none for a while, and all pictures in the page are there."""
+        self._page.evaluate(ALL_PICTURES)
+        quiet = 0
+        while quiet < 3:
+            self._page.wait_for_timeout(100)
+            quiet = 0 if self._under_way else quiet + 1
+
+
+def picture_of(page: Page, loads: Loads) -> bytes:
+    """Return a picture of the whole page, once it has come to rest."""
+    loads.finish()
+    before = b""
+    while before != (before := page.screenshot(full_page=True, animations="disabled")):
+        page.wait_for_timeout(100)
+    return before
+
+
+def dress(page: Page) -> None:
+    """Give a page the same letters on every machine."""
+    font = b64encode(FONT.read_bytes()).decode()
+    page.add_style_tag(
+        content=f"@font-face {{ font-family: Same; src: url(data:font/woff2;base64,{font}) }}"
+        ":root { --sans: Same; --mono: Same } * { caret-color: transparent !important }"
+    )
+
+
+def show_difference(png: bytes, difference: Difference, path: Path) -> None:
+    """Write a picture with the blocks that differ in red."""
+    picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).copy()
+    for row, column in np.argwhere(difference.where).tolist():
+        top, left = row * BLOCK_PX, column * BLOCK_PX
+        picture[top : top + BLOCK_PX, left : left + BLOCK_PX, 0] = 255
+    Image.fromarray(picture).save(path)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_looks_as_it_did(browser: Browser, every_page: EveryPage, name: str) -> None:
+    differing = []
+    options = {"bypass_csp": True, "reduced_motion": "reduce"}
+    with signed_in(browser, every_page.server, "/", **options) as page:
+        loads = Loads(page)
+        settled(page, every_page.paths[name])
+        dress(page)
+        for width, height in WIDTHS.items():
+            page.set_viewport_size({"width": width, "height": height})
+            for theme in THEMES:
+                page.emulate_media(color_scheme=theme)
+                png = picture_of(page, loads)
+                title = f"{name.replace(' ', '-')}-{width}-{theme}.png"
+                RESULTS.mkdir(parents=True, exist_ok=True)
+                (RESULTS / title).write_bytes(png)
+                if RENEWED:
+                    save(blocks_of(png), KEPT / title)
+                    continue
+                difference = compare(load(KEPT / title), blocks_of(png))
+                if difference.is_noticeable:
+                    show_difference(png, difference, RESULTS / f"differs-{title}")
+                    differing.append(f"{title}: {difference.share:.1%}")
+    assert not differing, f"See {RESULTS}; make screenshots approves what is right there."
+
+
+def test_every_page_has_its_pictures(every_page: EveryPage) -> None:
+    assert set(every_page.paths) == set(PAGES)
+    assert len(list(KEPT.glob("*.png"))) == len(PAGES) * len(WIDTHS) * len(THEMES)
+
+
+@pytest.mark.parametrize(
+    ("style", "is_noticed"),
+    [
+        ("main { padding-block-start: 60px !important }", True),
+        ("main > :last-child { visibility: hidden }", True),
+        ("h1 { font-weight: 400; opacity: 0.95 }", False),
+    ],
+)
+def test_what_a_person_would_notice_is_noticed(
+    browser: Browser, every_page: EveryPage, style: str, is_noticed: bool
+) -> None:
+    options = {"bypass_csp": True, "reduced_motion": "reduce"}
+    with signed_in(browser, every_page.server, "/", **options) as page:
+        loads = Loads(page)
+        settled(page, every_page.paths["train"])
+        dress(page)
+        before = blocks_of(picture_of(page, loads))
+        page.add_style_tag(content=style)
+        assert compare(before, blocks_of(picture_of(page, loads))).is_noticeable == is_noticed
