@@ -39,11 +39,8 @@ def install_chromium() -> None:
         RuntimeError: None could be installed.
     """
     # Ubuntu's package of that name is a stub for another package system.
-    if find_chromium() is None and os.geteuid() == 0 and _is_debian():
-        quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-        install = ["apt-get", "install", "--yes", "--no-install-recommends", "chromium"]
-        for command in (["apt-get", "update"], install):
-            subprocess.run(command, env=quiet, stdout=sys.stderr, check=False)
+    if find_chromium() is None:
+        install_debian_packages("chromium")
     if find_chromium() is None:
         command = [sys.executable, "-m", "playwright", "install", "chromium"]
         if subprocess.run(command, stdout=sys.stderr, check=False).returncode:
@@ -51,6 +48,16 @@ def install_chromium() -> None:
                 "The browser tests need a Chromium, and none could be installed. Install Chromium "
                 "or Google Chrome, or name one: CHROMIUM=/path/to/chromium make test"
             )
+
+
+def install_debian_packages(*packages: str) -> None:
+    """Try to install packages, as root on Debian alone."""
+    if os.geteuid() != 0 or not _is_debian():
+        return
+    quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
+    install = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
+    for command in (["apt-get", "update"], install):
+        subprocess.run(command, env=quiet, stdout=sys.stderr, check=False)
 
 
 def find_chromium() -> str | None:

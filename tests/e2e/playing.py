@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.pages import signed_in
 from testsupport.live import LiveServer
+from tril.game.space_invaders import Action
 
 FULL_TIME = "20.0 s"
 
@@ -37,3 +38,10 @@ def kept_as(page: Page) -> int:
     """Return the recording that the ended game was kept as."""
     said = page.get_by_text(re.compile(r"Kept as recording \d+"))
     return int(re.sub(r"\D", "", said.inner_text()))
+
+
+def course_of(server: LiveServer, recording: int) -> list[Action]:
+    """Return what was done in every frame of a recording."""
+    return [
+        Action(a) for a in server.http.get(f"/api/recordings/{recording}/course").json()["actions"]
+    ]

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, CDPSession, Locator, Page, expect
 
 from tests.e2e.pages import DESKTOP
-from tests.e2e.playing import expect_running, kept_as, play_page
+from tests.e2e.playing import course_of, expect_running, kept_as, play_page
 from testsupport.live import LiveServer
 from tril.game.space_invaders import Action
 
@@ -58,13 +58,6 @@ def phone(browser: Browser, built: LiveServer) -> Iterator[Page]:
     """Return the play page of column 1 on a phone."""
     with play_page(browser, built, **PHONE) as page:
         yield page
-
-
-def course_of(server: LiveServer, recording: int) -> list[Action]:
-    """Return what was done in every frame of a recording."""
-    return [
-        Action(a) for a in server.http.get(f"/api/recordings/{recording}/course").json()["actions"]
-    ]
 
 
 def steer(phone: Page) -> bool:

@@ -27,6 +27,7 @@ export function preferredLanguage(): Language {
 
 /** Shows the page in the preferred language; in English if the catalogue can't be loaded. */
 export async function startLanguage(): Promise<void> {
+  replaceNoLanguage();
   try {
     await activate(preferredLanguage());
   } catch {
@@ -47,6 +48,18 @@ export async function setLanguage(language: Language): Promise<void> {
 /** Calls back when the language changes; returns what ends that. */
 export function onLanguage(listener: () => void): () => void {
   return i18n.on("change", listener);
+}
+
+/**
+ * Lets scripts find a language where the machine's locale is "C", which WebKitGTK passes on though
+ * it is none: uPlot would fail to load.
+ */
+function replaceNoLanguage(): void {
+  try {
+    Intl.getCanonicalLocales(navigator.language);
+  } catch {
+    Object.defineProperty(navigator, "language", { value: "en", configurable: true });
+  }
 }
 
 async function activate(language: Language): Promise<void> {

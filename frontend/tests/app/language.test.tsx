@@ -57,6 +57,15 @@ describe("the language", () => {
     expect(readLanguage()).toBe("de");
   });
 
+  it("is there for scripts where the machine's locale is none", async () => {
+    vi.spyOn(navigator, "language", "get").mockReturnValue("C");
+    await startLanguage();
+    expect(navigator.language).toBe("en");
+    Reflect.deleteProperty(navigator, "language");
+    vi.restoreAllMocks();
+    expect(navigator.language).toBe("en-US");
+  });
+
   it("is chosen beside the player's name and changes the page at once", async () => {
     serve({ "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }) });
     show(
