@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import tempfile
 import time
 import uuid
@@ -22,7 +23,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 from sqlalchemy import text
 
 from server.web.pages import FRONTEND
@@ -35,6 +36,8 @@ from tril.store.training import leases
 
 STEPS_PER_POINT = 2_048
 COMPARED = 10
+REPORTED = (0.2, 0.4, 0.6, 0.8)
+"""Shares of the reward's training; nearer ones may round to the same percent of a run."""
 TIMEOUT_S: Final = 120.0
 
 CURVES = (
@@ -143,14 +146,14 @@ def measure(page: Page, behaviour_id: int, runs: list[str]) -> dict[str, float]:
     return found
 
 
-def live_delays(page: Page, workplace: Workplace, times: int) -> list[float]:
-    """Return the seconds from a run's report to the title that says it."""
+def live_delays(page: Page, workplace: Workplace) -> list[float]:
+    """Return the seconds from some reports of a new run to the titles that say them."""
     run_id = workplace.make_run()
     lease = workplace.lease(run_id)
     page.goto(f"/runs/{run_id}")
+    expect(page).to_have_title(re.compile("%"))
     delays = []
-    for number in range(1, times + 1):
-        done = number / (times + 1)
+    for done in REPORTED:
 
         def report(done: float = done) -> None:
             with workplace.database.writing() as session:
@@ -180,7 +183,9 @@ def main() -> None:
             page = page_of(browser, server)
             rounds = [measure(page, workplace.behaviour_id, runs) for _ in range(arguments.times)]
             seconds = {name: [one[name] for one in rounds] for name in rounds[0]}
-            seconds["progress, live"] = live_delays(page, workplace, 4 * arguments.times)
+            seconds["progress, live"] = [
+                delay for _ in range(arguments.times) for delay in live_delays(page, workplace)
+            ]
         workplace.database.close()
     print("| what | median, s | slowest, s |\n|---|---|---|")
     for name, several in seconds.items():
