@@ -236,8 +236,8 @@ class LaneReward(Message):
 class LaneAttention(Message):
     """What a network looks at in a lane's state at a frame, by the gradient.
 
-    ``shares`` are the 84x84 values of the map, a byte each, 255 for ``most``, base64. ``most`` is in
-    R for the reward model; for a policy in the log odds of ``action``, which it would choose.
+    ``shares`` are the 84x84 values of the map, bytes, 255 for ``most``, base64. ``most`` is in R
+    for the reward model; for a policy in the log odds of ``action``, which it would choose.
     """
 
     type: Literal["attention"] = "attention"
