@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -12,6 +13,8 @@ from playwright.sync_api import Browser, Playwright
 
 NAMES = ("chromium", "google-chrome", "google-chrome-stable", "chromium-browser")
 OS_RELEASE = Path("/etc/os-release")
+INSTALL_TIMEOUT_S = 400.0
+"""Of one command of the packages' manager: a hundred megabytes over a slow line."""
 ARGUMENTS = (
     "--disable-gpu",
     "--disable-quic",
@@ -51,13 +54,16 @@ def install_chromium() -> None:
 
 
 def install_debian_packages(*packages: str) -> None:
-    """Try to install packages, as root on Debian alone."""
+    """Try to install packages, as root on Debian alone; gives up where it takes very long."""
     if os.geteuid() != 0 or not _is_debian():
         return
     quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     install = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
     for command in (["apt-get", "update"], install):
-        subprocess.run(command, env=quiet, stdout=sys.stderr, check=False)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            subprocess.run(
+                command, env=quiet, stdout=sys.stderr, check=False, timeout=INSTALL_TIMEOUT_S
+            )
 
 
 def find_chromium() -> str | None:

@@ -25,6 +25,8 @@ TIME_LEFT = "[role=timer][aria-label='Time left']"
 TIER_1 = """() => document.querySelector("li[aria-label^='Tier 1 of']")"""
 
 
+# The first time it may have to install the browser.
+@pytest.mark.timeout(1_800)
 @pytest.mark.parametrize("name", BROWSERS)
 def test_the_main_job(every_page: EveryPage, name: str) -> None:
     begin: Callable[[], AbstractContextManager[OtherBrowser]] = BROWSERS[name]
