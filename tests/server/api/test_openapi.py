@@ -33,8 +33,8 @@ CHECKS = (
 )
 
 ANSWER_TIMEOUT_S = 200
-"""Sixty varied games are played, or a recording drawn as a GIF, when they are asked for, on whatever
-core is left."""
+"""Sixty varied games are played, or a recording is drawn as a GIF, when they are asked for, on
+whatever core is left."""
 
 
 def test_the_document_that_the_frontend_is_generated_from_is_current() -> None:
