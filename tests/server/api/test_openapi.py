@@ -8,7 +8,7 @@ from typing import Any
 
 import schemathesis
 from hypothesis import HealthCheck, settings
-from schemathesis import Case, SerializationContext
+from schemathesis import Case, HookContext, SerializationContext
 from schemathesis.checks import not_a_server_error
 from schemathesis.specs.openapi.checks import (
     content_type_conformance,
@@ -32,9 +32,9 @@ CHECKS = (
     unsupported_method,
 )
 
-ANSWER_TIMEOUT_S = 200
-"""Sixty varied games are played, or a recording is drawn as a GIF, when they are asked for, on
-whatever core is left."""
+MANY_GAMES = range(3, 61)
+ANSWER_TIMEOUT_S = 60
+"""A recording as a GIF is drawn when it is first asked for, on whatever core is left."""
 
 
 def test_the_document_that_the_frontend_is_generated_from_is_current() -> None:
@@ -47,6 +47,15 @@ def test_the_document_that_the_frontend_is_generated_from_is_current() -> None:
 @schemathesis.serializer("application/x-ndjson")
 def _json_lines(_context: SerializationContext, value: Any) -> bytes:
     return b"\n".join(json.dumps(line).encode() for line in [value, value])
+
+
+@schemathesis.hook
+def map_body(context: HookContext, body: Any) -> Any:
+    """Ask for two varied games where it would be up to sixty, which take half a minute to play."""
+    path = context.operation.path if context.operation else ""
+    if path.endswith("/borrowed") and isinstance(body, dict) and body.get("count") in MANY_GAMES:
+        return body | {"count": 2}
+    return body
 
 
 def _readable(document: Any) -> Any:
