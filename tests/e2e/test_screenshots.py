@@ -43,6 +43,22 @@ ALL_PICTURES = """async () => {
   await Promise.all([...document.images].map((picture) => picture.decode().catch(() => {})));
 }"""
 
+SAME_WORDS = r"""() => {
+  const same = [
+    [/\d{1,2} [A-Z][a-z]{2,8} \d{4}/g, "23 Nov 2026"],
+    [/\d{2}:\d{2}/g, "12:00"],
+    [/just now|\d+ (s|min) ago/g, "2 min ago"],
+    [/Run [0-9a-f]{6}/g, "Run 0a1b2c"],
+  ];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const node = walker.currentNode;
+    const text = same.reduce((before, [what, by]) => before.replace(what, by), node.data);
+    if (text !== node.data) node.data = text;
+  }
+}"""
+"""Replaces dates and names that are never the same: they could break a line elsewhere."""
+
 WIDTHS = {360: 740, 1280: 800, 2560: 1440}
 THEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 PAGES = (
@@ -91,6 +107,7 @@ class Loads:
 def picture_of(page: Page, loads: Loads) -> bytes:
     """Return a picture of the whole page, once it has come to rest."""
     loads.finish()
+    page.evaluate(SAME_WORDS)
     before = b""
     while before != (before := page.screenshot(full_page=True, animations="disabled")):
         page.wait_for_timeout(100)
