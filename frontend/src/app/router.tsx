@@ -1,11 +1,11 @@
 import { t } from "@lingui/core/macro";
-import { useQuery } from "@tanstack/react-query";
-import { lazy, type ReactNode, Suspense } from "react";
+import { usePrefetchQuery, useQuery } from "@tanstack/react-query";
+import { lazy, type ReactNode, Suspense, useEffect } from "react";
 import { createBrowserRouter, Navigate, useParams } from "react-router";
 
 import { isNotFound } from "@/api/client";
 import { recordingQuery } from "@/api/recordings";
-import { runQuery } from "@/api/runs";
+import { resultsQuery, runQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Layout } from "@/app/layout/Layout";
 import { Failed, Loading } from "@/components/feedback/States";
@@ -13,6 +13,7 @@ import { BehaviourFrame } from "@/features/behaviours/BehaviourFrame";
 import { HomePage } from "@/features/behaviours/HomePage";
 import { PlayPage } from "@/features/play/PlayPage";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
+import { useMetricsQuery } from "@/features/results/curves/metrics";
 
 import { ErrorPage } from "./ErrorPage";
 import { NotFound } from "./NotFound";
@@ -33,9 +34,8 @@ const RunsPage = lazy(async () => ({
 const ComparePage = lazy(async () => ({
   default: (await import("@/features/results/compare/ComparePage")).ComparePage,
 }));
-const RunPage = lazy(async () => ({
-  default: (await import("@/features/results/RunPage")).RunPage,
-}));
+const importRunPage = () => import("@/features/results/RunPage");
+const RunPage = lazy(async () => ({ default: (await importRunPage()).RunPage }));
 const WatchPage = lazy(async () => ({
   default: (await import("@/features/play/watch/WatchPage")).WatchPage,
 }));
@@ -70,6 +70,15 @@ function RunRoute({ page }: { page: (run: Run, behaviour: Behaviour) => ReactNod
       {(behaviour) => <Lazy>{page(run, behaviour)}</Lazy>}
     </BehaviourFrame>
   );
+}
+
+/** A run's page; its results, curves and code are fetched beside the run, not one after the other. */
+function RunPageRoute() {
+  const { runId = "" } = useParams();
+  usePrefetchQuery(resultsQuery(runId));
+  usePrefetchQuery(useMetricsQuery(runId));
+  useEffect(() => void importRunPage(), []);
+  return <RunRoute page={runPage} />;
 }
 
 /** A recording's page, in the frame of its behaviour. */
@@ -121,7 +130,7 @@ export const routes = [
           </Lazy>
         ),
       },
-      { path: "runs/:runId", element: <RunRoute page={runPage} /> },
+      { path: "runs/:runId", element: <RunPageRoute /> },
       { path: "runs/:runId/watch", element: <RunRoute page={watchPage} /> },
       { path: "*", element: <NotFound /> },
     ],

@@ -10,6 +10,9 @@ from tril.store import behaviours
 from tril.store.models import RunRow
 from tril.store.training import metrics
 
+MOST_STEPS = 2_000
+"""Of long curves; the alarm compares means over sixths of them."""
+
 
 def alarm_of(session: Session, run: RunRow) -> RewardAlarm | None:
     """Return the reward alarm that a run's curves give so far, if they do."""
@@ -19,7 +22,7 @@ def alarm_of(session: Session, run: RunRow) -> RewardAlarm | None:
         return None
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     return reward_alarm(
-        metrics.curves(session, run.id, Stage.IMITATOR, CURVES),
+        metrics.curves(session, run.id, Stage.IMITATOR, CURVES, MOST_STEPS),
         None if behaviour.target is None else len(behaviour.target),
         list(check.predicted_returns.values()),
     )

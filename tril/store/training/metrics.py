@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from sqlalchemy import ColumnElement, Subquery, delete, func, or_, select
+from sqlalchemy import CTE, ColumnElement, delete, func, literal, or_, select
 from sqlalchemy.orm import Session
 
 from tril.store.models import MetricRow
+
+Conditions = tuple[ColumnElement[bool], ...]
 
 Curve = list[tuple[int, float]]
 """(step, value) in order of steps."""
@@ -47,13 +49,23 @@ def drop_after(session: Session, run_id: str, stage: str, step: int) -> None:
     )
 
 
-def curves(session: Session, run_id: str, stage: str, names: Sequence[str]) -> dict[str, Curve]:
-    """Return the named series of a stage; one without points is empty."""
+def curves(
+    session: Session, run_id: str, stage: str, names: Sequence[str], most: int | None = None
+) -> dict[str, Curve]:
+    """Return the named series of a stage; one without points is empty.
+
+    Args:
+        session: The database session.
+        run_id: The run.
+        stage: The stage.
+        names: Names of series.
+        most: As for series.
+    """
     values = (MetricRow.values[name].as_float() for name in names)
+    wanted = (MetricRow.run_id == run_id, MetricRow.stage == stage)
+    chosen = _thinned(session, wanted, most).get(stage, wanted)
     rows = session.execute(
-        select(MetricRow.step, *values)
-        .where(MetricRow.run_id == run_id, MetricRow.stage == stage)
-        .order_by(MetricRow.step)
+        select(MetricRow.step, *values).where(*chosen).order_by(MetricRow.step)
     ).all()
     return {
         name: [(row[0], row[place]) for row in rows if row[place] is not None]
@@ -81,36 +93,43 @@ def series(
     """
     wanted = (MetricRow.run_id == run_id, MetricRow.id > after)
     last = session.scalar(select(func.max(MetricRow.id)).where(*wanted))
-    points = select(MetricRow.stage, MetricRow.step, MetricRow.values)
-    if most is None:
-        points = points.where(*wanted)
-    else:
-        kept = _evenly_spaced(wanted, most)
-        points = points.join(kept, kept.c.id == MetricRow.id)
     found = Series()
-    for stage, step, values in session.execute(points.order_by(MetricRow.stage, MetricRow.step)):
+    for stage, chosen in _thinned(session, wanted, most).items():
         by_name = found.setdefault(stage, {})
-        for name, value in values.items():
-            by_name.setdefault(name, []).append((step, value))
+        points = select(MetricRow.step, MetricRow.values).where(*chosen).order_by(MetricRow.step)
+        for step, values in session.execute(points):
+            for name, value in values.items():
+                by_name.setdefault(name, []).append((step, value))
     return last or after, found
 
 
-def _evenly_spaced(wanted: Sequence[ColumnElement[bool]], most: int) -> Subquery:
-    """Return the ids of about ``most`` of the wanted points of each stage."""
-    numbered = (
-        select(
-            MetricRow.id,
-            func.row_number()
-            .over(partition_by=MetricRow.stage, order_by=MetricRow.step)
-            .label("number"),
-            func.count().over(partition_by=MetricRow.stage).label("count"),
-        )
+def _thinned(session: Session, wanted: Conditions, most: int | None) -> dict[str, Conditions]:
+    """Return conditions for about ``most`` of the wanted points of each stage, by stage."""
+    stages = session.execute(
+        select(MetricRow.stage, func.count(), func.min(MetricRow.step), func.max(MetricRow.step))
         .where(*wanted)
-        .subquery()
+        .group_by(MetricRow.stage)
+        .order_by(MetricRow.stage)
     )
-    every = (numbered.c.count + most - 1) // most
-    return (
-        select(numbered.c.id)
-        .where(or_((numbered.c.number - 1) % every == 0, numbered.c.number == numbered.c.count))
-        .subquery()
+    found: dict[str, Conditions] = {}
+    for stage, n_points, first, last in stages:
+        here = (*wanted, MetricRow.stage == stage)
+        if most is not None and n_points > most:
+            kept = _apart(here, first, max(1, (last - first) // most))
+            here = (*here, or_(MetricRow.step.in_(select(kept.c.step)), MetricRow.step == last))
+        found[stage] = here
+    return found
+
+
+def _apart(here: Conditions, first: int, width: int) -> CTE:
+    """Return the first step and, from each on, the next that is at least ``width`` beyond it.
+
+    Each is looked up in the index, so that the many points between them are not read.
+    """
+    kept = select(literal(first).label("step")).cte("kept", recursive=True)
+    then = (
+        select(func.min(MetricRow.step))
+        .where(*here, MetricRow.step >= kept.c.step + width)
+        .scalar_subquery()
     )
+    return kept.union_all(select(then).where(kept.c.step.is_not(None)))

@@ -79,3 +79,25 @@ def test_newer_points_are_thinned_among_themselves(workplace: Workplace) -> None
         nothing = metrics.series(session, run_id, last, most=5)
     assert newer == {"imitator": {"kl": [(11, 0.1)]}}
     assert nothing == (last, {})
+
+
+def test_named_curves_are_thinned_as_all_are(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        points = [("imitator", step, {"kl": step / 10, "hits": 1.0}) for step in range(1, 1_001)]
+        metrics.add_curves(session, run_id, points)
+        _, thinned = metrics.series(session, run_id, most=30)
+        found = metrics.curves(session, run_id, "imitator", ("kl",), most=30)
+    assert found["kl"] == thinned["imitator"]["kl"]
+    assert 25 <= len(found["kl"]) <= 32
+    assert found["kl"][0] == (1, 0.1)
+    assert found["kl"][-1] == (1_000, 100.0)
+
+
+def test_points_far_apart_are_kept_and_dense_ones_thinned(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        steps = [*range(1, 101), 500, 1_000]
+        metrics.add_curves(session, run_id, [("imitator", step, {"kl": 0.5}) for step in steps])
+        _, thinned = metrics.series(session, run_id, most=20)
+    assert [step for step, _ in thinned["imitator"]["kl"]] == [1, 50, 99, 500, 1_000]
