@@ -97,6 +97,8 @@ def train_clone(
     validation = Transitions.of(held_out).on(device) if held_out else None
     if recipe.pretrained:
         policy = pretrained_policy(recipe.learning_rate, device)
+        if recipe.freeze_convolutions:
+            policy.freeze_convolutions()
     else:
         policy = new_policy(recipe.network, recipe.learning_rate, rng, device)
     best: tuple[float, dict[str, Tensor], CloneResult] | None = None

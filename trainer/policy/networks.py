@@ -87,16 +87,26 @@ class ScreenFeatures(BaseFeaturesExtractor):
 
     def forward(self, observations: Tensor) -> Tensor:
         """Return features, float32 (N, features), of observations, uint8 (N, 4, 84, 84)."""
+        return self.features_of(self.convolve(observations))
+
+    def features_of(self, convolved: Tensor) -> Tensor:
+        """Return features, float32 (N, features), of what ``convolve`` has returned."""
+        return self.linear(convolved).float()  # type: ignore[no-any-return]
+
+    def convolve(self, observations: Tensor) -> Tensor:
+        """Return the convolutions' outputs, (N, channels * 7 * 7), of uint8 (N, 4, 84, 84)."""
         dtype = layer_dtype(observations.device)
         inputs = observations.to(dtype, memory_format=torch.channels_last)
         first = self.cnn[0]
         assert isinstance(first, nn.Conv2d)
         values = F.conv2d(inputs, first.weight / 255.0, first.bias, first.stride)
-        return self.linear(self.cnn[1:](values)).float()  # type: ignore[no-any-return]
+        return self.cnn[1:](values)  # type: ignore[no-any-return]
 
 
 class ScreenPolicy(ActorCriticCnnPolicy):
     """stable-baselines3's policy over ScreenFeatures, which take uint8 observations."""
+
+    features_extractor: ScreenFeatures
 
     def extract_features(  # type: ignore[override]
         self, obs: Tensor, features_extractor: BaseFeaturesExtractor | None = None
@@ -107,6 +117,10 @@ class ScreenPolicy(ActorCriticCnnPolicy):
     def logits_and_values(self, observations: Tensor) -> tuple[Tensor, Tensor]:
         """Return logits, float32 (N, 6), and values, float32 (N,), of uint8 observations."""
         return self.heads(self.extract_features(observations))
+
+    def freeze_convolutions(self) -> None:
+        """Let only the layers above the convolutions learn."""
+        self.features_extractor.cnn.requires_grad_(False)
 
     def heads(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """Return logits, float32 (N, 6), and values, float32 (N,), of features."""

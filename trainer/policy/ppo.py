@@ -175,6 +175,34 @@ class ImitationPPO(PPO):
         with self._precision.autocast(device):
             return policy.logits_and_values(observations.to(device))
 
+    def _evaluate(self, policy: ScreenPolicy, inputs: Tensor) -> tuple[Tensor, Tensor]:
+        """Return a policy's logits and values of what it learns from, see ``_inputs``."""
+        return policy.heads(self._features(policy, inputs))
+
+    def _features(self, policy: ScreenPolicy, inputs: Tensor) -> Tensor:
+        """Return a policy's features of what it learns from, in the precision of this training."""
+        device = device_of(policy)
+        with self._precision.autocast(device):
+            if self.recipe.freeze_convolutions:
+                return policy.features_extractor.features_of(inputs.to(device))
+            return policy.extract_features(inputs.to(device))
+
+    def _inputs(self) -> Tensor:
+        """Return what the policy learns from: the rollout's screens.
+
+        Where the convolutions are frozen, what they make of the screens: it is the same in every
+        epoch, and for the start policy.
+        """
+        screens = self.rollout_buffer.screens
+        if not self.recipe.freeze_convolutions:
+            return screens
+        device, parts = device_of(self.policy), []
+        with torch.no_grad(), self._precision.autocast(device):
+            for part in torch.split(screens, forward_batch(device)):
+                parts.append(self.policy.features_extractor.convolve(part.to(device)))
+                self._on_step()
+        return torch.cat(parts)
+
     def _bootstrap(
         self,
         rewards: npt.NDArray[np.float32],
@@ -208,11 +236,14 @@ class ImitationPPO(PPO):
         self.policy.set_training_mode(True)
         self._update_learning_rate(self.policy.optimizer)
         kl_coef = self.current_kl_coef if self.start_policy is not None else 0.0
-        start_log_probs = self._start_log_probs() if kl_coef and not self.is_warming_up else None
+        inputs = self._inputs()
+        start_log_probs = None
+        if kl_coef and not self.is_warming_up:
+            start_log_probs = self._start_log_probs(inputs)
         minibatch_stats: list[Tensor] = []
         rng = self.generators.minibatches
         for _ in range(self.n_epochs):
-            for minibatch in self.rollout_buffer.minibatches(self.batch_size, rng):
+            for minibatch in self.rollout_buffer.minibatches(inputs, self.batch_size, rng):
                 if self.is_warming_up:
                     loss, stats = self._critic_loss(minibatch)
                 else:
@@ -232,7 +263,7 @@ class ImitationPPO(PPO):
         self, minibatch: Minibatch, start_log_probs: Tensor | None, kl_coef: float
     ) -> tuple[Tensor, Tensor]:
         """Return PPO's loss of a minibatch, and its statistics in the order of update_metrics."""
-        logits, values = self._forward(self.policy, minibatch.observations)
+        logits, values = self._evaluate(self.policy, minibatch.inputs)
         log_all = logits.log_softmax(1)
         log_probs = log_all.gather(1, minibatch.actions[:, None])[:, 0]
         advantages = minibatch.advantages
@@ -257,8 +288,8 @@ class ImitationPPO(PPO):
 
     def _critic_loss(self, minibatch: Minibatch) -> tuple[Tensor, Tensor]:
         """Return the loss of the value head alone, which leaves the policy unchanged."""
-        with torch.no_grad(), self._precision.autocast(device_of(self.policy)):
-            features = self.policy.extract_features(minibatch.observations)
+        with torch.no_grad():
+            features = self._features(self.policy, minibatch.inputs)
         logits, values = self.policy.heads(features)
         log_all = logits.detach().log_softmax(1)
         entropy = -(log_all.exp() * log_all).sum(1).mean()
@@ -267,14 +298,14 @@ class ImitationPPO(PPO):
         stats = torch.stack([zero, value_loss.detach(), entropy, zero, zero, zero])
         return self.vf_coef * value_loss, stats
 
-    def _start_log_probs(self) -> Tensor:
+    def _start_log_probs(self, inputs: Tensor) -> Tensor:
         """Return the start policy's log probabilities over the rollout, float32 (N, 6)."""
         assert self.start_policy is not None
         size = forward_batch(device_of(self.start_policy))
         parts = []
         with torch.no_grad():
-            for screens in torch.split(self.rollout_buffer.screens, size):
-                logits, _ = self._forward(self.start_policy, screens)
+            for part in torch.split(inputs, size):
+                logits, _ = self._evaluate(self.start_policy, part)
                 parts.append(logits.log_softmax(1))
                 self._on_step()
         return torch.cat(parts)

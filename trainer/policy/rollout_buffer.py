@@ -19,7 +19,8 @@ class Minibatch(NamedTuple):
     """A random part of a rollout; see stable-baselines3's RolloutBufferSamples.
 
     Attributes:
-        observations: uint8 (B, 4, 84, 84), in channels-last order.
+        inputs: Of the policy: uint8 (B, 4, 84, 84) in channels-last order, or what frozen
+            convolutions make of them, float32 (B, N).
         actions: int64 (B,).
         old_log_probs: Log probabilities of the actions when they were sampled, float32 (B,).
         advantages: float32 (B,).
@@ -27,7 +28,7 @@ class Minibatch(NamedTuple):
         indices: Indices in the rollout, int64 (B,).
     """
 
-    observations: Tensor
+    inputs: Tensor
     actions: Tensor
     old_log_probs: Tensor
     advantages: Tensor
@@ -109,20 +110,28 @@ class ScreenRolloutBuffer(RolloutBuffer):
         """All observations, uint8 (steps * games, 4, 84, 84), in channels-last order."""
         return self._screens.flatten(0, 1).permute(0, 3, 1, 2)
 
-    def minibatches(self, batch_size: int, rng: np.random.Generator) -> Iterator[Minibatch]:
-        """Yield the rollout once on the buffer's device, in an order drawn from ``rng``."""
+    def minibatches(
+        self, inputs: Tensor, batch_size: int, rng: np.random.Generator
+    ) -> Iterator[Minibatch]:
+        """Yield the rollout once on the buffer's device, in an order drawn from ``rng``.
+
+        Args:
+            inputs: ``screens``, or what frozen convolutions make of them, (steps * games, N).
+            batch_size: Steps of a minibatch.
+            rng: Source of the order.
+        """
         if not self.full:
             raise RuntimeError("The rollout is not complete yet.")
-        screens = self.screens.to(self.device)
+        inputs = inputs.to(self.device)
         actions = torch.from_numpy(self.actions.reshape(-1)).to(self.device)
         log_probs = torch.from_numpy(self.log_probs.reshape(-1)).to(self.device)
         advantages = torch.from_numpy(self.advantages.reshape(-1)).to(self.device)
         returns = torch.from_numpy(self.returns.reshape(-1)).to(self.device)
-        order = torch.from_numpy(rng.permutation(len(screens))).to(self.device)
+        order = torch.from_numpy(rng.permutation(len(inputs))).to(self.device)
         for begin in range(0, len(order), batch_size):
             indices = order[begin : begin + batch_size]
             yield Minibatch(
-                take_screens(screens, indices),
+                inputs[indices] if inputs.dim() == 2 else take_screens(inputs, indices),
                 actions[indices],
                 log_probs[indices],
                 advantages[indices],

@@ -152,6 +152,9 @@ class PolicyRecipe:
             run that it continues, which has to use the same network.
         kl_coef: Initial coefficient of the KL divergence from that policy; it falls linearly to
             zero over the training. Without a warm start there is none.
+        freeze_convolutions: Whether the convolutions stay as the start policy has them and only
+            the layers above them learn, which takes a fraction of the time. The start policy has
+            to know how the game looks: CloningRecipe.freeze_convolutions.
         critic_warm_up_steps: Steps during which only the critic learns.
         snapshot_steps: Steps after which a snapshot of the policy competes for the best one; the
             published snapshots come after 500,000, then every 1,000,000.
@@ -184,6 +187,7 @@ class PolicyRecipe:
     demonstration_share: Share = 0.0
     warm_start: Flag = False
     kl_coef: NotNegative = 0.0
+    freeze_convolutions: Flag = False
     critic_warm_up_steps: CountOrNone = 0
     snapshot_steps: StepNumbers = (500_000, *range(1_000_000, 10_000_001, 1_000_000))
     snapshot_episodes: Count = 12
@@ -195,6 +199,10 @@ class PolicyRecipe:
     def _check_minibatches(self) -> PolicyRecipe:
         if self.n_minibatches > self.n_envs * self.n_steps:
             raise ValueError("n_minibatches must not be more than n_envs * n_steps")
+        if self.freeze_convolutions and not self.warm_start:
+            raise ValueError(
+                "freeze_convolutions=true needs warm_start=true, a policy to begin with"
+            )
         return self
 
 
@@ -211,6 +219,7 @@ class CloningRecipe:
         patience: Epochs without improvement on those after which learning stops.
         pretrained: Whether it begins with the policy that ships with Tril, which has learned to
             survive, see trainer.policy.pretraining.
+        freeze_convolutions: Whether the convolutions of that policy stay as they are.
     """
 
     network: Network = "nature"
@@ -220,13 +229,16 @@ class CloningRecipe:
     validation_share: Share = 0.17
     patience: Count = 8
     pretrained: Flag = False
+    freeze_convolutions: Flag = False
 
     @model_validator(mode="after")
-    def _check_size(self) -> CloningRecipe:
+    def _check_start(self) -> CloningRecipe:
         if self.pretrained and self.network != "small":
             raise ValueError(
                 "a pretrained clone has the network 'small': choose it, or set pretrained=false"
             )
+        if self.freeze_convolutions and not self.pretrained:
+            raise ValueError("freeze_convolutions=true needs pretrained=true")
         return self
 
 

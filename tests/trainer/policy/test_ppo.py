@@ -76,10 +76,10 @@ def test_the_buffer_holds_what_stable_baselines3s_holds() -> None:
     screens = ours.screens.numpy().reshape(8, 2, 4, 84, 84)
     np.testing.assert_array_equal(screens, theirs.observations)
     seen = []
-    for minibatch in ours.minibatches(6, np.random.default_rng(0)):
+    for minibatch in ours.minibatches(ours.screens, 6, np.random.default_rng(0)):
         places = minibatch.indices.numpy()
         flat = theirs.observations.reshape(-1, 4, 84, 84)
-        np.testing.assert_array_equal(minibatch.observations.numpy(), flat[places])
+        np.testing.assert_array_equal(minibatch.inputs.numpy(), flat[places])
         np.testing.assert_array_equal(minibatch.actions, theirs.actions.reshape(-1)[places])
         np.testing.assert_array_equal(minibatch.advantages, theirs.advantages.reshape(-1)[places])
         seen += places.tolist()
@@ -93,7 +93,7 @@ def test_the_buffer_keeps_its_memory() -> None:
     buffer.reset()
     assert not buffer.full
     with pytest.raises(RuntimeError, match="not complete"):
-        next(buffer.minibatches(4, np.random.default_rng(0)))
+        next(buffer.minibatches(buffer.screens, 4, np.random.default_rng(0)))
     fill(buffer)
     assert (buffer.screens.data_ptr(), buffer.rewards.ctypes.data) == before
 
@@ -196,13 +196,38 @@ def test_the_kl_penalty_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
     assert moved[100.0] < 0.2 * moved[0.0]
 
 
-def test_an_update_is_computed_where_the_policy_is(env: TrilVecEnv) -> None:
-    ppo = make_ppo(env, replace(PLAIN, kl_coef=0.1), device=ELSEWHERE)
+def test_frozen_convolutions_stay_and_the_layers_above_them_learn_the_same(env: TrilVecEnv) -> None:
+    frozen = replace(PLAIN, warm_start=True, kl_coef=0.1, freeze_convolutions=True)
+    weights = {}
+    for recipe in (frozen, replace(frozen, freeze_convolutions=False)):
+        ppo = make_ppo(env, recipe)
+        # With gradients or without, the convolutions do not change.
+        ppo.policy.freeze_convolutions()
+        ppo.start_policy = make_ppo(env).policy
+        ppo.start_policy.load_state_dict(ppo.policy.state_dict())
+        before = {name: p.detach().clone() for name, p in ppo.policy.named_parameters()}
+        fill(ppo.rollout_buffer)
+        ppo._current_progress_remaining = 1.0
+        ppo._setup_learn(100, reset_num_timesteps=False)
+        ppo.train()
+        weights[recipe.freeze_convolutions] = weights_of(ppo)
+        changed = {n for n, p in ppo.policy.named_parameters() if not torch.equal(p, before[n])}
+        assert {name for name in before if ".cnn." not in name} == changed
+    torch.testing.assert_close(weights[True], weights[False], rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("freeze_convolutions", [False, True])
+def test_an_update_is_computed_where_the_policy_is(
+    env: TrilVecEnv, freeze_convolutions: bool
+) -> None:
+    recipe = replace(PLAIN, kl_coef=0.1, warm_start=True, freeze_convolutions=freeze_convolutions)
+    ppo = make_ppo(env, recipe, device=ELSEWHERE)
     ppo.start_policy = ppo.policy
     assert device_of(ppo.policy) == ELSEWHERE
     fill(ppo.rollout_buffer)
-    start_log_probs = ppo._start_log_probs()
-    minibatches = list(ppo.rollout_buffer.minibatches(8, np.random.default_rng(0)))
+    inputs = ppo._inputs()
+    start_log_probs = ppo._start_log_probs(inputs)
+    minibatches = list(ppo.rollout_buffer.minibatches(inputs, 8, np.random.default_rng(0)))
     assert len(minibatches) > 1
     for minibatch in minibatches:
         assert {part.device for part in minibatch} == {ELSEWHERE}

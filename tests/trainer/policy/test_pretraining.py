@@ -66,6 +66,25 @@ def test_a_pretrained_clone_begins_with_it() -> None:
         assert torch.allclose(weight, shipped[name], atol=1e-6), name
 
 
+@pytest.mark.parametrize("frozen", [False, True])
+def test_a_clone_may_keep_how_the_game_looks(frozen: bool) -> None:
+    recipe = CloningRecipe(network="small", pretrained=True, epochs=1, freeze_convolutions=frozen)
+    clone, _ = train_clone(planted_trajectories(), recipe, 0, NullProgress())
+    shipped = pretrained_policy(0.0).state_dict()
+    changed = {
+        name for name, one in clone.state_dict().items() if not torch.equal(one, shipped[name])
+    }
+    assert any(".cnn." in name for name in changed) is not frozen
+    assert "action_net.weight" in changed
+
+
+def test_convolutions_are_frozen_only_where_they_have_learned() -> None:
+    with pytest.raises(Invalid, match="needs pretrained=true"):
+        with_values(FAST, {"cloning.pretrained": False, "cloning.freeze_convolutions": True})
+    with pytest.raises(Invalid, match="needs warm_start=true"):
+        with_values(FAST, {"policy.warm_start": False, "policy.freeze_convolutions": True})
+
+
 def test_a_pretrained_clone_has_the_size_of_the_policy_that_ships() -> None:
     with pytest.raises(Invalid, match="a pretrained clone has the network 'small'"):
         with_values(FAST, {"cloning.pretrained": True, "cloning.network": "nature"})
