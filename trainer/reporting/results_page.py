@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from trainer.reporting.digests import recipe_digest
+from trainer.reporting.digests import base_recipes, recipe_digest
 from trainer.reporting.figures import (
     AliensRow,
     aliens_figure,
@@ -23,7 +23,7 @@ from trainer.reporting.result_groups import (
     group_results,
     over_behaviours,
 )
-from trainer.reporting.skilled_games import QUANTITIES, tau_of
+from trainer.reporting.skilled_games import QUANTITIES, Experiment, tau_of
 from tril.analysis.outcome import AttentionState
 from tril.behaviours import BUILT_IN, score
 from tril.demonstrator import KINDS, SCRIPTED
@@ -69,6 +69,11 @@ class RecipeSection:
     groups: list[ResultGroup]
     rows: list[StartsRow]
     shown: list[ResultGroup]
+
+    @property
+    def is_current(self) -> bool:
+        """Whether a result is of the built-in recipe of this version."""
+        return any(group.is_current for group in self.groups)
 
     @property
     def means(self) -> list[tuple[ResultGroup, str]]:
@@ -149,8 +154,17 @@ def page_text(folder: Path) -> str:
         score=score,
         over_behaviours=over_behaviours,
         tau_of=tau_of,
+        reward_name=_reward_name,
         sticky_action_probability=STICKY_ACTION_PROBABILITY,
     )
+
+
+def _reward_name(experiment: Experiment) -> str:
+    """Return the recipe of an experiment's reward, with its version unless it is today's."""
+    for version, recipe in base_recipes(experiment.recipe).items():
+        if recipe_digest(recipe.reward) == experiment.digest:
+            return f"{experiment.recipe} (as in {version})" if version else experiment.recipe
+    return f"{experiment.recipe} (other values, {experiment.digest})"
 
 
 def _known(ledger: Ledger) -> list[Entry]:

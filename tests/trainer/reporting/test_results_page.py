@@ -40,6 +40,12 @@ def test_published_results_are_of_the_recipes_as_they_are() -> None:
     assert "(other values" not in page_text(PUBLISHED)
 
 
+def test_a_recipe_without_a_result_of_this_version_is_named_as_such(tmp_path: Path) -> None:
+    remark = "None of these results is of today's `fast`"
+    assert remark in page_of(tmp_path, entry(recipe=FAST_0_2))
+    assert remark not in page_of(tmp_path, entry())
+
+
 def test_the_page_says_who_won_and_links_the_pages_that_are_there(tmp_path: Path) -> None:
     Ledger(tmp_path).add(entry(seed=1))
     folder = cell_folder(entry(seed=1))
@@ -136,6 +142,23 @@ def test_the_page_says_what_a_policy_learned_on(tmp_path: Path) -> None:
     on_gpu = entry(seed=1, versions={PRECISION: "bfloat16", DEVICE: "cuda"})
     page = page_of(tmp_path, here, on_gpu)
     assert [row[-1] for row in rows(page, "Column 2")][1:] == ["bfloat16", "bfloat16, GPU"]
+
+
+@pytest.mark.parametrize(
+    ("recipe", "name"),
+    [
+        (FAST, "fast"),
+        (FAST_0_2, "fast (as in 0.2)"),
+        (with_values(FAST, {"reward.updates": 9}), "fast (other values, {})"),
+    ],
+)
+def test_extrapolation_experiments_name_the_version_of_their_reward(
+    tmp_path: Path, recipe: Recipe, name: str
+) -> None:
+    experiment = Experiment.of("shots", recipe, 3)
+    games = [(0, 5, 0.5, True), (9, 10, 1.0, False)]
+    Ledger(tmp_path).add(Extrapolation(experiment, tuple(SkilledGame(*one) for one in games)))
+    assert f"| shots | {name.format(experiment.digest)} | 3 |" in page_text(tmp_path)
 
 
 def test_extrapolation_experiments_have_a_table_and_a_picture(tmp_path: Path) -> None:
