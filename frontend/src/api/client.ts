@@ -24,7 +24,7 @@ class UnreachableError extends Error {
   override name = "UnreachableError";
 
   constructor(cause: unknown) {
-    super(t`Tril's server doesn't answer. Is \`tril up\` still running?`, { cause });
+    super(t`Tril’s server doesn’t answer. Is \`tril up\` still running?`, { cause });
   }
 }
 
@@ -100,8 +100,8 @@ function detailOf(body: unknown): string | null {
 }
 
 function fallback(status: number): string {
-  if (status === 401) return t`This browser isn't signed in. Open the address that Tril printed.`;
-  if (status === 404) return t`This doesn't exist, or was deleted.`;
+  if (status === 401) return t`This browser isn’t signed in. Open the address that Tril printed.`;
+  if (status === 404) return t`This doesn’t exist, or was deleted.`;
   if (status === 413) return t`The file is too large.`;
   return t`The server failed (${status}). Its log in the terminal says why.`;
 }

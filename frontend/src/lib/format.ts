@@ -19,8 +19,17 @@ export function whole(n: number): string {
 
 /** Writes a decimal number as the language does: "9,3" in German. */
 function inLanguage(digits: string): string {
-  const comma = i18n.number(0.1).charAt(1);
-  return digits.replace(".", comma).replace("-", "−");
+  return digits.replace(".", decimalSign()).replace("-", "−");
+}
+
+/** Returns the sign before the decimals: a comma in German. */
+export function decimalSign(): string {
+  return i18n.number(0.1).charAt(1);
+}
+
+/** Returns the sign between thousands: a point in German. */
+export function thousandsSign(): string {
+  return i18n.number(10_000).charAt(2);
 }
 
 /** Returns a noun as it is written within a sentence: in lower case, other than in German. */

@@ -102,7 +102,7 @@ export function isUndecided({ state, deleted }: Pick<Played, "state" | "deleted"
 /** Says why a recording can't be ranked; null if it can. */
 export function whyUnrankable({ state, verification, deleted }: Rankable): string | null {
   if (deleted) return t`It was deleted.`;
-  if (verification === "failed") return t`It can't be ranked: a replay doesn't reproduce it.`;
+  if (verification === "failed") return t`It can’t be ranked: a replay doesn’t reproduce it.`;
   if (state === "finished") return t`Keep it to rank it, or discard it.`;
   if (state === "unfinished") {
     return t`Unfinished: its page was left before the game ended. Keep it to rank it all the same.`;

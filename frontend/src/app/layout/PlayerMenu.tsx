@@ -46,7 +46,7 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
     },
   });
   const answered = rename.error && refused === value ? messageOf(rename.error) : null;
-  const problem = value.trim() ? answered : t`Give a name.`;
+  const problem = value.trim() ? answered : t`Enter a name.`;
   return (
     <FormDialog
       title={t`Your name`}

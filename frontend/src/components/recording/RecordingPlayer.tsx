@@ -76,7 +76,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
       ref={player}
       className={styles.player}
       role="group"
-      aria-label={t`Player`}
+      aria-label={t({ message: "Player", context: "playback" })}
       tabIndex={-1}
       onKeyDown={(event) => onKey(event, playback, frames.last)}
     >

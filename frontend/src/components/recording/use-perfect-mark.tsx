@@ -59,9 +59,9 @@ export function usePerfectMark({ target }: Behaviour): PerfectMark {
 
 function sentenceOf(found: readonly (readonly string[])[], n: number): string {
   const [first = []] = found;
-  if (n === 1) return t`This game isn't perfect: ${first.join(", ")}.`;
+  if (n === 1) return t`This game isn’t perfect: ${first.join(", ")}.`;
   return plural(found.length, {
-    one: `# of ${n} games isn't perfect: they missed targets, hit strays or ended with the cannon hit.`,
-    other: `# of ${n} games aren't perfect: they missed targets, hit strays or ended with the cannon hit.`,
+    one: `# of ${n} games isn’t perfect: it missed targets, hit strays or ended with the cannon hit.`,
+    other: `# of ${n} games aren’t perfect: they missed targets, hit strays or ended with the cannon hit.`,
   });
 }

@@ -119,7 +119,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
             <Trans>3. Train</Trans>
           </strong>
           <span>
-            <Trans>Tril learns a reward from the order, then an agent that earns it.</Trans>
+            <Trans>Tril learns a reward from the order, then trains an agent to earn it.</Trans>
           </span>
         </li>
         <li>
@@ -127,7 +127,7 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
             <Trans>4. Look</Trans>
           </strong>
           <span>
-            <Trans>The agent, a plain copy of your best games, and you, side by side.</Trans>
+            <Trans>Side by side: the agent, a clone that copies your best games, and you.</Trans>
           </span>
         </li>
       </ol>

@@ -3,7 +3,7 @@
 import { t } from "@lingui/core/macro";
 
 import type { Recipe, RunNew } from "@/api/types";
-import { whole } from "@/lib/format";
+import { decimalSign, thousandsSign, whole } from "@/lib/format";
 
 /** As text, so that incomplete numbers stay as typed. */
 export interface FormValues {
@@ -28,7 +28,7 @@ export function defaultsOf(recipe: Recipe): FormValues {
   return {
     recipe: recipe.name,
     steps: whole(recipe.default_steps),
-    learningRate: String(recipe.learning_rate),
+    learningRate: String(recipe.learning_rate).replace(".", decimalSign()),
     trainingSeed: "0",
     goOnAnyway: false,
   };
@@ -47,27 +47,35 @@ export function editsFrom(search: URLSearchParams): Partial<FormValues> {
   };
 }
 
-/** Parses a whole number with or without separators: "300,000", "300 000"; NaN if invalid. */
+/**
+ * Parses a whole number with or without the language's separators: "300,000", "300 000", in German
+ * "300.000"; NaN if invalid.
+ */
 export function readWhole(text: string): number {
-  const digits = text.replace(/[\s,_']/g, "");
+  const digits = text.replace(/[\s_']/g, "").replaceAll(thousandsSign(), "");
   return /^\d+$/.test(digits) ? Number(digits) : NaN;
+}
+
+/** Parses a learning rate with a point or the language's decimal sign; NaN or 0 if invalid. */
+function readRate(text: string): number {
+  return Number(text.replace(decimalSign(), "."));
 }
 
 /** Returns the fields that are invalid, with a message. */
 export function errorsIn(values: FormValues): FormErrors {
   const steps = readWhole(values.steps);
-  const rate = Number(values.learningRate);
+  const rate = readRate(values.learningRate);
   const seed = readWhole(values.trainingSeed);
   return {
     ...(steps >= 1 && steps <= MOST_STEPS
       ? {}
-      : { steps: t`Give a whole number of steps from 1 to 100,000,000.` }),
+      : { steps: t`Enter a whole number of steps from 1 to 100,000,000.` }),
     ...(values.learningRate.trim() && rate > 0 && rate <= 1
       ? {}
-      : { learningRate: t`Give a number above 0 and up to 1, such as 0.0003.` }),
+      : { learningRate: t`Enter a number above 0 and at most 1, such as 0.0003.` }),
     ...(seed >= 0 && seed <= MOST_SEED
       ? {}
-      : { trainingSeed: t`Give a whole number from 0 to 2,147,483,647.` }),
+      : { trainingSeed: t`Enter a whole number from 0 to 2,147,483,647.` }),
   };
 }
 
@@ -84,7 +92,7 @@ export function runOf(
     behaviour_id: behaviourId,
     recipe: values.recipe,
     steps: readWhole(values.steps),
-    learning_rate: Number(values.learningRate),
+    learning_rate: readRate(values.learningRate),
     training_seed: readWhole(values.trainingSeed),
     go_on_anyway: values.goOnAnyway,
     example,

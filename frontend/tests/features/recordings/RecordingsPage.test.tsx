@@ -58,7 +58,7 @@ describe("the library", () => {
     expect(card(5).getByText("139 steps, 9.3 s, ended early")).toBeVisible();
     expect(card(4).getByText("139 steps, 9.3 s, its page was left")).toBeVisible();
     expect(card(4).getByText(/^Unfinished: .* Keep it to rank it all the same\.$/)).toBeVisible();
-    expect(card(2).getByText(/It can't be ranked: a replay doesn't reproduce it/)).toBeVisible();
+    expect(card(2).getByText(/It can’t be ranked: a replay doesn’t reproduce it/)).toBeVisible();
     expect(card(3).queryByRole("button", { name: /Keep/ })).toBeNull();
     await userEvent.click(card(5).getByRole("button", { name: "Keep Recording 5" }));
     await userEvent.click(card(4).getByRole("button", { name: "Keep Recording 4" }));
@@ -247,7 +247,7 @@ describe("the library", () => {
     await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
     const bar = within(screen.getByRole("group", { name: "Selected recordings" }));
     await userEvent.click(bar.getByRole("button", { name: "Mark as perfect" }));
-    expect(screen.getByRole("dialog")).toHaveTextContent("2 of 2 games aren't perfect");
+    expect(screen.getByRole("dialog")).toHaveTextContent("2 of 2 games aren’t perfect");
     await userEvent.click(screen.getByRole("button", { name: "Mark all the same" }));
     await userEvent.click(await bar.findByRole("button", { name: "Remove the perfect marks" }));
     await waitFor(() =>

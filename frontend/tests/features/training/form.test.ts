@@ -1,6 +1,7 @@
-import { describe, expect, it } from "vitest";
+import { afterEach, describe, expect, it } from "vitest";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "@/features/training/form";
+import { i18n } from "@/lib/i18n";
 
 const RECIPE = {
   name: "fast",
@@ -18,6 +19,8 @@ const RECIPE = {
 function values(change: Partial<FormValues> = {}): FormValues {
   return { ...defaultsOf(RECIPE), ...change };
 }
+
+afterEach(() => i18n.activate("en"));
 
 describe("the training form", () => {
   it("begins with a recipe that can be sent as it is", () => {
@@ -58,5 +61,17 @@ describe("the training form", () => {
     const errors = errorsIn(values(change));
     expect(Object.keys(errors)).toEqual([field]);
     expect(runOf(values(change), 1, false, null, false)).toBeNull();
+  });
+
+  it("shows and reads numbers as German writes them", () => {
+    i18n.loadAndActivate({ locale: "de", messages: {} });
+    expect(values()).toMatchObject({ steps: "300.000", learningRate: "0,0003" });
+    expect(errorsIn(values())).toEqual({});
+    expect(runOf(values(), 3, false, null, false)).toMatchObject({
+      steps: 300_000,
+      learning_rate: 0.0003,
+    });
+    expect(errorsIn(values({ learningRate: "0.0003" }))).toEqual({});
+    expect(Object.keys(errorsIn(values({ steps: "1,5" })))).toEqual(["steps"]);
   });
 });

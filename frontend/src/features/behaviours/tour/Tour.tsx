@@ -24,7 +24,7 @@ const steps = () =>
     },
     {
       title: t`Train`,
-      text: t`Press Train. Tril learns a reward from your order, then an agent that earns it. You can go on playing meanwhile.`,
+      text: t`Press Train. Tril learns a reward from your order, then trains an agent to earn it. You can go on playing meanwhile.`,
     },
     {
       title: t`Look`,

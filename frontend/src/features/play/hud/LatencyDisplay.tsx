@@ -19,7 +19,7 @@ export function LatencyDisplay({ stream }: { stream: GameStream }) {
   }, [stream]);
   return (
     <dl className={styles.latency} aria-label={t`Latency`}>
-      <dt title={t`From a key's event to the drawing of the first frame with it, the median`}>
+      <dt title={t`Median time from pressing a key to drawing the first frame that shows it`}>
         <Trans>key to draw, p50</Trans>
       </dt>
       <dd>{ms(shown.p50Ms)}</dd>

@@ -176,7 +176,7 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
       return (
         <Notice tone="calm" icon="clock" live>
           <p>
-            <Trans>The games were paused for long and are closed.</Trans>
+            <Trans>The games were paused for a long time and have been closed.</Trans>
           </p>
           {again}
         </Notice>

@@ -48,7 +48,7 @@ export function PolicyResults({
       <p className={styles.note}>
         <Trans>
           Means of <Plural value={n} one="# game" other="# games" /> from starts that no training or
-          demonstration game began from, with 95 % bootstrap intervals. Each policy takes its most
+          demonstration game began from, with 95% bootstrap intervals. Each policy takes its most
           probable action.
         </Trans>
       </p>

@@ -40,7 +40,7 @@ function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
         ];
   return [
     ...target,
-    { key: "steps", name: t`Game length, steps of 300`, write: oneDigit, high: MAX_STEPS },
+    { key: "steps", name: t`Game length, of 300 steps`, write: oneDigit, high: MAX_STEPS },
     { key: "death_rate", name: t`Death rate`, write: wholePercent, high: 1 },
     { key: "predicted_return", name: t`Predicted return`, write: measured },
   ];

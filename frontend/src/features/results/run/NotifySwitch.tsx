@@ -5,7 +5,7 @@ import { Checkbox } from "@/components/controls/Field";
 import { allowNotifications, areNotificationsOn, turnNotificationsOff } from "@/lib/notifications";
 
 const refusal = () =>
-  t`The browser refuses notifications of this page. Allow them in its settings for this address.`;
+  t`The browser blocks notifications from this page. Allow them in its settings for this address.`;
 
 /** The switch of the browser's notifications of runs that end. */
 export function NotifySwitch() {

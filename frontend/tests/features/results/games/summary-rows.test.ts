@@ -25,7 +25,7 @@ describe("the summary", () => {
   it("leaves out targets where there are none", () => {
     const bare = { ...summary, targets: null, strays: null, order_errors: null };
     expect(summaryRows(bare, bare, null, false).map((row) => row.name)).toEqual([
-      "Game length, steps of 300",
+      "Game length, of 300 steps",
       "Death rate",
       "Predicted return",
     ]);
