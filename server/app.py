@@ -31,7 +31,13 @@ from server.play.watch import stream as watch_stream
 from server.services import running_services
 from server.web import problems
 from server.web.compression import Compression
-from server.web.middleware import Authentication, BodyLimit, SameOrigin, SecurityHeaders
+from server.web.middleware import (
+    SECURITY_HEADERS,
+    Authentication,
+    BodyLimit,
+    SameOrigin,
+    SecurityHeaders,
+)
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
 from tril import __version__
 from tril.settings import Settings
@@ -73,7 +79,7 @@ def create_app(
             Middleware(BodyLimit),
         ],
     )
-    problems.install(app)
+    problems.install(app, SECURITY_HEADERS)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
     app.include_router(_api())
     # The pages get only what no route matches, so that a wrong method answers 405.

@@ -17,7 +17,8 @@ from server.app import create_app
 from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
-from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol
+from server.web.connections import Connections
+from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol, ServerConfig
 from server.web.security import MaskToken
 from tril.errors import Unavailable
 from tril.settings import Settings
@@ -97,10 +98,11 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
         Server(server_config(create_app(settings), settings)).run(sockets=[listening])
 
 
-def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
+def server_config(app: FastAPI, settings: Settings) -> ServerConfig:
     """Return the configuration of uvicorn."""
-    return uvicorn.Config(
+    return ServerConfig(
         app,
+        Connections(settings.max_connections, settings.max_connections_per_address),
         host=settings.host,
         port=settings.port,
         http=HttpProtocol,

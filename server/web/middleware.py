@@ -6,6 +6,7 @@ Neither uvicorn nor Starlette checks the Origin of a WebSocket, and browsers sen
 
 from __future__ import annotations
 
+import asyncio
 from urllib.parse import urlsplit
 
 from fastapi import HTTPException
@@ -21,6 +22,8 @@ CLOSE_UNAUTHORISED = 4401
 
 MAX_BODY_BYTES = 1024 * 1024
 MAX_UPLOAD_BYTES = 16 * 1024 * 1024
+BODY_TIMEOUT_S = 20.0
+"""How long a body may take to arrive; an upload has more time, in its turn."""
 _UPLOAD_END = "/recordings/import"
 
 _DEFAULT_PORTS = {"http": 80, "https": 443, "ws": 80, "wss": 443}
@@ -39,6 +42,10 @@ SECURITY_HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Permissions-Policy": "camera=(), geolocation=(), microphone=(), payment=(), usb=()",
 }
+ENCODED_SECURITY_HEADERS = [
+    (name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()
+]
+"""The same for answers that no middleware sees."""
 
 
 class SameOrigin:
@@ -110,7 +117,7 @@ def is_signed_in(connection: HTTPConnection) -> bool:
 
 
 class BodyLimit:
-    """Refuses bodies that are too large, whether or not they declare their length (413)."""
+    """Refuses bodies that are too large, declared or not (413), and those that never come (408)."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -120,17 +127,25 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        limit = MAX_UPLOAD_BYTES if scope["path"].endswith(_UPLOAD_END) else MAX_BODY_BYTES
+        is_upload = scope["path"].endswith(_UPLOAD_END)
+        limit = MAX_UPLOAD_BYTES if is_upload else MAX_BODY_BYTES
         too_large = f"The body is too large: at most {limit // 1024} KiB are accepted."
         declared = Headers(scope=scope).get("content-length", "0")
         if not declared.isdecimal() or int(declared) > limit:
             await _refuse(scope, receive, send, 413, too_large)
             return
         received = 0
+        is_awaited = not is_upload
+        until = asyncio.get_running_loop().time() + BODY_TIMEOUT_S
 
         async def receive_counted() -> Message:
-            nonlocal received
-            message = await receive()
+            nonlocal received, is_awaited
+            try:
+                async with asyncio.timeout_at(until if is_awaited else None):
+                    message = await receive()
+            except TimeoutError:
+                raise HTTPException(408, "The request took too long to arrive.") from None
+            is_awaited = is_awaited and message.get("more_body", False)
             received += len(message.get("body", b""))
             if received > limit:
                 raise HTTPException(413, too_large)
