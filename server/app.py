@@ -31,6 +31,7 @@ from server.play.watch import stream as watch_stream
 from server.services import running_services
 from server.web import problems
 from server.web.compression import Compression
+from server.web.exposure import TrustedProxies
 from server.web.middleware import (
     SECURITY_HEADERS,
     Authentication,
@@ -72,6 +73,7 @@ def create_app(
         openapi_url="/api/openapi.json",
         generate_unique_id_function=_operation_id,
         middleware=[
+            *([Middleware(TrustedProxies, settings=settings)] if settings.proxies else []),
             Middleware(SecurityHeaders),
             Middleware(Compression),
             Middleware(SameOrigin, host_names=settings.host_names),

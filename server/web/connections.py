@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 from collections import Counter, OrderedDict, deque
 from collections.abc import Callable
+from ipaddress import IPv6Address, ip_network
+
+from tril.addresses import parse_address
 
 N_SPARE = 32
 """Connections beside those that are served, on which only the health check is answered."""
@@ -145,9 +147,7 @@ class Turns:
 
 def _source(address: str) -> str:
     """Return what counts as one address: an IPv4 address, or an IPv6 network."""
-    if ":" not in address:
-        return address
-    try:
-        return str(ipaddress.ip_network((address, _IPV6_NETWORK), strict=False))
-    except ValueError:
-        return address
+    parsed = parse_address(address)
+    if isinstance(parsed, IPv6Address):
+        return str(ip_network((parsed, _IPV6_NETWORK), strict=False))
+    return address if parsed is None else str(parsed)

@@ -79,7 +79,9 @@ class SameOrigin:
         if origin is not None:
             scheme = urlsplit(origin).scheme if "://" in origin else ""
             own = _host_and_port(f"{scheme}://{headers['host']}")
-            if scheme not in {"http", "https"} or _host_and_port(origin) != own:
+            # A page that came without encryption may be anybody's.
+            allowed = {"https"} if scope["scheme"] in {"https", "wss"} else {"http", "https"}
+            if scheme not in allowed or _host_and_port(origin) != own:
                 return "Requests from other sites' pages are refused."
         elif _is_api(scope) and headers.get("sec-fetch-site") in {"cross-site", "same-site"}:
             return "Requests from other sites' pages are refused."
