@@ -33,13 +33,13 @@ from server.web import problems
 from server.web.compression import Compression
 from server.web.exposure import TrustedProxies
 from server.web.middleware import (
-    SECURITY_HEADERS,
     Authentication,
     BodyLimit,
     SameOrigin,
     SecurityHeaders,
 )
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
+from server.web.security_headers import SECURITY_HEADERS
 from tril import __version__
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict

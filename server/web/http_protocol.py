@@ -13,8 +13,9 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from server.concurrency import RETRY_AFTER_S
 from server.web.connections import Connections, Place
-from server.web.middleware import ENCODED_SECURITY_HEADERS, PUBLIC_PATHS, SecurityHeaders
+from server.web.middleware import PUBLIC_PATHS, SecurityHeaders
 from server.web.problems import problem
+from server.web.security_headers import ENCODED_SECURITY_HEADERS
 
 MAX_HEAD_BYTES = 64 * 1024
 """Browsers send the cookies of every server on this host, whatever its port."""

@@ -16,6 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.dependencies import services_of
 from server.web.problems import problem
+from server.web.security_headers import SECURITY_HEADERS
 
 PUBLIC_PATHS = frozenset({"/api/health"})
 CLOSE_UNAUTHORISED = 4401
@@ -27,25 +28,6 @@ BODY_TIMEOUT_S = 20.0
 _UPLOAD_END = "/recordings/import"
 
 _DEFAULT_PORTS = {"http": 80, "https": 443, "ws": 80, "wss": 443}
-
-SECURITY_HEADERS = {
-    # Inline styles are what drag and drop and charts set on elements; scripts come from files.
-    "Content-Security-Policy": (
-        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-        "img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self'; "
-        "manifest-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
-    ),
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
-    "Referrer-Policy": "same-origin",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Permissions-Policy": "camera=(), geolocation=(), microphone=(), payment=(), usb=()",
-}
-ENCODED_SECURITY_HEADERS = [
-    (name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()
-]
-"""The same for answers that no middleware sees."""
 
 
 class SameOrigin:

@@ -14,7 +14,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.http11 import Response
 
 from server.web.connections import Place
-from server.web.middleware import ENCODED_SECURITY_HEADERS, SECURITY_HEADERS
+from server.web.security_headers import ENCODED_SECURITY_HEADERS, SECURITY_HEADERS
 
 _LOG = logging.getLogger(__name__)
 

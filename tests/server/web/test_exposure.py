@@ -72,7 +72,7 @@ def test_settings_that_can_not_be_meant_are_refused(tmp_path: Path) -> None:
         Settings(tls_certificate=tmp_path / "a.pem")
     with pytest.raises(ValueError, match=r"proxy\.example"):
         Settings(trusted_proxies="10.0.0.1, proxy.example")
-    assert Settings(tls_certificate="", tls_key="").uses_tls is False  # type: ignore[arg-type]
+    assert Settings(tls_certificate="", tls_key="").uses_tls is False
 
 
 def test_a_certificate_that_can_not_be_used_is_named(tmp_path: Path) -> None:
