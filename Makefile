@@ -6,6 +6,7 @@ VENV := .venv
 PY := $(VENV)/bin/python
 PIP := $(PY) -m pip --disable-pip-version-check
 NPM := $(abspath scripts/with_node.sh) npm
+PIP_AUDIT ?= pip-audit
 
 # Stamps of the last successful installs.
 RUN_STAMP := $(VENV)/.installed
@@ -23,7 +24,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run dev dev-server dev-page environment frontend test test-unit coverage test-e2e screenshots test-frontend check lint \
-	format types imports migrations-check api api-check texts texts-check wheel docs constraints bench clean
+	format types imports migrations-check api api-check texts texts-check wheel docs constraints audit bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -115,6 +116,10 @@ constraints: $(DOCS_STAMP) ## write the installed versions into constraints.txt
 	@{ grep '^#' constraints.txt; $(PIP) freeze --all --exclude pip --exclude-editable | tr A-Z_ a-z- | \
 		sed 's/+.*//; /^\(nvidia\|cuda\|triton\)/d' | LC_ALL=C sort -t = -k 1,1; } > $(VENV)/constraints.txt
 	@mv $(VENV)/constraints.txt constraints.txt
+
+# Not part of check: it needs the Internet, and its answer changes without a change here.
+audit: $(RUN_STAMP) $(NPM_STAMP) ## look for known vulnerabilities of the pinned packages
+	@scripts/audit.sh "$(PIP_AUDIT)" "$(NPM)"
 
 bench: $(DEV_STAMP) ## run all benchmarks
 	@for file in benchmarks/*/[a-z]*.py; do \

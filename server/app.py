@@ -31,8 +31,15 @@ from server.play.watch import stream as watch_stream
 from server.services import running_services
 from server.web import problems
 from server.web.compression import Compression
-from server.web.middleware import Authentication, BodyLimit, SameOrigin, SecurityHeaders
+from server.web.exposure import TrustedProxies
+from server.web.middleware import (
+    Authentication,
+    BodyLimit,
+    SameOrigin,
+    SecurityHeaders,
+)
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
+from server.web.security_headers import SECURITY_HEADERS
 from tril import __version__
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
@@ -66,6 +73,7 @@ def create_app(
         openapi_url="/api/openapi.json",
         generate_unique_id_function=_operation_id,
         middleware=[
+            *([Middleware(TrustedProxies, settings=settings)] if settings.proxies else []),
             Middleware(SecurityHeaders),
             Middleware(Compression),
             Middleware(SameOrigin, host_names=settings.host_names),
@@ -73,7 +81,7 @@ def create_app(
             Middleware(BodyLimit),
         ],
     )
-    problems.install(app)
+    problems.install(app, SECURITY_HEADERS)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
     app.include_router(_api())
     # The pages get only what no route matches, so that a wrong method answers 405.

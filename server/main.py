@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import logging
 import logging.config
 import os
 import socket
 import sys
+from functools import partial
 from typing import Any
 
 import uvicorn
@@ -17,7 +19,9 @@ from server.app import create_app
 from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
-from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol
+from server.web.connections import Connections
+from server.web.exposure import check_exposure, is_proxy, may_connect, tls_context
+from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol, ServerConfig
 from server.web.security import MaskToken
 from tril.errors import Unavailable
 from tril.settings import Settings
@@ -25,6 +29,9 @@ from tril.store.database import create_database
 from tril.store.schema import check_schema
 
 GRACEFUL_SHUTDOWN_S = 5
+
+TLS_HANDSHAKE_S = 10.0
+"""Until it is over a connection has no place yet."""
 
 BACKLOG = 512
 
@@ -59,10 +66,26 @@ class Server(uvicorn.Server):
 
         A collection of these 160,000 objects takes 80 ms: five frames.
         """
-        await super().startup(sockets)
+        await super().startup([])
         if self.started:
+            await self._listen(sockets or [])
             gc.collect()
             gc.freeze()
+
+    async def _listen(self, sockets: list[socket.socket]) -> None:
+        """Serve connections to sockets, as uvicorn does, but bound the time of TLS handshakes."""
+        protocol = partial(
+            HttpProtocol, self.config, self.server_state, app_state=self.lifespan.state
+        )
+        for listening in sockets:
+            accepting = await asyncio.get_running_loop().create_server(
+                protocol,
+                sock=listening,
+                backlog=BACKLOG,
+                ssl=self.config.ssl,
+                ssl_handshake_timeout=TLS_HANDSHAKE_S if self.config.ssl else None,
+            )
+            self.servers.append(accepting)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End the event streams, then stop."""
@@ -83,10 +106,12 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
         shares_port: Whether other server processes may listen on the same port.
 
     Raises:
-        Unavailable: The port is taken or the database is of another version; says what to do.
+        Unavailable: The address is open to others without encryption, the port is taken, or the
+            database is of another version; says what to do.
     """
     logging.config.dictConfig(LOGGING)
     sys.setswitchinterval(SWITCH_INTERVAL_S)
+    check_exposure(settings)
     database = create_database(settings.application_url)
     try:
         check_schema(database)
@@ -97,16 +122,25 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
         Server(server_config(create_app(settings), settings)).run(sockets=[listening])
 
 
-def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
+def server_config(app: FastAPI, settings: Settings) -> ServerConfig:
     """Return the configuration of uvicorn."""
-    return uvicorn.Config(
+    context = tls_context(settings)
+    return ServerConfig(
         app,
+        Connections(
+            settings.max_connections,
+            settings.max_connections_per_address,
+            is_proxy(settings),
+            may_connect(settings),
+        ),
         host=settings.host,
         port=settings.port,
         http=HttpProtocol,
         h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         log_config=None,
         server_header=False,
+        ssl_context_factory=(lambda *_: context) if context else None,
+        proxy_headers=False,  # TrustedProxies reads them
         ws=BudgetedWebSocketProtocol,
         # Compression by uvicorn takes seven times as long as our codec (docs/benchmarks.md).
         ws_per_message_deflate=False,

@@ -59,7 +59,7 @@ class TrilProcess:
     @property
     def address(self) -> str:
         """The page's address with its token, once ``tril up`` has printed it."""
-        return self.wait_for(r"http://\S+\?token=\S+")
+        return self.wait_for(r"https?://\S+\?token=\S+")
 
     @property
     def pids(self) -> list[int]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from tril.addresses import Network, parse_address, parse_networks
 
 PREFIX = "TRIL_"
 _INTERNAL = frozenset({"TRIL_PARENT_PID"})
@@ -24,6 +26,12 @@ class Settings(BaseSettings):
         port: TCP port the server binds to.
         allowed_hosts: Host names (without port) accepted in requests besides the loopback names,
             comma-separated.
+        tls_certificate: PEM file of the server's certificate, with those that lead to a known
+            authority; without it the server speaks plain HTTP.
+        tls_key: PEM file of the certificate's key, without a password.
+        trusted_proxies: Addresses and networks of proxies, comma-separated, whose forwarded headers
+            are believed.
+        plain_http: Whether an address that is open to other machines may be served without TLS.
         database_url: SQLAlchemy URL of the application's database; SQLite in ``data`` if empty.
         jobs_database_url: URL of the job queue's own database; SQLite in ``data`` if empty.
         artifacts_url: fsspec URL of the artifact store; a folder in ``data`` if empty.
@@ -33,6 +41,8 @@ class Settings(BaseSettings):
         max_games: Maximum number of open games; 0 means 32 per server process.
         max_games_per_player: Maximum number of open games per player. All browsers with the same
             key are one player.
+        max_connections: Maximum number of connections to a server process.
+        max_connections_per_address: Maximum number of these from one address.
         max_queued_runs: Maximum number of runs that wait in the queue; further ones are refused.
         learning_threads: Threads for training; 0 means all cores.
         learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
@@ -46,6 +56,10 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: int = Field(default=8000, ge=0, le=65535)
     allowed_hosts: str = ""
+    tls_certificate: Path | None = None
+    tls_key: Path | None = None
+    trusted_proxies: str = ""
+    plain_http: bool = False
     database_url: str = ""
     jobs_database_url: str = ""
     artifacts_url: str = ""
@@ -53,6 +67,9 @@ class Settings(BaseSettings):
     server_processes: int = Field(default=1, ge=1, le=64)
     max_games: int = Field(default=0, ge=0)
     max_games_per_player: int = Field(default=32, ge=1)
+    # Below 1024, the usual limit of open files, with room for files and the database.
+    max_connections: int = Field(default=768, ge=1)
+    max_connections_per_address: int = Field(default=256, ge=1)
     max_queued_runs: int = Field(default=50, ge=1)
     learning_threads: int = Field(default=0, ge=0)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
@@ -62,6 +79,39 @@ class Settings(BaseSettings):
     @classmethod
     def _absolute(cls, value: Path) -> Path:
         return value.expanduser().resolve()
+
+    @field_validator("tls_certificate", "tls_key", mode="before")
+    @classmethod
+    def _none_if_empty(cls, value: Any) -> Any:
+        return None if value == "" else value
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _are_networks(cls, value: str) -> str:
+        parse_networks(value)
+        return value
+
+    @model_validator(mode="after")
+    def _certificate_and_key(self) -> Self:
+        if (self.tls_certificate is None) != (self.tls_key is None):
+            raise ValueError("TRIL_TLS_CERTIFICATE and TRIL_TLS_KEY have to be set together")
+        return self
+
+    @property
+    def uses_tls(self) -> bool:
+        """Whether the server itself speaks HTTPS."""
+        return self.tls_certificate is not None
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine can reach the server."""
+        address = parse_address(self.host)
+        return self.host == "localhost" if address is None else address.is_loopback
+
+    @property
+    def proxies(self) -> tuple[Network, ...]:
+        """Networks of the proxies whose forwarded headers are believed."""
+        return parse_networks(self.trusted_proxies)
 
     @property
     def application_url(self) -> str:
@@ -96,8 +146,13 @@ class Settings(BaseSettings):
     @property
     def host_names(self) -> frozenset[str]:
         """Lower-case host names accepted in a request's Host and Origin headers."""
-        extra = {name.strip().lower() for name in self.allowed_hosts.split(",") if name.strip()}
-        return frozenset({"127.0.0.1", "localhost", "[::1]", "::1"} | extra)
+        return frozenset({"127.0.0.1", "localhost", "[::1]", "::1", *self.further_host_names})
+
+    @property
+    def further_host_names(self) -> list[str]:
+        """The names in ``allowed_hosts``, lower case."""
+        names = (name.strip().lower() for name in self.allowed_hosts.split(","))
+        return [name for name in names if name]
 
 
 def unknown_settings(names: Iterable[str]) -> dict[str, str | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ssl
 import urllib.error
 import urllib.request
 from enum import StrEnum
@@ -35,9 +36,11 @@ def serve(
 ) -> None:
     """Run only the web server (``tril up`` runs everything)."""
     from server.main import run_server
+    from server.web.exposure import check_exposure
 
     with readable_errors():
         settings = read_settings()
+        check_exposure(settings)
         if servers is not None:
             settings = settings.model_copy(update={"server_processes": servers})
         if share_port or settings.server_processes == 1:
@@ -88,20 +91,35 @@ def address() -> None:
 
     with readable_errors():
         settings = read_settings()
-        typer.echo(address_with_token(settings, server_url(settings)))
+        typer.echo(address_with_token(settings, page_url(settings)))
 
 
 def server_url(settings: Settings) -> str:
     """Return the server's URL on this machine."""
     host = "127.0.0.1" if settings.host in {"0.0.0.0", "::"} else settings.host
-    return f"http://{f'[{host}]' if ':' in host else host}:{settings.port}"
+    scheme = "https" if settings.uses_tls else "http"
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{settings.port}"
+
+
+def page_url(settings: Settings) -> str:
+    """Return the URL under which the page is opened.
+
+    With TLS or a proxy that is under the first of the allowed host names, if there is one; a proxy
+    is taken to serve it on HTTPS's own port.
+    """
+    names = settings.further_host_names
+    if names and settings.uses_tls:
+        return f"https://{names[0]}:{settings.port}"
+    if names and settings.proxies:
+        return f"https://{names[0]}"
+    return server_url(settings)
 
 
 def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
     """Raise Unavailable unless the server answers its health check."""
     url = f"{server_url(settings)}/api/health"
     try:
-        with urllib.request.urlopen(url, timeout=timeout_s) as answer:
+        with urllib.request.urlopen(url, timeout=timeout_s, context=_any_certificate()) as answer:
             if answer.status == 200:
                 return
     except (urllib.error.URLError, OSError) as error:
@@ -109,6 +127,14 @@ def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
             error
         )
     raise Unavailable(f"The server at {server_url(settings)} is not healthy.")
+
+
+def _any_certificate() -> ssl.SSLContext:
+    """Return a context that takes certificates of other names than this machine's."""
+    context = ssl.create_default_context()
+    context.check_hostname = False
+    context.verify_mode = ssl.CERT_NONE
+    return context
 
 
 def ask_inference(settings: Settings) -> None:

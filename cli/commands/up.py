@@ -17,6 +17,7 @@ from cli.commands.services import (
     ask_inference,
     ask_server,
     ask_worker,
+    page_url,
     server_url,
 )
 from cli.output import console, errors, print_process_line, read_settings, readable_errors
@@ -42,6 +43,7 @@ def up(
     browser: Annotated[bool, typer.Option(help="Open the page when it is ready.")] = True,
 ) -> None:
     """Start server, worker and inference; print the address; Ctrl-C stops everything."""
+    from server.web.exposure import check_exposure
     from server.web.pages import check_frontend
     from server.web.security import address_with_token
 
@@ -52,13 +54,14 @@ def up(
         )
         if settings.port == 0:
             settings = settings.model_copy(update={"port": _free_port(settings.host)})
+        check_exposure(settings)
         _warn_of_unknown_settings()
         create_data_folder(settings)
         with lock_data_folder(settings.data, server_url(settings)):
             _check_port(settings)
             console.print(f"Data folder: {escape(str(settings.data))}")
             migrate_databases(settings)
-            url = address_with_token(settings, server_url(settings))
+            url = address_with_token(settings, page_url(settings))
             check_frontend()
             _supervise(settings, workers, url, browser)
 

@@ -22,6 +22,9 @@ class PlayRules:
         abandoned_after: When a game that nobody plays ends as an unfinished recording.
         decided_after: When a finished game that its player neither kept nor discarded is kept.
         sweep_every_s: Seconds between looks for such games.
+        rewinds_at_once: How often a game may be rewound without a pause. Each time what was played
+            is kept as a recording.
+        rewind_every_s: Seconds until one more is allowed.
         max_games: Most games in one process; as many consoles are loaded ahead.
     """
 
@@ -34,6 +37,8 @@ class PlayRules:
     abandoned_after: timedelta = timedelta(minutes=15)
     decided_after: timedelta = timedelta(hours=1)
     sweep_every_s: float = 30.0
+    rewinds_at_once: int = 10
+    rewind_every_s: float = 3.0
     max_games: int = 32
 
 

@@ -6,6 +6,7 @@ Neither uvicorn nor Starlette checks the Origin of a WebSocket, and browsers sen
 
 from __future__ import annotations
 
+import asyncio
 from urllib.parse import urlsplit
 
 from fastapi import HTTPException
@@ -15,30 +16,18 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.dependencies import services_of
 from server.web.problems import problem
+from server.web.security_headers import SECURITY_HEADERS
 
 PUBLIC_PATHS = frozenset({"/api/health"})
 CLOSE_UNAUTHORISED = 4401
 
 MAX_BODY_BYTES = 1024 * 1024
 MAX_UPLOAD_BYTES = 16 * 1024 * 1024
+BODY_TIMEOUT_S = 20.0
+"""How long a body may take to arrive; an upload has more time, in its turn."""
 _UPLOAD_END = "/recordings/import"
 
 _DEFAULT_PORTS = {"http": 80, "https": 443, "ws": 80, "wss": 443}
-
-SECURITY_HEADERS = {
-    # Inline styles are what drag and drop and charts set on elements; scripts come from files.
-    "Content-Security-Policy": (
-        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-        "img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self'; "
-        "manifest-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
-    ),
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
-    "Referrer-Policy": "same-origin",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Permissions-Policy": "camera=(), geolocation=(), microphone=(), payment=(), usb=()",
-}
 
 
 class SameOrigin:
@@ -72,7 +61,9 @@ class SameOrigin:
         if origin is not None:
             scheme = urlsplit(origin).scheme if "://" in origin else ""
             own = _host_and_port(f"{scheme}://{headers['host']}")
-            if scheme not in {"http", "https"} or _host_and_port(origin) != own:
+            # A page that came without encryption may be anybody's.
+            allowed = {"https"} if scope["scheme"] in {"https", "wss"} else {"http", "https"}
+            if scheme not in allowed or _host_and_port(origin) != own:
                 return "Requests from other sites' pages are refused."
         elif _is_api(scope) and headers.get("sec-fetch-site") in {"cross-site", "same-site"}:
             return "Requests from other sites' pages are refused."
@@ -110,7 +101,7 @@ def is_signed_in(connection: HTTPConnection) -> bool:
 
 
 class BodyLimit:
-    """Refuses bodies that are too large, whether or not they declare their length (413)."""
+    """Refuses bodies that are too large, declared or not (413), and those that never come (408)."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -120,17 +111,25 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        limit = MAX_UPLOAD_BYTES if scope["path"].endswith(_UPLOAD_END) else MAX_BODY_BYTES
+        is_upload = scope["path"].endswith(_UPLOAD_END)
+        limit = MAX_UPLOAD_BYTES if is_upload else MAX_BODY_BYTES
         too_large = f"The body is too large: at most {limit // 1024} KiB are accepted."
         declared = Headers(scope=scope).get("content-length", "0")
         if not declared.isdecimal() or int(declared) > limit:
             await _refuse(scope, receive, send, 413, too_large)
             return
         received = 0
+        is_awaited = not is_upload
+        until = asyncio.get_running_loop().time() + BODY_TIMEOUT_S
 
         async def receive_counted() -> Message:
-            nonlocal received
-            message = await receive()
+            nonlocal received, is_awaited
+            try:
+                async with asyncio.timeout_at(until if is_awaited else None):
+                    message = await receive()
+            except TimeoutError:
+                raise HTTPException(408, "The request took too long to arrive.") from None
+            is_awaited = is_awaited and message.get("more_body", False)
             received += len(message.get("body", b""))
             if received > limit:
                 raise HTTPException(413, too_large)

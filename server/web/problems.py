@@ -74,8 +74,20 @@ def explain_database_error(error: OperationalError) -> Unavailable | None:
     return None
 
 
-def install(app: FastAPI) -> None:
-    """Answer every error of an application with a Problem."""
+def install(app: FastAPI, headers: Mapping[str, str]) -> None:
+    """Answer every error of an application with a Problem.
+
+    Args:
+        app: The application.
+        headers: Headers of the answer to an unexpected error, which no middleware sees.
+    """
+
+    async def on_unexpected_error(_request: Request, _error: Exception) -> Response:
+        answer = problem(500, "An unexpected error occurred. The server's log says more.")
+        answer.headers.update({**headers, "Cache-Control": "no-store"})
+        return answer
+
+    app.add_exception_handler(Exception, on_unexpected_error)
     app.add_exception_handler(TrilError, _on_tril_error)
     app.add_exception_handler(HTTPException, _on_http_exception)
     app.add_exception_handler(RequestValidationError, _on_validation_error)

@@ -14,6 +14,7 @@ from server.play.session.activity import Activity
 from server.play.session.clock import FrameClock, is_set_within
 from server.play.session.live_game import LiveGame
 from server.play.session.rewind import play_backwards
+from server.play.wire.byte_budget import TokenBucket
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import (
     Close,
@@ -30,6 +31,10 @@ WHY_PAUSED = "You paused the game."
 WHY_STALLED = (
     "The page stopped drawing, so the game waits. It goes on by itself when the page draws again; "
     "if this happens often, the connection or the machine is too slow."
+)
+WHY_NO_REWIND = (
+    "You rewound this game very often in a short time, and every time a recording is kept. Wait a "
+    "few seconds before the next one."
 )
 WHY_TAKEN_OVER = "The game goes on in another tab."
 
@@ -101,6 +106,8 @@ class PlaySession:
         self._rewind_released = asyncio.Event()
         self._is_stalled = False
         now = asyncio.get_running_loop().time()
+        rules = resources.rules
+        self._rewinds = TokenBucket(1 / rules.rewind_every_s, rules.rewinds_at_once, now)
         self.left_at = self.waiting_since = self.save_tried_at = now
 
     @property
@@ -237,6 +244,9 @@ class PlaySession:
     async def _begin_rewind(self) -> None:
         await self._halt()
         if self._is_idle and self.connection is not None:
+            if not self._rewinds.take(1, asyncio.get_running_loop().time()):
+                await self.pause(WHY_NO_REWIND)
+                return
             self._is_stalled = False
             self._rewind_released.clear()
             self._activity.start(self._rewind(self.connection))

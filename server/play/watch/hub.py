@@ -123,6 +123,8 @@ class WatchHub:
             NotFound: There is no such run, or it has no such policy; says why.
             Unavailable: Too many games are open.
         """
+        # Before places are taken, so that requests for unknown runs keep nobody from playing.
+        plan = await self._committer.run(lambda session: _plan(session, request))
         n_games = len(request.actors)
         watched = self._limits.watched
         if self._games.n_games + watched.n_open + n_games > self._rules.max_games:
@@ -132,7 +134,7 @@ class WatchHub:
             )
         watched.n_open += n_games
         try:
-            plan = await self._committer.run(lambda session: self._plan(session, request))
+            await self._committer.run(self._check_limits)
             played = await asyncio.to_thread(self._begin, plan)
         except BaseException:
             watched.n_open -= n_games
@@ -158,21 +160,9 @@ class WatchHub:
         for lane in session.lanes:
             self._consoles.give_back(lane.game.episode.console)
 
-    def _plan(self, session: Session, request: WatchRequest) -> WatchPlan:
-        run = runs.get(session, request.run_id)
-        for actor in request.actors:
-            _check_trained(session, run, actor.policy)
+    def _check_limits(self, session: Session) -> None:
         # The games have their places already.
         self._limits.check(session, players.owner(session).id, n_new=0)
-        recipe = recipe_from_dict(run.recipe)
-        return WatchPlan(
-            run.id,
-            run.behaviour_id,
-            behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
-            _beginning_of(request, recipe.evaluation.openings),
-            Ending(recipe.ending),
-            tuple(zip(request.actors, _seeds(request, run.training_seed), strict=True)),
-        )
 
     def _begin(self, plan: WatchPlan) -> list[PolicyGame]:
         return [
@@ -226,6 +216,21 @@ class WatchHub:
             if session.phase is Phase.WAITING and now - session.waiting_since > idle_s:
                 await session.socket.close(Close.GAME_OVER, WHY_IDLE)
                 await self.close(session)
+
+
+def _plan(session: Session, request: WatchRequest) -> WatchPlan:
+    run = runs.get(session, request.run_id)
+    for actor in request.actors:
+        _check_trained(session, run, actor.policy)
+    recipe = recipe_from_dict(run.recipe)
+    return WatchPlan(
+        run.id,
+        run.behaviour_id,
+        behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
+        _beginning_of(request, recipe.evaluation.openings),
+        Ending(recipe.ending),
+        tuple(zip(request.actors, _seeds(request, run.training_seed), strict=True)),
+    )
 
 
 def _check_trained(session: Session, run: RunRow, policy: str) -> None:

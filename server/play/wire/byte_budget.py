@@ -7,9 +7,14 @@ would take all of it, whatever is then done with the messages.
 from __future__ import annotations
 
 import logging
+from http import HTTPStatus
 from typing import Any
 
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.http11 import Response
+
+from server.web.connections import Place
+from server.web.security_headers import ENCODED_SECURITY_HEADERS, SECURITY_HEADERS
 
 _LOG = logging.getLogger(__name__)
 
@@ -45,11 +50,32 @@ class TokenBucket:
 
 
 class BudgetedWebSocketProtocol(WebSocketsSansIOProtocol):
-    """uvicorn's WebSocket protocol; aborts a connection that exceeds its byte budget."""
+    """uvicorn's WebSocket protocol; aborts a connection that exceeds its byte budget.
+
+    Attributes:
+        place: The connection's place among those of the process.
+    """
+
+    place: Place | None = None
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._budget = TokenBucket(RATE_BYTES_PER_S, BURST_BYTES, self.loop.time())
+        self.default_headers = [*self.default_headers, *ENCODED_SECURITY_HEADERS]
+        self._reject = self.conn.reject
+        self.conn.reject = self._reject_safely  # type: ignore[method-assign]
+
+    def _reject_safely(self, status: HTTPStatus | int, text: str) -> Response:
+        """Refuse a handshake, with the headers of every other answer."""
+        answer = self._reject(status, text)
+        answer.headers.update(SECURITY_HEADERS)
+        return answer
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Leave the place."""
+        if self.place is not None:
+            self.place.leave()
+        super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
         """Pass on what the budget allows; abort without a closing handshake otherwise."""

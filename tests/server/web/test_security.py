@@ -207,6 +207,21 @@ def test_every_answer_carries_security_headers(client: TestClient) -> None:
     assert client.get("/api/player").headers["cache-control"] == "no-store"
 
 
+def test_an_unexpected_error_is_a_problem_with_security_headers(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_arguments: object) -> None:
+        raise RuntimeError("as it happens")
+
+    monkeypatch.setattr("server.api.health.Health", fail)
+    careless = TestClient(client.app, base_url=str(client.base_url), raise_server_exceptions=False)
+    answer = careless.get("/api/health")
+    assert answer.status_code == 500
+    assert "unexpected error" in answer.json()["detail"]
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+    assert answer.headers["cache-control"] == "no-store"
+
+
 def test_bodies_are_bounded_whether_or_not_they_say_how_large_they_are(live: LiveServer) -> None:
     def stream(size: int) -> Iterator[bytes]:
         sent = 0

@@ -5,13 +5,14 @@ from __future__ import annotations
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
 from server.play.session.rewind import Checkpoints
 from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.wire.scene import Scene
-from testsupport.live import GameClient, LiveServer, live_server
+from testsupport.live import QUICK, GameClient, LiveServer, live_server
 from testsupport.workplace import Workplace
 from tril.game.console import Console
 from tril.game.controls import Keys
@@ -73,6 +74,22 @@ def test_the_whole_game_can_be_rewound(live: LiveServer) -> None:
         rewound = rewind_to(player, 0)
         assert (rewound.frame, rewound.hits) == (0, [])
         player.until_frame(30)
+        assert player.stop().verification == "verified"
+
+
+def test_a_game_can_not_be_rewound_without_end(workplace: Workplace) -> None:
+    rules = replace(QUICK, rewinds_at_once=2, rewind_every_s=3600.0)
+    with live_server(workplace.settings.data, rules) as live, playing(live, 30) as player:
+        for _ in range(2):
+            rewound = rewind_to(player, 10)
+            player.until_frame(rewound.frame + 20)
+        before = live.http.get("/api/behaviours/1/recordings").json()
+        player.say("rewind")
+        assert "very often" in player.until(Paused).why
+        player.say("release")
+        player.say("go_on")
+        player.until_frame(rewound.frame + 60)
+        assert live.http.get("/api/behaviours/1/recordings").json() == before
         assert player.stop().verification == "verified"
 
 

@@ -390,6 +390,15 @@ def test_a_process_that_plays_all_it_can_refuses_to_show_more(scene: Scene) -> N
             assert player.close_code() == Close.TRY_AGAIN_LATER
 
 
+def test_an_unknown_run_is_looked_up_before_places_are_taken(scene: Scene) -> None:
+    four = ("imitator.greedy",) * QUICK.max_games
+    with watching(scene.live.settings, scene.run_id, *four) as page:
+        page.until("hello")
+        with watching(scene.live.settings, str(uuid.uuid4()), "clone.greedy") as another:
+            assert "no such" in another.until("refused")["why"]
+            assert another.close_code() == Close.NO_SUCH_GAME
+
+
 def test_a_game_that_stays_paused_is_closed(workplace: Workplace) -> None:
     run_id = finished_run(workplace)
     rules = PlayRules(sweep_every_s=0.05, idle_after=timedelta(seconds=0.3), max_games=2)
