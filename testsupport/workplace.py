@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from testsupport.databases import copy_database, settings_on
 from tril.game.console import Console
 from tril.game.episode import Episode, Start
 from tril.game.space_invaders import Action
@@ -103,8 +104,9 @@ class Workplace:
 
 def make_workplace(folder: Path) -> Workplace:
     """Make a data folder with four short recordings, ranked; made once and copied from then on."""
-    shutil.copytree(_template(), folder, dirs_exist_ok=True)
-    settings = Settings(data=folder, learning_threads=1)
+    shutil.copytree(_template().data, folder, dirs_exist_ok=True)
+    copy_database(_template(), folder)
+    settings = settings_on(folder, learning_threads=1)
     database = create_database(settings.application_url)
     with database.reading() as session:
         behaviour_id = behaviours.by_slug(session, "column-1").id
@@ -113,10 +115,10 @@ def make_workplace(folder: Path) -> Workplace:
 
 
 @cache
-def _template() -> Path:
+def _template() -> Settings:
     folder = Path(tempfile.mkdtemp(prefix="tril-tests-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    settings = Settings(data=folder)
+    settings = settings_on(folder)
     database = create_database(settings.application_url)
     upgrade(database)
     prepare_queue(settings)
@@ -131,7 +133,7 @@ def _template() -> Path:
             ranked.append(row.id)
         rankings.save(session, behaviour_id, 0, [[number] for number in ranked])
     database.close()
-    return folder
+    return settings
 
 
 def _played(play: Play) -> tuple[Recording, Replay]:

@@ -27,7 +27,7 @@ def upgrade(database: Database) -> None:
         Unavailable: The database is of a newer version of Tril.
     """
     config = alembic_config()
-    with database.engine.execution_options(tril_writes=True).begin() as connection:
+    with database.upgrading() as connection:
         _refuse_newer(MigrationContext.configure(connection).get_current_revision(), config)
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
