@@ -104,11 +104,13 @@ class Database:
 def database_now(session: Session) -> datetime:
     """Return the present moment, in UTC, by the database's clock.
 
-    It is the one clock that processes of several machines share: heartbeats and leases are written
-    and compared by it.
+    It is the one clock that processes of several machines share: whatever one writes and another
+    judges is written and compared by it, such as heartbeats, leases, and when a game finished.
     """
     is_sqlite = session.get_bind().dialect.name == "sqlite"
-    moment: datetime = session.execute(_SQLITE_NOW if is_sqlite else _POSTGRESQL_NOW).scalar_one()
+    query = _SQLITE_NOW if is_sqlite else _POSTGRESQL_NOW
+    # Not by the session, which would first write what is still being put together in it.
+    moment: datetime = session.connection().execute(query).scalar_one()
     return moment
 
 
