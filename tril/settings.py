@@ -89,6 +89,11 @@ class Settings(BaseSettings):
         return self.data / "cache"
 
     @property
+    def upgrade_copies(self) -> Path:
+        """Folder of the databases as they were before the last upgrades."""
+        return self.data / "before-upgrades"
+
+    @property
     def inference_socket(self) -> Path:
         """Local socket of the inference process."""
         return self.data / "inference.sock"
