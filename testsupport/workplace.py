@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from testsupport.databases import copy_database, settings_on
+from testsupport.databases import copy_database, on_postgresql, settings_on
 from tril.game.console import Console
 from tril.game.episode import Episode, Start
 from tril.game.space_invaders import Action
@@ -104,8 +104,9 @@ class Workplace:
 
 def make_workplace(folder: Path) -> Workplace:
     """Make a data folder with four short recordings, ranked; made once and copied from then on."""
-    shutil.copytree(_template().data, folder, dirs_exist_ok=True)
-    copy_database(_template(), folder)
+    template = _template(on_postgresql())
+    shutil.copytree(template.data, folder, dirs_exist_ok=True)
+    copy_database(template, folder)
     settings = settings_on(folder, learning_threads=1)
     database = create_database(settings.application_url)
     with database.reading() as session:
@@ -115,7 +116,7 @@ def make_workplace(folder: Path) -> Workplace:
 
 
 @cache
-def _template() -> Settings:
+def _template(_on_postgresql: bool) -> Settings:
     folder = Path(tempfile.mkdtemp(prefix="tril-tests-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     settings = settings_on(folder)
