@@ -96,7 +96,14 @@ def cluster() -> Cluster:
     if user is not None:
         shutil.chown(folder, user)
     data = folder / "data"
-    initdb = [programs / "initdb", "--pgdata", data, "--username", ROLE, "--auth=trust"]
+    initdb: list[str | Path] = [
+        programs / "initdb",
+        "--pgdata",
+        data,
+        "--username",
+        ROLE,
+        "--auth=trust",
+    ]
     subprocess.run(
         [*initdb, "--no-sync", "--encoding=UTF8", "--locale=C"],
         user=user,

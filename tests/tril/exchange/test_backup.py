@@ -19,6 +19,7 @@ from tril.jobs import Jobs
 from tril.recording import verify
 from tril.settings import Settings
 from tril.store import behaviours, borrowed, rankings, recordings
+from tril.store.copies import copy_sqlite
 from tril.store.database import create_database
 from tril.store.models import RunRow, RunStatus, Source
 from tril.store.schema import check_schema
@@ -213,10 +214,10 @@ def test_a_training_deleted_between_the_copies_takes_another_try(
     workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run_id = finished_run(workplace)
-    copy_database, copies = backup.copy_sqlite, []
+    copies: list[str] = []
 
     def copy(source: Path, to: Path) -> None:
-        copy_database(source, to)
+        copy_sqlite(source, to)
         copies.append(to.name)
         if copies == ["jobs.sqlite", "tril.sqlite"]:
             with workplace.database.writing() as session:

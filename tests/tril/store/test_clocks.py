@@ -22,7 +22,7 @@ DAY = timedelta(days=1)
 def clock_off_by(error: timedelta) -> Iterator[None]:
     class WrongClock(datetime):
         @classmethod
-        def now(cls, tz: tzinfo | None = None) -> datetime:
+        def now(cls, tz: tzinfo | None = None) -> datetime:  # type: ignore[override]
             return datetime.now(tz) + error
 
     with pytest.MonkeyPatch.context() as patch:

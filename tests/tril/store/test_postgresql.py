@@ -61,7 +61,7 @@ def waits_for_lock(database: Database) -> bool:
                 " AND wait_event_type = 'Lock'"
             )
         )
-        return found.scalar_one() > 0
+        return int(found.scalar_one()) > 0
 
 
 def test_a_change_that_was_noted_first_is_committed_first(database: Database) -> None:
