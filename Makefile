@@ -23,8 +23,9 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run dev dev-server dev-page environment frontend test test-unit coverage test-e2e screenshots test-frontend check lint \
-	format types imports migrations-check api api-check texts texts-check wheel docs constraints audit bench clean
+.PHONY: help run dev dev-server dev-page environment frontend test test-unit test-postgres coverage test-e2e \
+	screenshots test-frontend check lint format types imports migrations-check api api-check texts texts-check \
+	wheel docs constraints audit bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -51,6 +52,9 @@ test: test-frontend test-unit test-e2e ## run all tests
 
 test-unit: $(DEV_STAMP) ## run the Python tests that need no browser
 	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
+
+test-postgres: $(DEV_STAMP) ## run the same on PostgreSQL, with a server that the tests start
+	$(PY) -m pytest -m "not e2e" --database postgresql --numprocesses auto --dist worksteal $(ARGS)
 
 coverage: $(DEV_STAMP) ## run the same and print the coverage; processes that tests start don't count
 	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal \

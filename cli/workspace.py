@@ -13,6 +13,7 @@ from tril.errors import Unavailable
 from tril.jobs import Jobs, prepare_queue
 from tril.settings import Settings
 from tril.store import behaviours
+from tril.store.copies import CopyFailed
 from tril.store.database import Database, create_database
 from tril.store.models import BehaviourRow
 from tril.store.schema import upgrade
@@ -50,16 +51,26 @@ def create_data_folder(settings: Settings) -> None:
         ) from error
 
 
-def migrate_databases(settings: Settings) -> None:
+def migrate_databases(settings: Settings, *, keep_copy: bool = True) -> None:
     """Migrate the application's database and set up the built-in behaviours and the queue.
 
+    Args:
+        settings: Name the databases.
+        keep_copy: Whether a database of an earlier version is copied first.
+
     Raises:
-        Unavailable: The data folder is not writable, or the database is of a newer version.
+        Unavailable: The data folder is not writable, the database is of a newer version, or it
+            can't be copied.
     """
     create_data_folder(settings)
     database = create_database(settings.application_url)
     try:
-        upgrade(database)
+        upgrade(database, settings.upgrade_copies if keep_copy else None)
+    except CopyFailed as error:
+        raise Unavailable(
+            f"{error} The database is of an earlier version of Tril and was not changed. To upgrade"
+            " it without a copy: tril migrate --without-copy"
+        ) from error
     finally:
         database.close()
     prepare_queue(settings)

@@ -3,14 +3,11 @@
 from typing import Any, Literal
 
 from alembic import context
-from sqlalchemy import Connection, text
+from sqlalchemy import Connection
 
 from tril.settings import Settings
 from tril.store.database import create_database
 from tril.store.models import Base, UTCDateTime
-
-UPGRADE_LOCK = 8_411_105_108
-"""Key of the advisory lock under which PostgreSQL databases are upgraded."""
 
 
 def _render(kind: str, item: Any, _context: Any) -> str | Literal[False]:
@@ -21,9 +18,6 @@ def _render(kind: str, item: Any, _context: Any) -> str | Literal[False]:
 
 
 def _migrate(connection: Connection) -> None:
-    if connection.dialect.name == "postgresql":
-        # Services that start together upgrade one after the other; SQLite's write lock does that.
-        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": UPGRADE_LOCK})
     context.configure(
         connection=connection,
         target_metadata=Base.metadata,
@@ -44,7 +38,7 @@ if given is not None:
 else:
     database = create_database(Settings().application_url)
     try:
-        with database.engine.execution_options(tril_writes=True).begin() as connection:
+        with database.upgrading() as connection:
             _migrate(connection)
     finally:
         database.close()

@@ -13,6 +13,8 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 
 import pytest
 
+from testsupport.databases import on_postgresql, settings_on
+from testsupport.postgres import cluster
 from tril.cores import core_count
 
 if TYPE_CHECKING:
@@ -25,6 +27,9 @@ BROWSER_TEST_TIMEOUT_S = 600
 @pytest.hookimpl(wrapper=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None]:
     """Mark what needs a browser; of what is to be run, put it in the order that ends soonest."""
+    if on_postgresql():
+        # Before any process is started that needs its address.
+        cluster()
     for item in items:
         if BROWSER_TESTS in item.path.parents:
             item.add_marker("e2e")
@@ -34,6 +39,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None]:
     # Last, since the browser's driver keeps an event loop in this thread.
     items.sort(key=lambda item: item.get_closest_marker("e2e") is not None)
     items[:] = lengthy_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let the tests run on another database."""
+    parser.addoption(
+        "--database",
+        choices=("sqlite", "postgresql"),
+        default="sqlite",
+        help="the database of the tests' data folders; PostgreSQL's server is started for them",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Tell the processes that tests start which database was chosen."""
+    os.environ["TESTS_DATABASE"] = config.getoption("--database")
 
 
 def lengthy_first(items: list[pytest.Item], n_processes: int) -> list[pytest.Item]:
@@ -68,6 +88,8 @@ def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in [name for name in os.environ if name.upper().startswith("TRIL_")]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("TRIL_DATA", str(folder))
+    if on_postgresql():
+        monkeypatch.setenv("TRIL_DATABASE_URL", settings_on(folder).database_url)
     return folder
 
 

@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from cli.workspace import migrate_databases
 from server.play.rules import PlayRules
 from server.web.security import Access
 from tests.server.clients import build_frontend, signed_in
@@ -139,6 +140,24 @@ def changed(folders: Path, tmp_path: Path) -> Iterator[tuple[Workplace, TestClie
     with signed_in(workplace, build_frontend(tmp_path), NOTHING_ENDS) as client:
         yield workplace, client
     workplace.database.close()
+
+
+def test_the_database_is_kept_as_it_was_before_the_upgrade(folders: Path, tmp_path: Path) -> None:
+    shutil.copytree(folders / "data", tmp_path / "data")
+    settings = Settings(data=tmp_path / "data")
+    migrate_databases(settings)
+    (kept,) = settings.upgrade_copies.iterdir()
+    with closing(sqlite3.connect(kept)) as before:
+        (revision,) = before.execute("SELECT version_num FROM alembic_version").fetchone()
+        runs_of_then = before.execute("SELECT count(*) FROM runs").fetchone()
+    with closing(sqlite3.connect(folders / "data" / "tril.sqlite")) as original:
+        assert original.execute("SELECT version_num FROM alembic_version").fetchone() == (revision,)
+        assert original.execute("SELECT count(*) FROM runs").fetchone() == runs_of_then
+    database = create_database(settings.application_url)
+    check_schema(database)
+    database.close()
+    migrate_databases(settings)
+    assert list(settings.upgrade_copies.iterdir()) == [kept]
 
 
 def test_behaviours_are_there_with_what_belongs_to_them(old: OldFolder) -> None:

@@ -33,6 +33,7 @@ from server.play.wire.protocol import (
 )
 from server.services import Services
 from server.web.security import Access
+from testsupport.databases import settings_on
 from tril.game.controls import Keys
 from tril.settings import Settings
 from tril.store import recordings
@@ -216,9 +217,9 @@ def live_server(
     **more: Any,
 ) -> Iterator[LiveServer]:
     """Run a server in a thread of this process, with more settings by name."""
-    listening = bind(Settings(data=data, port=port))
+    listening = bind(settings_on(data, port=port))
     many = {"max_games": 1000, "max_games_per_player": 1000}
-    settings = Settings(data=data, port=listening.getsockname()[1], **{**many, **more})
+    settings = settings_on(data, port=listening.getsockname()[1], **{**many, **more})
     app = create_app(settings, rules=rules, **({"frontend": frontend} if frontend else {}))
     server = Server(server_config(app, settings))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})

@@ -19,6 +19,7 @@ import httpx2
 import psutil
 
 from server.main import bind
+from testsupport.databases import settings_on
 from testsupport.live import TIMEOUT_S, begin_game, cookie
 from testsupport.waiting import wait_until
 from tril.settings import Settings
@@ -156,9 +157,9 @@ def server_process(
         port: Which port; 0 takes any free one.
         **settings: More settings by name.
     """
-    with bind(Settings(data=data, port=port)) as free:
+    with bind(settings_on(data, port=port)) as free:
         port = free.getsockname()[1]
-    made = Settings(data=data, port=port, server_processes=n_processes, **settings)
+    made = settings_on(data, port=port, server_processes=n_processes, **settings)
     with tril_process(made, "serve") as tril:
         tril.wait_for(SERVER_STARTED, n_processes)
         yield tril
@@ -174,7 +175,7 @@ def whole_tril(data: Path, *arguments: str, **how: Any) -> Iterator[TrilProcess]
         **how: As for tril_process.
     """
     up = ("up", "--port", "0", "--no-browser", *arguments)
-    with tril_process(Settings(data=data), *up, **how) as tril:
+    with tril_process(settings_on(data), *up, **how) as tril:
         port = urlsplit(tril.address).port
         tril.settings = tril.settings.model_copy(update={"port": port})
         yield tril

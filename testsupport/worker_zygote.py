@@ -94,8 +94,8 @@ def _serve() -> None:
     # torch imports this with the first optimizer, which takes 1.5 s.
     import torch._dynamo  # noqa: F401
 
+    from testsupport.databases import settings_on
     from trainer.runtime.worker import run_worker
-    from tril.settings import Settings
 
     # Nobody waits for the workers: the kernel removes them at once.
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
@@ -114,9 +114,7 @@ def _serve() -> None:
         for descriptor, place in ((null, 0), (log, 1), (log, 2)):
             os.dup2(descriptor, place)
         try:
-            run_worker(
-                Settings(data=Path(order["data"]), learning_threads=1), order["lost_after_s"]
-            )
+            run_worker(settings_on(Path(order["data"]), learning_threads=1), order["lost_after_s"])
         finally:
             sys.stdout.flush()
             os._exit(0)

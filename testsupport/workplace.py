@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from testsupport.databases import copy_database, on_postgresql, settings_on
 from tril.game.console import Console
 from tril.game.episode import Episode, Start
 from tril.game.space_invaders import Action
@@ -103,8 +104,10 @@ class Workplace:
 
 def make_workplace(folder: Path) -> Workplace:
     """Make a data folder with four short recordings, ranked; made once and copied from then on."""
-    shutil.copytree(_template(), folder, dirs_exist_ok=True)
-    settings = Settings(data=folder, learning_threads=1)
+    template = _template(on_postgresql())
+    shutil.copytree(template.data, folder, dirs_exist_ok=True)
+    copy_database(template, folder)
+    settings = settings_on(folder, learning_threads=1)
     database = create_database(settings.application_url)
     with database.reading() as session:
         behaviour_id = behaviours.by_slug(session, "column-1").id
@@ -113,10 +116,10 @@ def make_workplace(folder: Path) -> Workplace:
 
 
 @cache
-def _template() -> Path:
+def _template(_on_postgresql: bool) -> Settings:
     folder = Path(tempfile.mkdtemp(prefix="tril-tests-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    settings = Settings(data=folder)
+    settings = settings_on(folder)
     database = create_database(settings.application_url)
     upgrade(database)
     prepare_queue(settings)
@@ -131,7 +134,7 @@ def _template() -> Path:
             ranked.append(row.id)
         rankings.save(session, behaviour_id, 0, [[number] for number in ranked])
     database.close()
-    return folder
+    return settings
 
 
 def _played(play: Play) -> tuple[Recording, Replay]:

@@ -33,7 +33,8 @@ class Settings(BaseSettings):
             are believed.
         plain_http: Whether an address that is open to other machines may be served without TLS.
         database_url: SQLAlchemy URL of the application's database; SQLite in ``data`` if empty.
-        jobs_database_url: URL of the job queue's own database; SQLite in ``data`` if empty.
+        jobs_database_url: URL of the job queue's database. If empty, the queue is in the
+            application's database where that is PostgreSQL, else SQLite in ``data``.
         artifacts_url: fsspec URL of the artifact store; a folder in ``data`` if empty.
         cache_limit_bytes: Maximum size of cached files (frames, thumbnails) on disk.
         server_processes: Server processes behind one port; 1 suffices for a few players, use one
@@ -121,7 +122,11 @@ class Settings(BaseSettings):
     @property
     def queue_url(self) -> str:
         """URL of the job queue's database."""
-        return self.jobs_database_url or f"sqlite:///{self.data / 'jobs.sqlite'}"
+        if self.jobs_database_url:
+            return self.jobs_database_url
+        # Workers of other machines reach it there, and its tables have a schema of their own.
+        is_shared = self.database_url.startswith("postgresql")
+        return self.database_url if is_shared else f"sqlite:///{self.data / 'jobs.sqlite'}"
 
     @property
     def artifact_root(self) -> str:
@@ -132,6 +137,11 @@ class Settings(BaseSettings):
     def cache_folder(self) -> Path:
         """Folder of cached files."""
         return self.data / "cache"
+
+    @property
+    def upgrade_copies(self) -> Path:
+        """Folder of the databases as they were before the last upgrades."""
+        return self.data / "before-upgrades"
 
     @property
     def inference_socket(self) -> Path:

@@ -65,10 +65,18 @@ def inference() -> None:
         run_inference(read_settings())
 
 
-def migrate() -> None:
-    """Migrate the databases to this version."""
+def migrate(
+    without_copy: Annotated[
+        bool,
+        typer.Option("--without-copy", help="Don't copy a database of an earlier version first."),
+    ] = False,
+) -> None:
+    """Migrate the databases to this version.
+
+    What they were before the last two upgrades is in the data folder, under before-upgrades.
+    """
     with readable_errors():
-        migrate_databases(read_settings())
+        migrate_databases(read_settings(), keep_copy=not without_copy)
     console.print("The database is up to date.")
 
 

@@ -4,6 +4,9 @@ A backup is itself a data folder: ``TRIL_DATA=BACKUP tril up`` works on it. It h
 databases (copied with SQLite's online backup, each in one consistent state and without blocking
 writers), the artifacts of runs, and a manifest with a digest of each file. It has neither caches
 nor the access token, which a new folder creates itself.
+
+Of PostgreSQL it holds dumps, which pg_restore makes a database of. The manifest then also says what
+the application's database contains, since a dump can't be asked.
 """
 
 from __future__ import annotations
@@ -21,12 +24,21 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import make_url
+from sqlalchemy import Connection, Engine, create_engine, make_url, text
+from sqlalchemy.exc import OperationalError
 
 from tril import __version__
 from tril.errors import Conflict, Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore, free_bytes, write_whole
 from tril.settings import Settings
+from tril.store.copies import (
+    CopyFailed,
+    check_dump,
+    check_pg_dump,
+    copy_sqlite,
+    dump_postgresql,
+    is_postgresql,
+)
 
 FORMAT = "tril-backup"
 FORMAT_VERSION = 1
@@ -36,6 +48,12 @@ MAX_ATTEMPTS = 3
 """A run deleted between the copies of the database and of the artifacts makes a retry necessary."""
 
 _CHUNK_BYTES = 1024 * 1024
+_ARTIFACTS = (
+    "SELECT artifacts.path, artifacts.size_bytes, runs.id, runs.status FROM artifacts"
+    " JOIN runs ON runs.id = artifacts.run_id WHERE runs.deleted_at IS NULL"
+)
+_N_RECORDINGS = "SELECT count(*) FROM recordings"
+_N_RUNS = "SELECT count(*) FROM runs"
 _UNDER_WAY = ("queued", "running", "cancelling")
 
 
@@ -56,6 +74,21 @@ class CopiedFile:
     path: str
     size_bytes: int
     blake2b: str
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What the application's database contains.
+
+    Attributes:
+        n_recordings: Number of recordings, including deleted ones and those of runs.
+        n_runs: Number of runs.
+        artifacts: Of each file of a run: its path, its size, the run and the run's status.
+    """
+
+    n_recordings: int
+    n_runs: int
+    artifacts: list[tuple[str, int, str, str]]
 
 
 @dataclass(frozen=True)
@@ -90,19 +123,38 @@ def make_backup(settings: Settings, folder: Path) -> Backup:
 
     Raises:
         Conflict: The folder is not empty.
-        Unavailable: A database is missing or not SQLite, or there is too little space.
+        Unavailable: A database is missing or can't be copied, or there is too little space.
         BackupDamaged: The copy fails verification: the data or the disk are damaged.
     """
-    databases = {
-        # The queue first: a run without a job is given one, a job without a run is an orphan.
-        "jobs.sqlite": _sqlite_file(settings.queue_url, "job queue's"),
-        "tril.sqlite": _sqlite_file(settings.application_url, "application's"),
-    }
-    folder = folder.absolute()
+    # The queue first: a run without a job is given one, a job without a run is an orphan.
+    databases: dict[str, Path | Engine] = {}
+    for whose, name, url in (
+        ("job queue's", "jobs", settings.queue_url),
+        ("application's", "tril", settings.application_url),
+    ):
+        if not is_postgresql(url):
+            databases[f"{name}.sqlite"] = _sqlite_file(url, whose)
+        elif name == "tril" or url != settings.application_url:
+            databases[f"{name}.dump"] = create_engine(url, pool_size=1)
+    try:
+        return _make_backup(settings, databases, folder.absolute())
+    except OperationalError as error:
+        raise Unavailable(f"The database can't be reached: {error.orig}.") from error
+    finally:
+        for source in databases.values():
+            if isinstance(source, Engine):
+                source.dispose()
+
+
+def _make_backup(settings: Settings, databases: dict[str, Path | Engine], folder: Path) -> Backup:
+    for source in databases.values():
+        if isinstance(source, Engine):
+            check_pg_dump(source)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise Conflict(f"{folder} is not empty. Choose a new folder.")
     folder.parent.mkdir(parents=True, exist_ok=True)
-    _check_room(folder.parent, [*databases.values(), *_artifact_files(settings)])
+    sizes = [*map(_size, databases.values()), *map(_size, _artifact_files(settings))]
+    _check_room(folder.parent, sum(sizes))
     for attempt in range(1, MAX_ATTEMPTS + 1):
         unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
         try:
@@ -135,32 +187,47 @@ def check_backup(folder: Path) -> Backup:
             raise BackupDamaged(f"{file.path} is missing in {folder}.")
         if _digest(place) != (file.size_bytes, file.blake2b):
             raise BackupDamaged(f"{file.path} in {folder} was changed after the backup.")
-    for name in ("jobs.sqlite", "tril.sqlite"):
+    names = {file.path for file in files}
+    has_dump = "tril.dump" in names
+    for name in sorted(names & {"jobs.dump", "tril.dump"}):
+        try:
+            check_dump(folder / name)
+        except CopyFailed as error:
+            raise BackupDamaged(f"{name} is damaged: {error}") from error
+    # The application's dump may have the queue, too.
+    for name in ["jobs.sqlite", "tril.sqlite"] if not has_dump else sorted(names & {"jobs.sqlite"}):
         _check_database(folder / name)
-    with closing(_open_read_only(folder / "tril.sqlite")) as database:
-        if (elsewhere := manifest["artifacts_elsewhere"]) is None:
-            notices = _check_artifacts(database, folder)
-        else:
-            notices = [
-                f"The files of runs are in the artifact store {elsewhere}, not in this backup."
-                " Back them up there."
-            ]
-        (n_recordings,) = database.execute("SELECT count(*) FROM recordings").fetchone()
-        (n_runs,) = database.execute("SELECT count(*) FROM runs").fetchone()
+    if has_dump:
+        contents = Contents(**manifest["contents"])
+    else:
+        contents = _contents_of_file(folder / "tril.sqlite")
+    if (elsewhere := manifest["artifacts_elsewhere"]) is None:
+        notices = _check_artifacts(contents, folder)
+    else:
+        notices = [
+            f"The files of runs are in the artifact store {elsewhere}, not in this backup."
+            " Back them up there."
+        ]
     return Backup(
         folder,
         len(files),
         sum(file.size_bytes for file in files),
-        n_recordings,
-        n_runs,
+        contents.n_recordings,
+        contents.n_runs,
         tuple(notices),
     )
 
 
-def _copy(settings: Settings, databases: dict[str, Path], folder: Path) -> None:
+def _copy(settings: Settings, databases: dict[str, Path | Engine], folder: Path) -> None:
     files = []
+    contents: Contents | None = None
     for name, source in databases.items():
-        _copy_database(source, folder / name)
+        if isinstance(source, Path):
+            copy_sqlite(source, folder / name)
+        elif name == "tril.dump":
+            contents = _dump_with_contents(source, folder / name)
+        else:
+            dump_postgresql(source, folder / name)
         files.append(CopiedFile(name, *_digest(folder / name)))
     root = Path(settings.artifact_root)
     for source in _artifact_files(settings):
@@ -177,21 +244,32 @@ def _copy(settings: Settings, databases: dict[str, Path], folder: Path) -> None:
         "created_at": datetime.now(UTC).isoformat(timespec="seconds"),
         "artifacts_elsewhere": None if is_local else settings.artifact_root,
         "files": [asdict(file) for file in files],
+        **({} if contents is None else {"contents": asdict(contents)}),
     }
     write_whole(folder / MANIFEST, f"{json.dumps(manifest, indent=1)}\n".encode())
 
 
-def _copy_database(source: Path, to: Path) -> None:
-    # All pages in one step: one consistent state, however much is written meanwhile.
-    with closing(sqlite3.connect(source)) as live, closing(sqlite3.connect(to)) as copy:
-        live.backup(copy, pages=-1)
-        # A single file without a log beside it.
-        copy.execute("PRAGMA journal_mode=DELETE")
-    descriptor = os.open(to, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+def _dump_with_contents(engine: Engine, to: Path) -> Contents:
+    """Dump a database; return what it contains in the very state that is dumped."""
+    with engine.execution_options(isolation_level="REPEATABLE READ").connect() as connection:
+        snapshot = connection.execute(text("SELECT pg_export_snapshot()")).scalar_one()
+        dump_postgresql(engine, to, snapshot)
+        return _contents(connection)
+
+
+def _contents(connection: Connection) -> Contents:
+    return Contents(
+        connection.execute(text(_N_RECORDINGS)).scalar_one(),
+        connection.execute(text(_N_RUNS)).scalar_one(),
+        [(row[0], row[1], row[2], row[3]) for row in connection.execute(text(_ARTIFACTS))],
+    )
+
+
+def _contents_of_file(place: Path) -> Contents:
+    with closing(_open_read_only(place)) as database:
+        (n_recordings,) = database.execute(_N_RECORDINGS).fetchone()
+        (n_runs,) = database.execute(_N_RUNS).fetchone()
+        return Contents(n_recordings, n_runs, database.execute(_ARTIFACTS).fetchall())
 
 
 def _copy_file(source: Path, to: Path) -> tuple[int, str]:
@@ -222,8 +300,15 @@ def _artifact_files(settings: Settings) -> Iterator[Path]:
         yield from (Path(folder) / name for name in sorted(names) if not name.startswith("."))
 
 
-def _check_room(folder: Path, sources: list[Path]) -> None:
-    needed = sum(source.stat().st_size for source in sources if source.exists())
+def _size(source: Path | Engine) -> int:
+    """Return about how many bytes the copy of a file or database takes."""
+    if isinstance(source, Path):
+        return source.stat().st_size if source.exists() else 0
+    with source.connect() as connection:
+        return int(connection.scalar(text("SELECT pg_database_size(current_database())")) or 0)
+
+
+def _check_room(folder: Path, needed: int) -> None:
     free = free_bytes(folder)
     if needed > free:
         raise Unavailable(
@@ -237,7 +322,7 @@ def _sqlite_file(url: str, whose: str) -> Path:
     if parsed.get_backend_name() != "sqlite" or not parsed.database:
         raise Unavailable(
             f"The {whose} database is {parsed.get_backend_name()}, but `tril backup` supports only"
-            " SQLite. Use the database's own tools, such as pg_dump."
+            " SQLite and PostgreSQL. Use the database's own tools."
         )
     place = Path(parsed.database)
     if not place.is_file():
@@ -264,14 +349,10 @@ def _check_database(place: Path) -> None:
         )
 
 
-def _check_artifacts(database: sqlite3.Connection, folder: Path) -> list[str]:
+def _check_artifacts(contents: Contents, folder: Path) -> list[str]:
     """Compare the artifacts with the database; return notices about runs under way."""
-    found = database.execute(
-        "SELECT artifacts.path, artifacts.size_bytes, runs.id, runs.status FROM artifacts"
-        " JOIN runs ON runs.id = artifacts.run_id WHERE runs.deleted_at IS NULL"
-    )
     newer = set()
-    for path, size_bytes, run_id, status in found:
+    for path, size_bytes, run_id, status in contents.artifacts:
         place = folder / "artifacts" / path
         if not place.is_file():
             raise BackupDamaged(f"The file {path} of run {run_id} is missing.")

@@ -8,7 +8,8 @@ from datetime import timedelta
 from sqlalchemy import delete, func, or_, select
 from sqlalchemy.orm import Session
 
-from tril.store.models import ChangeRow, now
+from tril.store.database import database_now
+from tril.store.models import ChangeRow
 
 LATE_COMMIT_S = 120.0
 """Longest that a transaction is expected to take from noting a change to its commit."""
@@ -24,7 +25,7 @@ def note_change(session: Session, topic: str, key: str | int) -> None:
         topic: Kind of thing: "run", "recording", "ranking", "behaviour", "system".
         key: Its id.
     """
-    session.add(ChangeRow(topic=topic, key=str(key)))
+    session.add(ChangeRow(topic=topic, key=str(key), created_at=database_now(session)))
 
 
 class ChangeReader:
@@ -71,7 +72,7 @@ def prune(session: Session, keep: timedelta = timedelta(hours=1)) -> None:
 
     The newest stays, because SQLite gives ids again once the highest is gone.
     """
-    old = ChangeRow.created_at < now() - keep
+    old = ChangeRow.created_at < database_now(session) - keep
     session.execute(delete(ChangeRow).where(old, ChangeRow.id < _last_id(session)))
 
 

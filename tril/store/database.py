@@ -1,4 +1,9 @@
-"""Engine and sessions. SQLite is set up for several processes; any SQLAlchemy URL works."""
+"""Engine and sessions on SQLite or PostgreSQL, which behave alike: many read, one writes.
+
+What is read and then written in one transaction was not changed by another in between, and changes
+are committed in the order of their ids. Both hold because writers wait for each other: in SQLite by
+BEGIN IMMEDIATE, in PostgreSQL by an advisory lock that is the first thing a transaction takes.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +15,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event, make_url, text
+from sqlalchemy import Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.orm import Session, sessionmaker
 
 from tril.store.models import UTCDateTime
@@ -22,7 +27,13 @@ _SQLITE_NOW = text("SELECT strftime('%Y-%m-%d %H:%M:%f000', 'now') AS moment").c
 _POSTGRESQL_NOW = text("SELECT clock_timestamp() AS moment").columns(moment=UTCDateTime())
 
 BUSY_TIMEOUT_MS = 15_000
+"""Longest that a writer waits for another one."""
+SILENT_WRITER_MS = 60_000
+"""PostgreSQL ends a writer's transaction that does nothing for so long: its machine may be gone."""
 WAL_RETRY_S = 0.01
+
+WRITE_LOCK = 8_411_105_108
+"""Key of the advisory lock that a PostgreSQL transaction which writes holds until its end."""
 
 
 def create_database(url: str) -> Database:
@@ -33,6 +44,8 @@ def create_database(url: str) -> Database:
     engine = create_engine(parsed, pool_pre_ping=parsed.get_backend_name() != "sqlite")
     if parsed.get_backend_name() == "sqlite":
         _set_up_sqlite(engine)
+    elif parsed.get_backend_name() == "postgresql":
+        _set_up_postgresql(engine)
     return Database(engine)
 
 
@@ -40,13 +53,17 @@ class Database:
     """Transactions on one database.
 
     ``reading`` opens a session that sees one consistent state and never writes; ``writing`` opens
-    one that holds the write lock from its first statement (BEGIN IMMEDIATE on SQLite, where
-    upgrading a read transaction would fail at once) and commits at the end of the block.
+    one that holds the write lock from its first statement (in SQLite, upgrading a read transaction
+    would fail at once) and commits at the end of the block.
     """
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
-        self._reading = sessionmaker(engine, expire_on_commit=False, autoflush=False)
+        self._reading = sessionmaker(
+            engine.execution_options(**_READING.get(engine.dialect.name, {})),
+            expire_on_commit=False,
+            autoflush=False,
+        )
         self._writing = sessionmaker(
             engine.execution_options(tril_writes=True), expire_on_commit=False
         )
@@ -68,6 +85,17 @@ class Database:
         with self._writing.begin() as session:
             yield session
 
+    @contextmanager
+    def upgrading(self) -> Iterator[Connection]:
+        """Open a connection that alters tables; it waits for writers, and they for it.
+
+        PostgreSQL bounds neither how long it waits nor how long it is silent, since a copy of the
+        database may be made meanwhile.
+        """
+        options = {"tril_writes": True, "tril_upgrades": True}
+        with self.engine.execution_options(**options).begin() as connection:
+            yield connection
+
     def close(self) -> None:
         """Close every connection."""
         self.engine.dispose()
@@ -76,11 +104,13 @@ class Database:
 def database_now(session: Session) -> datetime:
     """Return the present moment, in UTC, by the database's clock.
 
-    It is the one clock that processes of several machines share: heartbeats and leases are written
-    and compared by it.
+    It is the one clock that processes of several machines share: whatever one writes and another
+    judges is written and compared by it, such as heartbeats, leases, and when a game finished.
     """
     is_sqlite = session.get_bind().dialect.name == "sqlite"
-    moment: datetime = session.execute(_SQLITE_NOW if is_sqlite else _POSTGRESQL_NOW).scalar_one()
+    query = _SQLITE_NOW if is_sqlite else _POSTGRESQL_NOW
+    # Not by the session, which would first write what is still being put together in it.
+    moment: datetime = session.connection().execute(query).scalar_one()
     return moment
 
 
@@ -106,6 +136,12 @@ def use_wal(cursor: sqlite3.Cursor) -> None:
             return
 
 
+_READING: dict[str, dict[str, Any]] = {
+    # Otherwise every statement sees what was committed before it.
+    "postgresql": {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+}
+
+
 def _set_up_sqlite(engine: Engine) -> None:
     """Turn on durable WAL, foreign keys and waiting writers; SQLAlchemy begins transactions."""
 
@@ -123,3 +159,23 @@ def _set_up_sqlite(engine: Engine) -> None:
     def _on_begin(connection: Any) -> None:
         writes = connection.get_execution_options().get("tril_writes", False)
         connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+
+def _set_up_postgresql(engine: Engine) -> None:
+    """Let writers wait for each other, as SQLite's do, and none wait for ever."""
+
+    @event.listens_for(engine, "connect")
+    def _on_connect(connection: Any, _record: Any) -> None:
+        # Not by the connection's options, which poolers between here and the server may refuse.
+        connection.execute(f"SET lock_timeout = {BUSY_TIMEOUT_MS}")
+        connection.execute(f"SET idle_in_transaction_session_timeout = {SILENT_WRITER_MS}")
+        connection.commit()
+
+    @event.listens_for(engine, "begin")
+    def _on_begin(connection: Any) -> None:
+        options = connection.get_execution_options()
+        if options.get("tril_upgrades", False):
+            connection.exec_driver_sql("SET LOCAL lock_timeout = 0")
+            connection.exec_driver_sql("SET LOCAL idle_in_transaction_session_timeout = 0")
+        if options.get("tril_writes", False):
+            connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITE_LOCK})")

@@ -26,7 +26,6 @@ from tril.store.models import (
     RecordingState,
     Source,
     Verification,
-    now,
 )
 from tril.store.recordings import as_recording, columns_of, fill
 
@@ -264,7 +263,7 @@ def branch(
             parent_id=row.parent_id,
             parent_frame=row.parent_frame,
             conditions=before.conditions,
-            finished_at=now(),
+            finished_at=database_now(session),
         )
         fill(kept, before.recording, before.played)
         _judge(kept, refusal)
@@ -300,15 +299,15 @@ def end(
     if not hold(session, game_id, epoch):
         return False
     row = get(session, game_id)
-    row.ended_at = now()
+    row.ended_at = database_now(session)
     recording = row.recording
     recording.state = state
-    recording.finished_at = now()
+    recording.finished_at = row.ended_at
     _judge(recording, refusal)
     # An abandoned game in which nothing was played since it continued another one is dropped.
     was_abandoned = state == RecordingState.UNFINISHED
     if recording.n_frames == 0 or (was_abandoned and recording.n_frames == recording.parent_frame):
-        recording.deleted_at = now()
+        recording.deleted_at = row.ended_at
     note_change(session, "recording", recording.id)
     return True
 
@@ -356,7 +355,7 @@ def keep_undecided(session: Session, after: timedelta) -> None:
     query = select(RecordingRow).where(
         RecordingRow.state == RecordingState.FINISHED,
         RecordingRow.deleted_at.is_(None),
-        RecordingRow.finished_at < now() - after,
+        RecordingRow.finished_at < database_now(session) - after,
     )
     for row in session.scalars(query):
         row.state = RecordingState.KEPT

@@ -13,22 +13,33 @@ from sqlalchemy.exc import OperationalError
 
 from tril.errors import Unavailable
 from tril.store import behaviours, players
+from tril.store.copies import copy_before_upgrade
 from tril.store.database import Database
 
 _MIGRATIONS = Path(__file__).resolve().parents[2] / "migrations"
 
 
-def upgrade(database: Database) -> None:
+def upgrade(database: Database, copies: Path | None = None) -> None:
     """Upgrade a database to this version and add what is built-in; harmless when repeated.
 
     The schema changes in one transaction, so a failed upgrade leaves the database as it was.
 
+    Args:
+        database: The database.
+        copies: Folder in which a copy is kept of a database of an earlier version; None for none.
+
     Raises:
         Unavailable: The database is of a newer version of Tril.
+        CopyFailed: It can't be copied; it is left as it was.
     """
     config = alembic_config()
-    with database.engine.execution_options(tril_writes=True).begin() as connection:
-        _refuse_newer(MigrationContext.configure(connection).get_current_revision(), config)
+    with database.upgrading() as connection:
+        present = MigrationContext.configure(connection).get_current_revision()
+        _refuse_newer(present, config)
+        is_old = present not in {None, ScriptDirectory.from_config(config).get_current_head()}
+        if is_old and copies is not None:
+            assert present is not None
+            copy_before_upgrade(database.engine, present, copies)
         config.attributes["connection"] = connection
         command.upgrade(config, "head")
     with database.writing() as session:

@@ -19,6 +19,7 @@ from tril.jobs import Jobs
 from tril.recording import verify
 from tril.settings import Settings
 from tril.store import behaviours, borrowed, rankings, recordings
+from tril.store.copies import copy_sqlite
 from tril.store.database import create_database
 from tril.store.models import RunRow, RunStatus, Source
 from tril.store.schema import check_schema
@@ -213,10 +214,10 @@ def test_a_training_deleted_between_the_copies_takes_another_try(
     workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run_id = finished_run(workplace)
-    copy_database, copies = backup._copy_database, []
+    copies: list[str] = []
 
     def copy(source: Path, to: Path) -> None:
-        copy_database(source, to)
+        copy_sqlite(source, to)
         copies.append(to.name)
         if copies == ["jobs.sqlite", "tril.sqlite"]:
             with workplace.database.writing() as session:
@@ -224,7 +225,7 @@ def test_a_training_deleted_between_the_copies_takes_another_try(
                 row.deleted_at = row.created_at
             ArtifactStore(workplace.settings.artifact_root).remove_folder(f"runs/{run_id}")
 
-    monkeypatch.setattr(backup, "_copy_database", copy)
+    monkeypatch.setattr(backup, "copy_sqlite", copy)
     made = make_backup(workplace.settings, tmp_path / "backup")
     assert len(copies) == 4
     assert made.n_files == 2
@@ -256,10 +257,10 @@ def test_too_little_space_is_reported_before_copying(
 
 
 def test_other_databases_and_folders_without_any_are_refused(tmp_path: Path) -> None:
-    elsewhere = Settings(data=tmp_path / "none", database_url="postgresql+psycopg://db/tril")
+    elsewhere = Settings(data=tmp_path / "none", database_url="mysql+pymysql://db/tril")
     (tmp_path / "none").mkdir()
     (tmp_path / "none" / "jobs.sqlite").write_bytes(b"")
-    with pytest.raises(Unavailable, match="pg_dump"):
+    with pytest.raises(Unavailable, match="SQLite and PostgreSQL"):
         make_backup(elsewhere, tmp_path / "backup")
     with pytest.raises(Unavailable, match="nothing to back up"):
         make_backup(Settings(data=tmp_path / "none"), tmp_path / "backup")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from dbos import DBOS
 
+from testsupport.databases import settings_on
 from tril.jobs import QUEUE, WORKFLOW, executor_config
-from tril.settings import Settings
 from tril.store import processes
 from tril.store.database import create_database
 from tril.store.training import leases
@@ -17,7 +17,7 @@ from tril.store.training import leases
 
 def main(folder: str, name: str) -> None:
     """Lease runs as the worker ``name`` of the data folder; prints each leased run's id."""
-    settings = Settings(data=Path(folder))
+    settings = settings_on(Path(folder))
     database = create_database(settings.application_url)
     with database.writing() as session:
         processes.beat(session, name, "worker", {})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
 import subprocess
 import sys
 import time
@@ -11,6 +10,7 @@ from contextlib import contextmanager
 
 import pytest
 from dbos import DBOSClient
+from sqlalchemy import text
 
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
@@ -18,6 +18,8 @@ from tril.errors import Conflict
 from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
 from tril.jobs.queue import open_client
+from tril.settings import Settings
+from tril.store.database import create_database
 from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 
@@ -66,6 +68,17 @@ def until(jobs: Jobs, holds: Callable[[], bool]) -> None:
 def job_status(queue: DBOSClient, run_id: str) -> str | None:
     found = queue.list_workflows(workflow_ids=[run_id])
     return found[0].status if found else None
+
+
+def give_up_all(settings: Settings) -> None:
+    """Do to every job what the queue does to one that it has delivered too often."""
+    database = create_database(settings.queue_url)
+    table = "workflow_status" if "sqlite" in settings.queue_url else "dbos.workflow_status"
+    with database.engine.begin() as connection:
+        connection.execute(
+            text(f"UPDATE {table} SET status = :status, queue_name = NULL"), {"status": GIVEN_UP}
+        )
+    database.close()
 
 
 def test_a_run_is_enqueued_once_under_its_own_id(
@@ -189,9 +202,7 @@ def test_a_run_that_the_queue_gave_up_fails_with_a_reason_and_can_be_resumed(
     run_id = workplace.make_run()
     jobs.enqueue(run_id)
     workplace.lease(run_id)
-    with sqlite3.connect(workplace.settings.data / "jobs.sqlite") as connection:
-        connection.execute("UPDATE workflow_status SET status = ?, queue_name = NULL", (GIVEN_UP,))
-    connection.close()
+    give_up_all(workplace.settings)
     jobs.reconcile()
     row = workplace.run(run_id)
     assert row.status == RunStatus.FAILED

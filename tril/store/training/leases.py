@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from tril.errors import Conflict
 from tril.store.changes import note_change
 from tril.store.database import database_now
-from tril.store.models import RunRow, RunStatus, now
+from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
 from tril.store.training.runs import CANCELLED_MESSAGE
 
@@ -68,11 +68,11 @@ def acquire(
     row.epoch += 1
     note_change(session, "run", run_id)
     if row.status == RunStatus.CANCELLING:
-        _end(row, RunStatus.CANCELLED, CANCELLED_MESSAGE)
+        _end(session, row, RunStatus.CANCELLED, CANCELLED_MESSAGE)
         return None
     row.status, row.worker, row.versions = RunStatus.RUNNING, worker, dict(versions or {})
     row.heartbeat_at, row.message = database_now(session), ""
-    row.started_at = row.started_at or now()
+    row.started_at = row.started_at or row.heartbeat_at
     return Lease(run_id, worker, row.epoch)
 
 
@@ -142,12 +142,12 @@ def end(session: Session, lease: Lease, status: RunStatus, message: str = "") ->
     row = owned(session, lease)
     if row.status == RunStatus.CANCELLING and status is not RunStatus.DONE:
         status, message = RunStatus.CANCELLED, CANCELLED_MESSAGE
-    _end(row, status, message)
+    _end(session, row, status, message)
 
 
 def release(session: Session, lease: Lease) -> None:
     """Give the run back to the queue in good order, e.g. because the worker is being stopped."""
-    _give_back(owned(session, lease), RELEASED_MESSAGE)
+    _give_back(session, owned(session, lease), RELEASED_MESSAGE)
 
 
 def revoke(session: Session, run_id: str, epoch: int) -> bool:
@@ -161,7 +161,7 @@ def revoke(session: Session, run_id: str, epoch: int) -> bool:
         return False
     if row.status not in {RunStatus.RUNNING, RunStatus.CANCELLING}:
         return False
-    _give_back(row, LOST_MESSAGE)
+    _give_back(session, row, LOST_MESSAGE)
     note_change(session, "run", run_id)
     return row.status == RunStatus.QUEUED
 
@@ -172,18 +172,18 @@ def fail_undeliverable(session: Session, run_id: str, message: str) -> None:
     if row is None or RunStatus(row.status).is_over:
         return
     row.epoch += 1
-    _end(row, RunStatus.FAILED, message)
+    _end(session, row, RunStatus.FAILED, message)
     note_change(session, "run", run_id)
 
 
-def _give_back(row: RunRow, message: str) -> None:
+def _give_back(session: Session, row: RunRow, message: str) -> None:
     row.epoch += 1
     if row.status == RunStatus.CANCELLING:
-        _end(row, RunStatus.CANCELLED, CANCELLED_MESSAGE)
+        _end(session, row, RunStatus.CANCELLED, CANCELLED_MESSAGE)
     else:
         row.status, row.message, row.remaining_s = RunStatus.QUEUED, message, None
 
 
-def _end(row: RunRow, status: RunStatus, message: str) -> None:
+def _end(session: Session, row: RunRow, status: RunStatus, message: str) -> None:
     row.status, row.message = status, message
-    row.finished_at, row.remaining_s = now(), None
+    row.finished_at, row.remaining_s = database_now(session), None

@@ -14,6 +14,7 @@ from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
 from tril.store import behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
+from tril.store.database import database_now
 from tril.store.models import NOT_OVER, RunRow, RunStatus, now
 from tril.store.training import artifacts
 
@@ -79,6 +80,8 @@ def create(
         )
     row = RunRow(
         id=str(uuid.uuid4()),
+        # By which those that wait are ordered, whichever machine they were made on.
+        created_at=database_now(session),
         behaviour_id=behaviour_id,
         player_id=player_id,
         parent_run_id=parent_run_id,
@@ -260,8 +263,8 @@ def request_cancel(session: Session, run_id: str) -> RunRow:
     if has_worker(session, row):
         row.status = RunStatus.CANCELLING
     else:
-        row.status, row.finished_at, row.message = RunStatus.CANCELLED, now(), CANCELLED_MESSAGE
-        row.remaining_s = None
+        row.status, row.message = RunStatus.CANCELLED, CANCELLED_MESSAGE
+        row.finished_at, row.remaining_s = database_now(session), None
         row.epoch += 1
     note_change(session, "run", run_id)
     return row
