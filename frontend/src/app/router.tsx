@@ -36,6 +36,9 @@ const ComparePage = lazy(async () => ({
 const RunPage = lazy(async () => ({
   default: (await import("@/features/results/RunPage")).RunPage,
 }));
+const PeoplePage = lazy(async () => ({
+  default: (await import("@/features/people/PeoplePage")).PeoplePage,
+}));
 const WatchPage = lazy(async () => ({
   default: (await import("@/features/play/watch/WatchPage")).WatchPage,
 }));
@@ -123,6 +126,14 @@ export const routes = [
       },
       { path: "runs/:runId", element: <RunRoute page={runPage} /> },
       { path: "runs/:runId/watch", element: <RunRoute page={watchPage} /> },
+      {
+        path: "people",
+        element: (
+          <Lazy>
+            <PeoplePage />
+          </Lazy>
+        ),
+      },
       { path: "*", element: <NotFound /> },
     ],
   },

@@ -18,7 +18,7 @@ from websockets.sync.client import ClientConnection
 from cli.main import app
 from server.web.access import browser_name
 from server.web.security import address_with_token, invitation_link
-from testsupport.live import LiveServer, connect_to, live_server
+from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
 from testsupport.visitors import cookie_of
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
@@ -28,7 +28,7 @@ from tril.store.models import AuditRow, CredentialKind, CredentialRow, Role
 
 
 def _visitor(live: LiveServer, **more: Any) -> httpx2.Client:
-    return httpx2.Client(base_url=live.http.base_url, **more)
+    return httpx2.Client(base_url=live.http.base_url, timeout=TIMEOUT_S, **more)
 
 
 @pytest.fixture
