@@ -6,7 +6,7 @@ import os
 
 import typer
 
-from cli.commands import behaviours, recordings, runs, services
+from cli.commands import behaviours, people, recordings, runs, services
 from cli.commands.backup import backup
 from cli.commands.demo import demo
 from cli.commands.evaluate import evaluate
@@ -32,10 +32,12 @@ app.command()(backup)
 app.command()(services.migrate)
 app.command()(services.health)
 app.command()(services.address)
+app.command()(people.audit)
 
 app.add_typer(behaviours.app, name="behaviours")
 app.add_typer(recordings.app, name="recordings")
 app.add_typer(runs.app, name="runs")
+app.add_typer(people.app, name="people")
 
 
 def main() -> None:

@@ -8,6 +8,7 @@ const COMPLETE = {
     "src/app",
     "src/components",
     "src/features/behaviours",
+    "src/features/people",
     "src/features/play",
     "src/features/ranking",
     "src/lib",

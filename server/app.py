@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware import Middleware
 
@@ -17,7 +17,7 @@ from server.api import (
     games,
     health,
     imports,
-    players,
+    people,
     rankings,
     recordings,
     replays,
@@ -29,7 +29,7 @@ from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.play.watch import stream as watch_stream
 from server.services import running_services
-from server.web import problems
+from server.web import permissions, problems
 from server.web.compression import Compression
 from server.web.exposure import TrustedProxies
 from server.web.middleware import (
@@ -83,7 +83,7 @@ def create_app(
     )
     problems.install(app, SECURITY_HEADERS)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
-    app.include_router(_api())
+    app.include_router(_api(), dependencies=[Depends(permissions.check_permission)])
     # The pages get only what no route matches, so that a wrong method answers 405.
     app.router.default = Pages(Frontend(frontend))
     return app
@@ -94,14 +94,16 @@ def _api() -> APIRouter:
     requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
     uploads = limited_by(lambda s, _: s.upload_limit)
     replaying = limited_by(lambda s, _: s.replay_limit)
-    for resource in (system, players, behaviours, recordings, rankings, games, runs, artifacts):
-        api.include_router(resource.router, dependencies=[requests])
-    api.include_router(imports.router, dependencies=[uploads])
-    api.include_router(rankings.borrowed_router, dependencies=[requests])
+    resources = (system, people, behaviours, recordings, rankings, games, runs, artifacts)
+    routers = [(resource.router, [requests]) for resource in resources]
+    routers += [(imports.router, [uploads]), (rankings.borrowed_router, [requests])]
     for router in (replays.router, rankings.playing_router, artifacts.archive_router):
-        api.include_router(router, dependencies=[replaying])
+        routers.append((router, [replaying]))
     for unlimited in (health, events, stream, watch_stream):
-        api.include_router(unlimited.router)
+        routers.append((unlimited.router, []))
+    for router, limits in routers:
+        api.include_router(router, dependencies=limits)
+    permissions.check_all_declared(route.name for router, _ in routers for route in router.routes)
     return api
 
 

@@ -6,7 +6,8 @@ import asyncio
 import json
 import logging
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection
+from contextlib import AbstractContextManager, nullcontext
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -29,6 +30,12 @@ class _Listener:
     def __init__(self) -> None:
         self.pending: dict[Change, None] = {}
         self.woken = asyncio.Event()
+        self.has_ended = False
+
+    def end(self) -> None:
+        """End the stream."""
+        self.has_ended = True
+        self.woken.set()
 
 
 class ChangeStream:
@@ -36,11 +43,18 @@ class ChangeStream:
 
     Args:
         database: Where the changes are.
+        on_change: Is called in the event loop with what changed, before the listeners are.
         poll_s: Seconds between polls.
     """
 
-    def __init__(self, database: Database, poll_s: float = POLL_S) -> None:
+    def __init__(
+        self,
+        database: Database,
+        on_change: Callable[[Collection[Change]], None] = lambda _: None,
+        poll_s: float = POLL_S,
+    ) -> None:
         self._database = database
+        self._on_change = on_change
         self._poll_s = poll_s
         self._listeners: set[_Listener] = set()
         self._stopped = threading.Event()
@@ -68,20 +82,41 @@ class ChangeStream:
         if self._thread.is_alive():
             self._thread.join()
 
-    async def stream(self) -> AsyncIterator[str]:
-        """Yield changes from now on, as server-sent events."""
+    async def stream(
+        self,
+        visible: Callable[[Collection[Change]], Awaitable[Collection[Change]]] | None = None,
+        until_ended: Callable[[Callable[[], None]], AbstractContextManager[None]] = (
+            lambda _: nullcontext()
+        ),
+    ) -> AsyncIterator[str]:
+        """Yield changes from now on, as server-sent events.
+
+        Args:
+            visible: Returns those of some changes that the listener may know of; None for all.
+            until_ended: Calls a function, within its block, if the stream has to end.
+        """
         listener = _Listener()
         self._listeners.add(listener)
+        with until_ended(listener.end):
+            async for text in self._events(listener, visible):
+                yield text
+
+    async def _events(
+        self,
+        listener: _Listener,
+        visible: Callable[[Collection[Change]], Awaitable[Collection[Change]]] | None,
+    ) -> AsyncIterator[str]:
         try:
             yield "retry: 1000\n\n: listening\n\n"
-            while not self._closed:
+            while not (self._closed or listener.has_ended):
                 try:
                     await asyncio.wait_for(listener.woken.wait(), PING_S)
                 except TimeoutError:
                     yield ": ping\n\n"
                     continue
                 listener.woken.clear()
-                changes, listener.pending = listener.pending, {}
+                pending, listener.pending = listener.pending, {}
+                changes = list(pending) if visible is None else await visible(list(pending))
                 for topic, key in changes:
                     data = json.dumps({"topic": topic, "key": key})
                     yield f"event: change\ndata: {data}\n\n"
@@ -105,6 +140,7 @@ class ChangeStream:
                 _LOG.warning("Changes could not be read; trying again: %s", error)
 
     def _publish(self, changes: list[Change]) -> None:
+        self._on_change(changes)
         for listener in self._listeners:
             listener.pending.update(dict.fromkeys(changes))
             listener.woken.set()

@@ -10,6 +10,8 @@ from fastapi import Depends, Path
 from sqlalchemy.orm import Session
 from starlette.requests import HTTPConnection
 
+from tril.store.access.credentials import Identity
+
 if TYPE_CHECKING:
     from server.concurrency import ConcurrencyLimit
     from server.services import Services
@@ -46,6 +48,16 @@ RecordingId = Annotated[int, Path(ge=1, le=MAX_ID)]
 ArtifactId = Annotated[int, Path(ge=1, le=MAX_ID)]
 RunId = Annotated[UUID, Path()]
 GameId = Annotated[UUID, Path()]
+
+
+def identity_of(connection: HTTPConnection) -> Identity:
+    """Return who makes a request that was let in."""
+    identity: Identity = connection.scope["identity"]
+    return identity
+
+
+Who = Annotated[Identity, Depends(identity_of)]
+"""Who makes the request."""
 
 
 def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import os
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
 from server.archives import ArchiveMaker
-from server.change_stream import ChangeStream
+from server.change_stream import Change, ChangeStream
 from server.concurrency import ConcurrencyLimit
+from server.play.background import PeriodicTask
 from server.play.consoles import ConsolePool
 from server.play.hub import N_SPARE_CONSOLES, PlayHub
 from server.play.limits import GameLimits
@@ -20,13 +21,14 @@ from server.play.rules import PlayRules
 from server.play.watch.hub import WatchHub
 from server.replay_cache import ReplayCache
 from server.storage import StorageMeter
-from server.web.security import Access
+from server.web.access import SEEN_EVERY_S, Access
 from tril.files.artifact_store import ArtifactStore
 from tril.files.cache import Cache
 from tril.heartbeat import Heartbeat
 from tril.inference import InferenceClient
 from tril.jobs import Jobs
 from tril.settings import Settings
+from tril.store.access import credentials
 from tril.store.database import Database, create_database
 from tril.store.schema import check_schema
 
@@ -38,7 +40,7 @@ class Services:
     Attributes:
         settings: The process's settings.
         database: The application's database.
-        access: Checks tokens and cookies.
+        access: Tells who makes a request.
         artifacts: The files of trainings.
         jobs: The queue of trainings.
         inference: Client of the inference process.
@@ -110,11 +112,17 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     limits = GameLimits.from_settings(settings, rules.max_games)
     jobs = Jobs(database, settings)
     cache = Cache(settings.cache_folder, settings.cache_limit_bytes)
+    access = Access(settings, database)
+
+    def on_change(changes: Collection[Change]) -> None:
+        if any(topic == credentials.CHANGES for topic, _ in changes):
+            access.forget()
+
     play = PlayHub(database, consoles, replays, name, rules, limits)
     services = Services(
         settings=settings,
         database=database,
-        access=Access(settings),
+        access=access,
         artifacts=ArtifactStore(settings.artifact_root),
         jobs=jobs,
         inference=InferenceClient(settings.inference_socket),
@@ -125,13 +133,15 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         limits=limits,
         games=play,
         watching=WatchHub(database, consoles, play, settings.inference_socket, rules, limits),
-        changes=ChangeStream(database),
+        changes=ChangeStream(database, on_change),
         storage=StorageMeter(settings),
     )
+    last_seen = PeriodicTask("last seen", access.save_seen, SEEN_EVERY_S)
     heartbeat = Heartbeat(database, name, "server")
     try:
         await asyncio.to_thread(heartbeat.start)
         services.changes.start()
+        last_seen.start()
         consoles.start()
         services.games.start()
         services.watching.start()
@@ -143,6 +153,8 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         await asyncio.to_thread(replays.stop)
         await asyncio.to_thread(consoles.stop)
         services.changes.stop()
+        await last_seen.stop()
+        await access.stop()
         await asyncio.to_thread(heartbeat.stop)
         jobs.close()
         database.close()

@@ -20,7 +20,7 @@ from starlette.testclient import TestClient
 
 from cli.workspace import migrate_databases
 from server.play.rules import PlayRules
-from server.web.security import Access
+from server.web.security import is_token
 from tests.server.clients import build_frontend, signed_in
 from testsupport.workplace import Workplace
 from trainer.policy.networks import load_policy
@@ -429,9 +429,9 @@ def test_the_queue_goes_on_with_what_was_in_it(changed: tuple[Workplace, TestCli
     assert (resumed["status"], resumed["go_on_anyway"]) == ("queued", True)
 
 
-def test_addresses_and_cookies_of_before_stay_good(folders: Path, old: OldFolder) -> None:
+def test_addresses_of_before_stay_good(folders: Path, old: OldFolder) -> None:
     stored = json.loads((folders / "data" / "secrets.json").read_text())
-    assert Access(old.workplace.settings).is_token(stored["token"])
+    assert is_token(old.workplace.settings.token_file, stored["token"])
 
 
 def test_an_upgrade_repeated_changes_nothing(changed: tuple[Workplace, TestClient]) -> None:

@@ -32,8 +32,8 @@ from server.play.wire.protocol import (
     parse_server,
 )
 from server.services import Services
-from server.web.security import Access
 from testsupport.databases import settings_on
+from testsupport.visitors import cookie_of
 from tril.game.controls import Keys
 from tril.settings import Settings
 from tril.store import recordings
@@ -105,11 +105,11 @@ def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> It
         yield GameClient(socket)
 
 
-def connect_to(settings: Settings, path: str) -> ClientConnection:
-    """Open a stream of the server as its own page does, signed in."""
+def connect_to(settings: Settings, path: str, cookie_header: str | None = None) -> ClientConnection:
+    """Open a stream of the server as its own page does, signed in, by default as the owner."""
     return connect(
         f"ws://127.0.0.1:{settings.port}{path}",
-        additional_headers={"Cookie": cookie(settings)},
+        additional_headers={"Cookie": cookie_header or cookie(settings)},
         origin=Origin(f"http://127.0.0.1:{settings.port}"),
         compression=None,
         max_size=2**20,
@@ -126,8 +126,7 @@ def begin_game(http: httpx2.Client, behaviour_id: int = 1, **more: Any) -> dict[
 
 def cookie(settings: Settings) -> str:
     """Return the Cookie header of a browser that is signed in."""
-    access = Access(settings)
-    return f"{access.cookie_name}={access.new_cookie()}"
+    return "=".join(cookie_of(settings))
 
 
 @dataclass

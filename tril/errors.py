@@ -17,6 +17,10 @@ class NotFound(TrilError):
     """The requested object does not exist."""
 
 
+class Forbidden(TrilError):
+    """Who asks may not do this."""
+
+
 class Conflict(TrilError):
     """The request conflicts with the current state; reload and try again."""
 

@@ -40,11 +40,13 @@ class Settings(BaseSettings):
         server_processes: Server processes behind one port; 1 suffices for a few players, use one
             per core for many.
         max_games: Maximum number of open games; 0 means 32 per server process.
-        max_games_per_player: Maximum number of open games per player. All browsers with the same
-            key are one player.
+        max_games_per_player: Maximum number of open games per person. All browsers with the
+            printed key are one person.
+        max_recordings_per_player: Maximum number of recordings that are stored per person.
         max_connections: Maximum number of connections to a server process.
         max_connections_per_address: Maximum number of these from one address.
         max_queued_runs: Maximum number of runs that wait in the queue; further ones are refused.
+        max_queued_runs_per_player: Maximum number of those per person.
         learning_threads: Threads for training; 0 means all cores.
         learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
             bfloat16 where the device supports its multiplication.
@@ -68,10 +70,12 @@ class Settings(BaseSettings):
     server_processes: int = Field(default=1, ge=1, le=64)
     max_games: int = Field(default=0, ge=0)
     max_games_per_player: int = Field(default=32, ge=1)
+    max_recordings_per_player: int = Field(default=20_000, ge=1)
     # Below 1024, the usual limit of open files, with room for files and the database.
     max_connections: int = Field(default=768, ge=1)
     max_connections_per_address: int = Field(default=256, ge=1)
     max_queued_runs: int = Field(default=50, ge=1)
+    max_queued_runs_per_player: int = Field(default=50, ge=1)
     learning_threads: int = Field(default=0, ge=0)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
     learning_device: Literal["auto", "cpu", "cuda"] = "auto"

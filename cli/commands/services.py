@@ -12,9 +12,10 @@ import typer
 
 from cli.output import console, read_settings, readable_errors
 from cli.supervision.servers import supervise_servers
-from cli.workspace import migrate_databases
+from cli.workspace import migrate_databases, open_workspace
 from tril.errors import Unavailable
 from tril.settings import Settings
+from tril.store.access import credentials
 
 
 class Service(StrEnum):
@@ -93,10 +94,22 @@ def health(service: Service) -> None:
     typer.echo("ok")
 
 
-def address() -> None:
+def address(
+    new: Annotated[
+        bool,
+        typer.Option(
+            "--new", help="Make a new key: old addresses stop working, everybody is signed out."
+        ),
+    ] = False,
+) -> None:
     """Print the page's address with its key, e.g. for a server in a container."""
-    from server.web.security import address_with_token
+    from server.web.security import address_with_token, renew_token
 
+    if new:
+        with open_workspace() as workspace:
+            renew_token(workspace.settings.token_file)
+            with workspace.database.writing() as session:
+                credentials.sign_everybody_out(session)
     with readable_errors():
         settings = read_settings()
         typer.echo(address_with_token(settings, page_url(settings)))

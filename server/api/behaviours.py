@@ -16,7 +16,7 @@ from server.api.schemas.behaviours import (
     Checklist,
     PlannedDemonstration,
 )
-from server.dependencies import BehaviourId, ReadSession, WriteSession
+from server.dependencies import BehaviourId, ReadSession, Who, WriteSession
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrator import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
@@ -28,8 +28,11 @@ router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 
 
 @router.get("")
-def list_behaviours(session: ReadSession) -> list[Behaviour]:
-    """Return all behaviours, the built-in ones first."""
+def list_behaviours(session: ReadSession, who: Who) -> list[Behaviour]:
+    """Return the behaviours that one may play, the built-in ones first."""
+    if who.is_participant:
+        rows = behaviours.listing(session)
+        return [_as_participant(row) for row in rows if row.id in who.behaviour_ids]
     counts = behaviours.counts(session)
     return [_view(row, counts) for row in behaviours.listing(session)]
 
@@ -42,11 +45,11 @@ def create_behaviour(session: WriteSession, new: BehaviourNew) -> Behaviour:
 
 
 @router.get("/{behaviour_id}/checklist", responses=NOT_FOUND)
-def get_checklist(session: ReadSession, behaviour_id: BehaviourId) -> Checklist:
+def get_checklist(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Checklist:
     """Return the demonstrations that exemplify a behaviour, and which of them exist.
 
     The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
-    what a plan asks for and ends without the player's death.
+    what a plan asks for and ends without the player's death; of a participant, their own.
     """
     behaviour = behaviours.as_behaviour(behaviours.get(session, behaviour_id))
     try:
@@ -55,7 +58,7 @@ def get_checklist(session: ReadSession, behaviour_id: BehaviourId) -> Checklist:
         return Checklist(planned=[], note=str(error))
     games = {
         row.id: _played(row)
-        for row in recordings.listing(session, behaviour_id)
+        for row in recordings.listing(session, behaviour_id, only_of=who.sees_only)
         if row.verification == Verification.VERIFIED
     }
     ticks = match_plans(plans, games)
@@ -66,8 +69,10 @@ def get_checklist(session: ReadSession, behaviour_id: BehaviourId) -> Checklist:
 
 
 @router.get("/{behaviour_id}", responses=NOT_FOUND)
-def get_behaviour(session: ReadSession, behaviour_id: BehaviourId) -> Behaviour:
+def get_behaviour(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Return one behaviour."""
+    if who.is_participant:
+        return _as_participant(behaviours.get(session, behaviour_id))
     return _one(session, behaviours.get(session, behaviour_id))
 
 
@@ -91,9 +96,9 @@ def update_behaviour(
 
 
 @router.delete("/{behaviour_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_behaviour(session: WriteSession, behaviour_id: BehaviourId) -> None:
+def delete_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId) -> None:
     """Delete a behaviour; it can be restored."""
-    behaviours.delete(session, behaviours.get(session, behaviour_id))
+    behaviours.delete(session, behaviours.get(session, behaviour_id), who.player_id)
 
 
 @router.post("/{behaviour_id}/restore", responses=NOT_FOUND | CONFLICT)
@@ -108,6 +113,11 @@ def _played(row: RecordingRow) -> GameOutcome:
         end=None if row.end is None else EndReason(row.end),
         n_frames=row.n_frames,
     )
+
+
+def _as_participant(row: BehaviourRow) -> Behaviour:
+    """Show a behaviour without counts, which tell of other people's games."""
+    return _view(row, {})
 
 
 def _one(session: Session, row: BehaviourRow) -> Behaviour:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from fastapi import APIRouter, Request
 from starlette.responses import StreamingResponse
 
-from server.dependencies import services_of
+from server.change_stream import Change
+from server.dependencies import Who, services_of
+from tril.store import recordings
 
 router = APIRouter(tags=["events"])
 
@@ -21,10 +25,25 @@ router = APIRouter(tags=["events"])
         }
     },
 )
-async def stream_events(request: Request) -> StreamingResponse:
-    """Stream changes from now on."""
+async def stream_events(request: Request, who: Who) -> StreamingResponse:
+    """Stream changes from now on, until who listens is signed out."""
+    services = services_of(request)
+
+    async def of_participant(changes: Collection[Change]) -> Collection[Change]:
+        played = [int(key) for topic, key in changes if topic == "recording"]
+        own = {("player", str(who.player_id)), *(("behaviour", str(k)) for k in who.behaviour_ids)}
+        if played:
+            ids = await services.access.ask(
+                lambda session: recordings.own_ids(session, who.player_id, played)
+            )
+            own |= {("recording", str(key)) for key in ids}
+        return [change for change in changes if change in own]
+
     return StreamingResponse(
-        services_of(request).changes.stream(),
+        services.changes.stream(
+            of_participant if who.is_participant else None,
+            lambda end: services.access.while_open(who, end),
+        ),
         media_type="text/event-stream",
         headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
     )

@@ -4,57 +4,55 @@ from __future__ import annotations
 
 import numpy as np
 from fastapi import APIRouter, Request
-from sqlalchemy.orm import Session
 
 from server.api.schemas.games import Game, GameFrom, GameNew
-from server.dependencies import GameId, ReadSession, RecordingId, WriteSession, services_of
+from server.dependencies import GameId, ReadSession, RecordingId, Who, WriteSession, services_of
 from server.play.conditions import PlayConditions
+from server.web.permissions import refuse_behaviour_of_others
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.game.episode import Start, draw_start
 from tril.game.space_invaders import MAX_FRAMES
-from tril.store import behaviours, games, players, recordings
+from tril.store import behaviours, games, recordings
 from tril.store.models import GameRow
 
 router = APIRouter(prefix="/games", tags=["games"])
 
 
-@router.post("", status_code=201, responses=NOT_FOUND)
-def create_game(request: Request, session: WriteSession, new: GameNew) -> Game:
+@router.post("", status_code=201, responses=NOT_FOUND | CONFLICT)
+def create_game(request: Request, session: WriteSession, who: Who, new: GameNew) -> Game:
     """Create a game, which begins when a player joins its stream. 503 if too many are open."""
-    player_id = _player_below_limits(request, session)
+    refuse_behaviour_of_others(who, new.behaviour_id)
+    services_of(request).limits.check(session, who.player_id)
     behaviours.get(session, new.behaviour_id)
     # Starts of people's games need not be reproducible.
     drawn = draw_start(np.random.default_rng())
     start = drawn if new.idle_frames is None else Start(new.idle_frames)
-    return _view(games.create(session, new.behaviour_id, start, player_id))
+    return _view(games.create(session, new.behaviour_id, start, who.player_id))
 
 
 @router.post("/from/{recording_id}", status_code=201, responses=NOT_FOUND | CONFLICT)
 def create_game_from(
-    request: Request, session: WriteSession, recording_id: RecordingId, begin: GameFrom
+    request: Request,
+    session: WriteSession,
+    who: Who,
+    recording_id: RecordingId,
+    begin: GameFrom,
 ) -> Game:
     """Create a game that continues from a frame of a recording, which stays unchanged.
 
     503 if too many games are open.
     """
-    player_id = _player_below_limits(request, session)
+    services_of(request).limits.check(session, who.player_id)
     parent = recordings.get(session, recording_id)
     played = PlayConditions.from_conditions(parent.conditions)
     conditions = None if played is None else played.until(begin.frame).to_conditions()
-    return _view(games.create_from(session, parent, begin.frame, player_id, conditions))
+    return _view(games.create_from(session, parent, begin.frame, who.player_id, conditions))
 
 
 @router.get("/{game_id}", responses=NOT_FOUND)
 def get_game(session: ReadSession, game_id: GameId) -> Game:
     """Return a game as last saved."""
     return _view(games.get(session, str(game_id)))
-
-
-def _player_below_limits(request: Request, session: Session) -> int:
-    """Return the player's id; raises TooManyGames if no further game may be opened."""
-    player_id = players.owner(session).id
-    services_of(request).limits.check(session, player_id)
-    return player_id
 
 
 def _view(row: GameRow) -> Game:

@@ -11,11 +11,11 @@ from starlette.concurrency import run_in_threadpool
 from server.api.schemas.recordings import ImportResult
 from server.api.schemas.runs import Run
 from server.api.views.runs import run_view
-from server.dependencies import BehaviourId, services_of
+from server.dependencies import BehaviourId, Who, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.exchange.example import open_example
 from tril.exchange.recording_transfer import RecordingImportResult, import_recordings
-from tril.store import behaviours, players
+from tril.store import behaviours
 from tril.store.training import runs
 
 router = APIRouter(tags=["recordings"])
@@ -41,6 +41,7 @@ UPLOAD_TIMEOUT_S = 120
 )
 async def import_recordings_file(
     request: Request,
+    who: Who,
     behaviour_id: BehaviourId,
     rank: Annotated[bool, Query(description="The order is from best to worst.")] = False,
     perfect: Annotated[bool, Query(description="All are perfect.")] = False,
@@ -56,15 +57,15 @@ async def import_recordings_file(
     def add() -> RecordingImportResult:
         with database.reading() as session:
             behaviours.get(session, behaviour_id)
-            player_id = players.owner(session).id
         return import_recordings(
             database,
             behaviour_id,
             content,
             rank=rank,
             perfect=perfect,
-            player_id=player_id,
+            player_id=who.player_id,
             max_recordings=MAX_IMPORTED,
+            max_of_player=services_of(request).settings.max_recordings_per_player,
         )
 
     imported = await run_in_threadpool(add)

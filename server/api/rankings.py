@@ -23,6 +23,7 @@ from server.dependencies import (
     BehaviourId,
     ReadSession,
     RecordingId,
+    Who,
     WriteSession,
     services_of,
 )
@@ -49,29 +50,30 @@ def get_ranking(session: ReadSession, behaviour_id: BehaviourId) -> Ranking:
 
 @router.put("", responses=NOT_FOUND | _CONFLICT)
 def save_ranking(
-    session: WriteSession, behaviour_id: BehaviourId, update: RankingUpdate
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, update: RankingUpdate
 ) -> Ranking:
     """Save a ranking."""
     behaviours.get(session, behaviour_id)
-    player = players.owner(session)
-    row = rankings.save(session, behaviour_id, update.base_revision, update.tiers, player.id)
+    row = rankings.save(session, behaviour_id, update.base_revision, update.tiers, who.player_id)
     return _view(session, row)
 
 
 @router.post("/undo", responses=NOT_FOUND | _CONFLICT)
-def undo_ranking(session: WriteSession, behaviour_id: BehaviourId, step: RankingStep) -> Ranking:
+def undo_ranking(
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, step: RankingStep
+) -> Ranking:
     """Undo the last change."""
     behaviours.get(session, behaviour_id)
-    player = players.owner(session)
-    return _view(session, rankings.undo(session, behaviour_id, step.base_revision, player.id))
+    return _view(session, rankings.undo(session, behaviour_id, step.base_revision, who.player_id))
 
 
 @router.post("/redo", responses=NOT_FOUND | _CONFLICT)
-def redo_ranking(session: WriteSession, behaviour_id: BehaviourId, step: RankingStep) -> Ranking:
+def redo_ranking(
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, step: RankingStep
+) -> Ranking:
     """Redo the change that was undone last."""
     behaviours.get(session, behaviour_id)
-    player = players.owner(session)
-    return _view(session, rankings.redo(session, behaviour_id, step.base_revision, player.id))
+    return _view(session, rankings.redo(session, behaviour_id, step.base_revision, who.player_id))
 
 
 @router.get("/revisions", responses=NOT_FOUND)

@@ -18,13 +18,13 @@ from server.api.schemas.recordings import (
     RecordingUpdate,
 )
 from server.api.views.recordings import RecordingViews, parent_of
-from server.dependencies import BehaviourId, ReadSession, RecordingId, WriteSession
+from server.dependencies import BehaviourId, ReadSession, RecordingId, Who, WriteSession
 from server.replay_cache import version_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.exchange import recording_transfer
 from tril.game.space_invaders import RAM_NAMES
-from tril.store import behaviours, players, recordings
+from tril.store import behaviours, recordings
 from tril.store.models import RecordingRow
 
 router = APIRouter(tags=["recordings"])
@@ -36,10 +36,14 @@ _LINES = {"schema": {"type": "string"}}
 @router.get("/behaviours/{behaviour_id}/recordings", responses=NOT_FOUND)
 def list_recordings(
     session: ReadSession,
+    who: Who,
     behaviour_id: BehaviourId,
     include: Annotated[list[Literal["deleted", "policy"]] | None, Query(max_length=2)] = None,
 ) -> list[Recording]:
-    """Return a behaviour's recordings, newest first, those to keep or discard included."""
+    """Return a behaviour's recordings, newest first, those to keep or discard included.
+
+    A participant gets their own.
+    """
     behaviours.get(session, behaviour_id)
     included = include or []
     rows = recordings.listing(
@@ -48,18 +52,19 @@ def list_recordings(
         with_deleted="deleted" in included,
         with_policies="policy" in included,
         with_undecided=True,
+        only_of=who.sees_only,
     )
     return RecordingViews(session).all(rows)
 
 
 @router.post("/behaviours/{behaviour_id}/recordings/change", responses=NOT_FOUND | CONFLICT)
 def change_recordings(
-    session: WriteSession, behaviour_id: BehaviourId, body: RecordingsChange
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, body: RecordingsChange
 ) -> list[Recording]:
     """Delete, restore or mark several recordings, all or none, and return them."""
     rows = _of_behaviour(session, behaviour_id, body.recording_ids)
     if body.change == "delete":
-        recordings.delete(session, rows, players.owner(session).id)
+        recordings.delete(session, rows, who.player_id)
     else:
         for row in rows:
             if body.change == "restore":
@@ -109,10 +114,10 @@ def update_recording(
 
 
 @router.delete("/recordings/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_recording(session: WriteSession, recording_id: RecordingId) -> None:
+def delete_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> None:
     """Delete a recording; it can be restored."""
     row = recordings.get(session, recording_id)
-    recordings.delete(session, [row], players.owner(session).id)
+    recordings.delete(session, [row], who.player_id)
 
 
 @router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
@@ -124,10 +129,10 @@ def keep_recording(session: WriteSession, recording_id: RecordingId) -> Recordin
 
 
 @router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)
-def discard_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
+def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
     """Delete a recording and return it; it can be restored."""
     row = recordings.get(session, recording_id)
-    recordings.delete(session, [row], players.owner(session).id)
+    recordings.delete(session, [row], who.player_id)
     return RecordingViews(session).one(row)
 
 
@@ -140,7 +145,9 @@ def restore_recording(session: WriteSession, recording_id: RecordingId) -> Recor
 
 
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
-def get_recording_course(session: ReadSession, recording_id: RecordingId) -> RecordingCourse:
+def get_recording_course(
+    session: ReadSession, who: Who, recording_id: RecordingId
+) -> RecordingCourse:
     """Return the action of every frame, and the recordings that this one is related to."""
     row = recordings.get(session, recording_id)
     return RecordingCourse(
@@ -148,7 +155,7 @@ def get_recording_course(session: ReadSession, recording_id: RecordingId) -> Rec
         parent=parent_of(row),
         branches=[
             Branch(recording_id=branch.id, frame=branch.parent_frame)
-            for branch in recordings.branches(session, row.id)
+            for branch in recordings.branches(session, row.id, who.sees_only)
             if branch.parent_frame is not None
         ],
         conditions=row.conditions,

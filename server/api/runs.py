@@ -10,12 +10,12 @@ from fastapi import APIRouter, Query, Request
 from server.api.schemas.runs import Metrics, Recipe, Run, RunNew, RunResults, RunUpdate
 from server.api.views.results import run_results
 from server.api.views.runs import run_view, stage_views
-from server.dependencies import MAX_ID, ReadSession, RunId, WriteSession, services_of
+from server.dependencies import MAX_ID, ReadSession, RunId, Who, WriteSession, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
 from tril.errors import Conflict
 from tril.recipes import RECIPES, recipe_named, with_values
-from tril.store import behaviours, players
+from tril.store import behaviours
 from tril.store.models import NOT_OVER
 from tril.store.training import metrics, runs
 
@@ -62,7 +62,7 @@ def list_runs(
 
 
 @router.post("/runs", status_code=201, responses=NOT_FOUND | CONFLICT)
-def create_run(request: Request, new: RunNew) -> Run:
+def create_run(request: Request, who: Who, new: RunNew) -> Run:
     """Start a training from the current ranking; a worker takes it from the queue."""
     recipe = recipe_named(new.recipe)
     if new.learning_rate is not None:
@@ -77,8 +77,9 @@ def create_run(request: Request, new: RunNew) -> Run:
             new.training_seed,
             new.go_on_anyway,
             new.example,
-            players.owner(session).id,
+            who.player_id,
             max_queued=services.settings.max_queued_runs,
+            max_queued_of_player=services.settings.max_queued_runs_per_player,
             parent_run_id=None if new.parent_run_id is None else str(new.parent_run_id),
         )
         shown = run_view(session, row)
@@ -86,7 +87,7 @@ def create_run(request: Request, new: RunNew) -> Run:
     services.jobs.enqueue(shown.id)
     if new.cancel_parent and shown.parent_run_id is not None:
         with contextlib.suppress(Conflict):  # It is over.
-            services.jobs.cancel(shown.parent_run_id)
+            services.jobs.cancel(shown.parent_run_id, who.player_id)
     return shown
 
 
@@ -103,9 +104,9 @@ def update_run(session: WriteSession, run_id: RunId, update: RunUpdate) -> Run:
 
 
 @router.delete("/runs/{run_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_run(session: WriteSession, run_id: RunId) -> None:
+def delete_run(session: WriteSession, who: Who, run_id: RunId) -> None:
     """Delete a training that has ended; it can be restored."""
-    runs.delete(session, str(run_id))
+    runs.delete(session, str(run_id), who.player_id)
 
 
 @router.post("/runs/{run_id}/restore", responses=NOT_FOUND)
@@ -115,9 +116,9 @@ def restore_run(session: WriteSession, run_id: RunId) -> Run:
 
 
 @router.post("/runs/{run_id}/cancel", responses=NOT_FOUND | CONFLICT)
-def cancel_run(request: Request, run_id: RunId) -> Run:
+def cancel_run(request: Request, who: Who, run_id: RunId) -> Run:
     """Cancel a training; its worker stops within seconds. It can be resumed."""
-    services_of(request).jobs.cancel(str(run_id))
+    services_of(request).jobs.cancel(str(run_id), who.player_id)
     return _now(request, run_id)
 
 

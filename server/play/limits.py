@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from tril.errors import Unavailable
 from tril.settings import Settings
-from tril.store import games, players
+from tril.store import games, players, recordings
 
 
 class TooManyGames(Unavailable):
@@ -34,11 +34,13 @@ class GameLimits:
         total: Of all players together.
         per_player: Of one player.
         watched: The watched games of this process, which count as well.
+        recordings_per_player: How many recordings of one player are stored at most.
     """
 
     total: int
     per_player: int
     watched: WatchedGames = field(default_factory=WatchedGames)
+    recordings_per_player: int | None = None
 
     @classmethod
     def from_settings(cls, settings: Settings, per_process: int) -> GameLimits:
@@ -49,7 +51,11 @@ class GameLimits:
             per_process: How many games one process can play.
         """
         total = settings.max_games or per_process * settings.server_processes
-        return cls(total, settings.max_games_per_player)
+        return cls(
+            total,
+            settings.max_games_per_player,
+            recordings_per_player=settings.max_recordings_per_player,
+        )
 
     def check(
         self, session: Session, player_id: int | None, n_counted: int = 0, n_new: int = 1
@@ -65,6 +71,7 @@ class GameLimits:
 
         Raises:
             TooManyGames: A limit is reached.
+            Conflict: The player has too many recordings.
         """
         if player_id is not None:
             players.lock(session, player_id)
@@ -75,6 +82,8 @@ class GameLimits:
                     "(TRIL_MAX_GAMES_PER_PLAYER). Finish or stop one; a game whose tab is closed "
                     "counts for about a minute longer."
                 )
+            if self.recordings_per_player is not None and n_new > 0:
+                recordings.refuse_too_many(session, player_id, self.recordings_per_player, n_new)
         n_open = games.count_open(session) + self.watched.n_open - n_counted
         if n_open + n_new > self.total:
             raise TooManyGames(

@@ -71,7 +71,10 @@ class SameOrigin:
 
 
 class Authentication:
-    """Refuses requests to the API without a valid cookie (401; 4401 closes a WebSocket)."""
+    """Refuses requests to the API of nobody who is signed in (401; 4401 closes a WebSocket).
+
+    Others are passed on with their identity. An open WebSocket is closed when they are signed out.
+    """
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -82,22 +85,48 @@ class Authentication:
             scope["type"] not in {"http", "websocket"}
             or not _is_api(scope)
             or scope["path"] in PUBLIC_PATHS
-            or is_signed_in(HTTPConnection(scope))
         ):
             await self._app(scope, receive, send)
             return
-        why = "You are not signed in. Open the address that Tril printed when it started."
-        if scope["type"] == "websocket":
-            await send({"type": "websocket.accept"})
-            await send({"type": "websocket.close", "code": CLOSE_UNAUTHORISED, "reason": why})
+        connection = HTTPConnection(scope)
+        identity = await services_of(connection).access.identify(connection)
+        if identity is None:
+            await _refuse_stranger(scope, receive, send)
+            return
+        scope["identity"] = identity
+        if scope["type"] == "http":
+            await self._app(scope, receive, send)
         else:
-            await _refuse(scope, receive, send, 401, why)
+            await self._pass_on_while_signed_in(scope, receive, send)
+
+    async def _pass_on_while_signed_in(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a WebSocket on; close it if its browser is signed out."""
+        closing: asyncio.Task[None] | None = None
+
+        async def close() -> None:
+            why = "You have been signed out."
+            await send({"type": "websocket.close", "code": CLOSE_UNAUTHORISED, "reason": why})
+
+        def end() -> None:
+            nonlocal closing
+            closing = closing or asyncio.create_task(close())
+
+        async def send_unless_closed(message: Message) -> None:
+            if closing is None:
+                await send(message)
+
+        access = services_of(HTTPConnection(scope)).access
+        with access.while_open(scope["identity"], end):
+            await self._app(scope, receive, send_unless_closed)
 
 
-def is_signed_in(connection: HTTPConnection) -> bool:
-    """Whether a request carries a valid cookie."""
-    access = services_of(connection).access
-    return access.is_cookie(connection.cookies.get(access.cookie_name, ""))
+async def _refuse_stranger(scope: Scope, receive: Receive, send: Send) -> None:
+    why = "You are not signed in. Open the address that Tril printed when it started."
+    if scope["type"] == "websocket":
+        await send({"type": "websocket.accept"})
+        await send({"type": "websocket.close", "code": CLOSE_UNAUTHORISED, "reason": why})
+    else:
+        await _refuse(scope, receive, send, 401, why)
 
 
 class BodyLimit:

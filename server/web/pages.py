@@ -5,42 +5,23 @@ from __future__ import annotations
 import asyncio
 import mimetypes
 from pathlib import Path
-from urllib.parse import quote, unquote
+from urllib.parse import quote
 
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
 from server.web.compression import accepts_gzip, compressed, is_compressible
-from server.web.middleware import is_signed_in
 from server.web.problems import problem
-from server.web.security import COOKIE_LIFETIME_S
+from server.web.sign_in import join, sign_in, small_page
 from tril.errors import Unavailable
+from tril.store.access import invitations
 
 FRONTEND = Path(__file__).with_name("static")
 _HASHED = "/assets/"
 """Where the build puts files whose names change with their content."""
 _IMMUTABLE = "public, max-age=31536000, immutable"
-
-_PAGE = """<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">{head}
-<title>{title} · Tril</title>
-<body style="font: 1.1rem/1.5 system-ui; max-width: 36rem; margin: 15vh auto; padding: 0 1rem;
-  color-scheme: light dark">
-<main>
-<h1>{title}</h1>
-<p>{text}</p>
-<form action="/" style="display: grid; gap: .5rem">
-<label for="key">Key, or the whole address</label>
-<input id="key" name="token" type="password" autocomplete="off" required autofocus
-  style="font: inherit; padding: .5rem">
-<button style="font: inherit; padding: .5rem 1rem; justify-self: start">Sign in</button>
-</form>
-</main>
-"""
 
 
 class Frontend:
@@ -110,10 +91,12 @@ class Pages:
         if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008, "reason": "No such stream."})
             return
-        request = Request(scope)
+        request = Request(scope, receive)
         path = request.url.path
         if path == "/api" or path.startswith("/api/"):
             answer: Response = problem(404, f"There is nothing at {path}.")
+        elif path == invitations.PATH:
+            answer = await join(request)
         elif request.method not in {"GET", "HEAD"}:
             answer = problem(405, "Pages can only be read.")
             answer.headers["Allow"] = "GET, HEAD"
@@ -123,7 +106,7 @@ class Pages:
 
     async def _page(self, request: Request, path: str) -> Response:
         if path == "/" and "token" in request.query_params:
-            return _sign_in(request)
+            return await sign_in(request)
         file = self._frontend.find(path)
         if file is not None and file != self._frontend.index:
             media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
@@ -131,7 +114,7 @@ class Pages:
             return await self._file(request, file, media_type, cached)
         if "." in path.rpartition("/")[2]:
             return PlainTextResponse("There is no such file.", 404)
-        if not is_signed_in(request):
+        if await services_of(request).access.identify(request) is None:
             return _not_signed_in(request)
         return await self._file(request, self._frontend.index, "text/html", "no-store")
 
@@ -149,33 +132,6 @@ class Pages:
         return Response(content, media_type=media_type, headers=headers)
 
 
-def _sign_in(request: Request) -> Response:
-    access = services_of(request).access
-    if not access.is_token(_token_in(request.query_params["token"])):
-        return _small_page(
-            401,
-            "This key does not fit",
-            "It is not the one of this server. <code>tril address</code> in a terminal prints the "
-            "address that contains it.",
-        )
-    answer = Response(status_code=303, headers={"Location": "/", "Cache-Control": "no-store"})
-    answer.set_cookie(
-        access.cookie_name,
-        access.new_cookie(),
-        max_age=COOKIE_LIFETIME_S,
-        path="/",
-        httponly=True,
-        samesite="strict",
-        secure=request.url.scheme == "https",
-    )
-    return answer
-
-
-def _token_in(given: str) -> str:
-    """Return the token of what was typed, which may be the whole address."""
-    return unquote(given.strip().rpartition("token=")[2])
-
-
 def _not_signed_in(request: Request) -> Response:
     # Browsers withhold a SameSite=Strict cookie when a link on another site leads here. A reload
     # starts from this page and sends the cookie.
@@ -183,18 +139,10 @@ def _not_signed_in(request: Request) -> Response:
     # One leading slash and everything quoted, so that the address stays on this server.
     here = quote("/" + request.url.path.lstrip("/"))
     head = f'\n<meta http-equiv="refresh" content="0; url={here}">' * again
-    return _small_page(
+    return small_page(
         401,
         "You are not signed in",
         "Open the address that Tril printed when it started; it contains the key. "
         "<code>tril address</code> in a terminal prints it again.",
         head,
-    )
-
-
-def _small_page(status: int, title: str, text: str, head: str = "") -> Response:
-    return HTMLResponse(
-        _PAGE.format(title=title, text=text, head=head),
-        status,
-        headers={"Cache-Control": "no-store"},
     )

@@ -13,11 +13,12 @@ from sqlalchemy.exc import OperationalError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
-from tril.errors import Conflict, Invalid, NotFound, TrilError, Unavailable
+from tril.errors import Conflict, Forbidden, Invalid, NotFound, TrilError, Unavailable
 
 _LOG = logging.getLogger(__name__)
 
 _STATUS: Mapping[type[TrilError], int] = {
+    Forbidden: 403,
     NotFound: 404,
     Conflict: 409,
     Invalid: 422,
@@ -43,7 +44,7 @@ class Problem(BaseModel):
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     400: {"model": Problem, "description": "The request can't be read."},
     401: {"model": Problem, "description": "Open the address that Tril printed first."},
-    403: {"model": Problem, "description": "The request comes from another site."},
+    403: {"model": Problem, "description": "You may not do this, or it comes from another site."},
     413: {"model": Problem, "description": "The body is too large."},
     422: {"model": Problem, "description": "What was given can't be accepted."},
     503: {"model": Problem, "description": "A part of Tril is not running or out of room."},

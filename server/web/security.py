@@ -1,4 +1,4 @@
-"""Authentication: one access token, exchanged for a signed cookie."""
+"""The secrets of an installation: the owner's key, and what signs cookies and keys."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import logging
 import os
 import re
 import secrets
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,10 +17,9 @@ from urllib.parse import quote
 from tril.errors import Unavailable
 from tril.files.artifact_store import write_whole
 from tril.settings import Settings
+from tril.store.access import invitations
 
-COOKIE_LIFETIME_S = 180 * 24 * 3600
 _VERSION = 1
-_CLOCK_SLACK_S = 300
 
 
 @dataclass(frozen=True)
@@ -30,11 +28,24 @@ class Secrets:
 
     Attributes:
         token: The access token in the printed address.
-        cookie_key: The key that signs cookies.
+        cookie_key: What signs the secrets in cookies, keys and links, so that made-up ones are
+            refused without asking the database.
     """
 
     token: str
     cookie_key: bytes
+
+    def signed(self, secret: str) -> str:
+        """Return a secret as it is handed out."""
+        message = f"tril {_VERSION} {secret}".encode()
+        signature = hmac.new(self.cookie_key, message, hashlib.sha256).hexdigest()
+        return f"{secret}.{signature[:32]}"
+
+    def secret_in(self, handed_out: str) -> str | None:
+        """Return the secret in something that was handed out here; None if it was made up."""
+        secret, _, _ = handed_out.partition(".")
+        expected = self.signed(secret)
+        return secret if hmac.compare_digest(handed_out.encode(), expected.encode()) else None
 
     def __repr__(self) -> str:
         return "Secrets(…)"
@@ -61,11 +72,28 @@ def load_secrets(path: Path) -> Secrets:
     return found
 
 
+def is_token(path: Path, given: str) -> bool:
+    """Whether this is the installation's token at this moment, compared in constant time."""
+    # Read anew, since `tril address --new` replaces it while servers run.
+    return hmac.compare_digest(given.encode(), load_secrets(path).token.encode())
+
+
+def renew_token(path: Path) -> None:
+    """Replace the access token, so that addresses printed earlier stop working."""
+    kept = load_secrets(path).cookie_key
+    content = {"version": _VERSION, "token": _new_token(), "cookie_key": kept.hex()}
+    write_whole(path, json.dumps(content).encode(), mode=0o600)
+
+
+def _new_token() -> str:
+    return secrets.token_urlsafe(24)
+
+
 def _make_secrets(path: Path) -> None:
     """Write new secrets unless another process does so first."""
     content = {
         "version": _VERSION,
-        "token": secrets.token_urlsafe(24),
+        "token": _new_token(),
         "cookie_key": secrets.token_hex(32),
     }
     ready = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
@@ -79,42 +107,12 @@ def _make_secrets(path: Path) -> None:
         ready.unlink(missing_ok=True)
 
 
-class Access:
-    """Checks tokens and cookies.
-
-    Args:
-        settings: The file of the secrets and the port. The port is part of the cookie's name,
-            because the ports of a host share its cookies and two Trils may run side by side.
-    """
-
-    def __init__(self, settings: Settings) -> None:
-        self._secrets = load_secrets(settings.token_file)
-        self.cookie_name = cookie_name(settings)
-
-    def is_token(self, token: str) -> bool:
-        """Whether this is the installation's token, compared in constant time."""
-        return hmac.compare_digest(token.encode(), self._secrets.token.encode())
-
-    def new_cookie(self) -> str:
-        """Return a cookie for a browser that has shown the token."""
-        issued = str(int(time.time()))
-        return f"{issued}.{self._signature(issued)}"
-
-    def is_cookie(self, cookie: str) -> bool:
-        """Whether a cookie was issued here and has not expired."""
-        issued, _, signature = cookie.partition(".")
-        if not hmac.compare_digest(signature.encode(), self._signature(issued).encode()):
-            return False
-        age_s = time.time() - int(issued)
-        return -_CLOCK_SLACK_S <= age_s <= COOKIE_LIFETIME_S
-
-    def _signature(self, issued: str) -> str:
-        message = f"tril cookie {_VERSION} {issued}".encode()
-        return hmac.new(self._secrets.cookie_key, message, hashlib.sha256).hexdigest()
-
-
 def cookie_name(settings: Settings) -> str:
-    """Return the name of a server's cookie."""
+    """Return the name of a server's cookie.
+
+    The port is part of it, because the ports of a host share its cookies and two Trils may run
+    side by side.
+    """
     return f"tril_{settings.port}"
 
 
@@ -123,11 +121,17 @@ def address_with_token(settings: Settings, url: str) -> str:
     return f"{url.rstrip('/')}/?token={quote(load_secrets(settings.token_file).token)}"
 
 
-_TOKEN = re.compile(r"(token=)[^&\s\"']+", re.IGNORECASE)
+def invitation_link(settings: Settings, url: str, secret: str) -> str:
+    """Return the link of an invitation."""
+    signed = load_secrets(settings.token_file).signed(secret)
+    return f"{url.rstrip('/')}{invitations.PATH}?invitation={signed}"
+
+
+_TOKEN = re.compile(r"((?:token|invitation)=)[^&\s\"']+", re.IGNORECASE)
 
 
 class MaskToken(logging.Filter):
-    """Logging filter that masks the access token in addresses."""
+    """Logging filter that masks the secrets in addresses."""
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Mask the token in a record's message and its arguments."""

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
-from server.web.security import Access
+from server.web.security import is_token
 from tril.settings import Settings
 
 
@@ -23,5 +23,5 @@ def test_the_address_opens_the_server_of_this_data_folder(
     address = urlsplit(result.stdout.strip())
     assert address.netloc == "127.0.0.1:8123"
     (token,) = parse_qs(address.query)["token"]
-    assert Access(Settings()).is_token(token)
+    assert is_token(Settings().token_file, token)
     assert data_folder.exists()

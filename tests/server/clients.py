@@ -11,7 +11,7 @@ from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.play.rules import PlayRules
-from server.web.security import Access
+from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace
 from tril.game.console import Console
 from tril.recording import Recording, replay
@@ -33,8 +33,7 @@ def signed_in(
     )
     app = create_app(settings, frontend, rules)
     with TestClient(app, base_url=f"http://127.0.0.1:{workplace.settings.port}") as client:
-        access = Access(workplace.settings)
-        client.cookies.set(access.cookie_name, access.new_cookie())
+        client.cookies.set(*cookie_of(workplace.settings))
         yield client
 
 

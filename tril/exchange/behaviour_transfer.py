@@ -25,7 +25,7 @@ from tril.exchange.recording_transfer import dump_row
 from tril.game.console import Console
 from tril.game.space_invaders import GAME
 from tril.recording import RecordingRefused
-from tril.store import behaviours, borrowed, players, rankings, recordings
+from tril.store import audit, behaviours, borrowed, players, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import (
     BehaviourRow,
@@ -132,6 +132,7 @@ def import_behaviour(
         ids = _add_recordings(session, row.id, given, replayed)
         revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]
         rankings.restore_history(session, row.id, revisions)
+        audit.note(session, audit.Action.IMPORTED, None, f"behaviour {row.id}", recordings=len(ids))
         notices = [
             f"Recording {number}: {notice}"
             for number, one in replayed.items()

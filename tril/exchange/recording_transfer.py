@@ -19,7 +19,7 @@ from tril.exchange.formats.recording_file import (
 from tril.game.console import Console
 from tril.game.episode import EndReason, Start
 from tril.recording import Recording
-from tril.store import rankings, recordings
+from tril.store import audit, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, Source
 
@@ -58,6 +58,7 @@ def import_recordings(
     perfect: bool = False,
     player_id: int | None = None,
     max_recordings: int = MAX_OBJECTS,
+    max_of_player: int | None = None,
 ) -> RecordingImportResult:
     """Add the recordings of a file, each verified by a replay, in one transaction.
 
@@ -72,8 +73,10 @@ def import_recordings(
         perfect: Mark all of them as perfect, else those marked in the file.
         player_id: The player of recordings by a person.
         max_recordings: Further recordings are refused.
+        max_of_player: How many recordings of the player may be stored; None for any number.
 
     Raises:
+        Conflict: The player would have too many recordings.
         Invalid: ``rank`` and ``perfect`` at once.
     """
     if rank and perfect:
@@ -90,6 +93,8 @@ def import_recordings(
         known = [library.get(_identity(given.recording)) for _, given in accepted]
         outcome.already_there += [key for key in known if key is not None]
         accepted = [one for one, key in zip(accepted, known, strict=True) if key is None]
+        if player_id is not None and max_of_player is not None:
+            recordings.refuse_too_many(session, player_id, max_of_player, len(accepted))
         for _, given in accepted:
             row = recordings.add(
                 session,
@@ -103,6 +108,14 @@ def import_recordings(
                 conditions=_conditions(given),
             )
             outcome.recording_ids.append(row.id)
+        if outcome.recording_ids:
+            audit.note(
+                session,
+                audit.Action.IMPORTED,
+                player_id,
+                f"behaviour {behaviour_id}",
+                recordings=len(outcome.recording_ids),
+            )
         if rank and accepted:
             _rank(session, behaviour_id, [given for _, given in accepted], outcome, player_id)
     return outcome

@@ -38,7 +38,7 @@ from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.recipes import recipe_from_dict, with_values
 from tril.recording import Recording, RecordingRefused, Replay
 from tril.stages import Stage
-from tril.store import behaviours, rankings, recordings
+from tril.store import audit, behaviours, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.database import Database
 from tril.store.models import (
@@ -267,6 +267,7 @@ def import_run(
             _add_results(session, archive, behaviour, ids, replayed)
             _name_files(session, run, ids, paths)
             _keep_percentiles(session, store, run, ids)
+            audit.note(session, audit.Action.IMPORTED, None, f"run {run.id}")
             note_change(session, "run", run.id)
             return RunImportResult(run.id, behaviour.id, was_there=False)
     except BaseException:

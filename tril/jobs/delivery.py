@@ -73,7 +73,7 @@ class Jobs:
         except (SQLAlchemyError, error.DBOSException, Unavailable) as problem:
             log.warning("Run %s could not be enqueued yet: %s", run_id, problem)
 
-    def cancel(self, run_id: str) -> None:
+    def cancel(self, run_id: str, player_id: int | None = None) -> None:
         """Cancel a run; a worker that has it stops within seconds.
 
         Raises:
@@ -81,7 +81,7 @@ class Jobs:
             Conflict: The run is over already.
         """
         with self._database.writing() as session:
-            row = runs.request_cancel(session, run_id)
+            row = runs.request_cancel(session, run_id, player_id)
         if row.status == RunStatus.CANCELLED:
             try:
                 self._client.cancel_workflow(run_id)

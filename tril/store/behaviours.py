@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.errors import Conflict, Invalid, NameTaken, NotFound
+from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import (
     NOT_OVER,
@@ -185,7 +186,7 @@ def update(
     note_change(session, "behaviour", row.id)
 
 
-def delete(session: Session, row: BehaviourRow) -> None:
+def delete(session: Session, row: BehaviourRow, player_id: int | None = None) -> None:
     """Take a behaviour out of the lists; ``restore`` brings it back.
 
     Its recordings, its ranking and its runs stay stored, and so does what it has borrowed and what
@@ -200,6 +201,7 @@ def delete(session: Session, row: BehaviourRow) -> None:
     if session.scalar(under_way.limit(1)) is not None:
         raise Conflict(f"A training of {row.name} is under way; cancel it first.")
     row.deleted_at = now()
+    audit.note(session, audit.Action.DELETED, player_id, f"behaviour {row.id}", name=row.name)
     note_change(session, "behaviour", row.id)
 
 

@@ -329,6 +329,17 @@ def abandoned(session: Session, after: timedelta, limit: int = 100) -> list[Game
     return list(session.scalars(query))
 
 
+def player_of(session: Session, game_id: str) -> tuple[int | None, int] | None:
+    """Return the person who plays a game and its behaviour; None if there is no such game."""
+    query = (
+        select(RecordingRow.player_id, RecordingRow.behaviour_id)
+        .join(GameRow, GameRow.recording_id == RecordingRow.id)
+        .where(GameRow.id == game_id)
+    )
+    found = session.execute(query).one_or_none()
+    return None if found is None else (found[0], found[1])
+
+
 def is_open(session: Session, game_id: str) -> bool:
     """Whether a game is played or about to be."""
     return bool(session.scalar(_open(session).where(GameRow.id == game_id)))

@@ -91,7 +91,11 @@ class Base(DeclarativeBase):
 
 
 class Role(StrEnum):
-    """What a player may do; there is one owner so far."""
+    """What a person may do, see server/web/permissions.py.
+
+    OWNER: everything. RESEARCHER: everything but who gets in. PARTICIPANT: play the behaviours of
+    their memberships, and see their own games of them.
+    """
 
     OWNER = "owner"
     RESEARCHER = "researcher"
@@ -410,3 +414,80 @@ class ProcessRow(Base):
     machine: Mapped[str | None] = mapped_column(String(80))
     pid: Mapped[int | None] = mapped_column(Integer)
     started: Mapped[str | None] = mapped_column(String(32))
+
+
+class InvitationRow(Base):
+    """A link that lets people in. Only a hash of its secret is stored.
+
+    ``behaviour_id`` is what participants may play; researchers are invited to all behaviours.
+    """
+
+    __tablename__ = "invitations"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    name: Mapped[str] = mapped_column(String(80))
+    role: Mapped[str] = mapped_column(String(16))
+    behaviour_id: Mapped[int | None] = mapped_column(ForeignKey("behaviours.id"))
+    secret_hash: Mapped[str] = mapped_column(String(64), unique=True)
+    created_by: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    n_used: Mapped[int] = mapped_column(Integer, default=0)
+    revoked_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+
+class MembershipRow(Base):
+    """A behaviour that a participant may play, and the invitation by which."""
+
+    __tablename__ = "memberships"
+
+    behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), primary_key=True)
+    player_id: Mapped[int] = mapped_column(ForeignKey("players.id"), primary_key=True, index=True)
+    invitation_id: Mapped[int | None] = mapped_column(ForeignKey("invitations.id"))
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
+class CredentialKind(StrEnum):
+    """What shows a credential. BROWSER: a cookie. KEY: a script or worker."""
+
+    BROWSER = "browser"
+    KEY = "key"
+
+
+class CredentialRow(Base):
+    """A signed-in browser, or the key of a script. Only a hash of its secret is stored.
+
+    ``name`` is the browser's, or what the key is for. ``role`` is what a key may do, at most what
+    its person may; None for a browser, which may do what its person may. ``seen_at`` is at most
+    about a minute behind.
+    """
+
+    __tablename__ = "credentials"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    kind: Mapped[str] = mapped_column(String(16))
+    player_id: Mapped[int] = mapped_column(ForeignKey("players.id"), index=True)
+    invitation_id: Mapped[int | None] = mapped_column(ForeignKey("invitations.id"))
+    role: Mapped[str | None] = mapped_column(String(16))
+    name: Mapped[str] = mapped_column(String(80))
+    secret_hash: Mapped[str] = mapped_column(String(64), unique=True)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    seen_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+    ended_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+
+class AuditRow(Base):
+    """Something that somebody did; rows are only ever added.
+
+    ``player_id`` is None for what a command in the terminal did, ``subject`` is what it was done to
+    ("recording 12"), ``details`` says more.
+    """
+
+    __tablename__ = "audit"
+    __table_args__ = {"sqlite_autoincrement": True}  # noqa: RUF012
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    action: Mapped[str] = mapped_column(String(32))
+    subject: Mapped[str] = mapped_column(String(120))
+    details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)

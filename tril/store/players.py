@@ -35,6 +35,25 @@ def seed_owner(session: Session) -> None:
         session.flush()
 
 
+def get(session: Session, player_id: int) -> PlayerRow:
+    """Return a person; raises NotFound if there is none."""
+    row = session.get(PlayerRow, player_id)
+    if row is None:
+        raise NotFound(f"There is no player {player_id}.")
+    return row
+
+
+def add(session: Session, name: str, role: Role) -> PlayerRow:
+    """Add a person; raises Invalid without a name."""
+    if not name.strip():
+        raise Invalid("A player needs a name.")
+    row = PlayerRow(name=name.strip()[:80], role=role)
+    session.add(row)
+    session.flush()
+    note_change(session, "player", row.id)
+    return row
+
+
 def rename(session: Session, player: PlayerRow, name: str) -> None:
     """Give a player another name."""
     if not name.strip():
@@ -48,14 +67,14 @@ def named(session: Session, name: str) -> PlayerRow:
     row = session.scalar(
         select(PlayerRow).where(PlayerRow.name == name).order_by(PlayerRow.id).limit(1)
     )
-    if row is None:
-        row = PlayerRow(name=name, role=Role.PARTICIPANT)
-        session.add(row)
-        session.flush()
-        note_change(session, "player", row.id)
-    return row
+    return row or add(session, name, Role.PARTICIPANT)
+
+
+def by_id(session: Session) -> dict[int, PlayerRow]:
+    """Return everybody by id."""
+    return {row.id: row for row in session.scalars(select(PlayerRow))}
 
 
 def names(session: Session) -> dict[int, str]:
     """Return every player's name by id."""
-    return {row.id: row.name for row in session.scalars(select(PlayerRow))}
+    return {key: row.name for key, row in by_id(session).items()}

@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid
 from tril.ranking import Ranking, normalise
+from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import (
     BehaviourRow,
@@ -248,6 +249,14 @@ def _add(
     )
     session.add(row)
     session.flush()
+    audit.note(
+        session,
+        audit.Action.RANKED,
+        player_id,
+        f"behaviour {row.behaviour_id}",
+        revision=row.revision,
+        change=change,
+    )
     note_change(session, "ranking", row.behaviour_id)
     return row
 

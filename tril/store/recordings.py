@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid, NotFound
 from tril.game.episode import Ending, EndReason, Hit, Start
 from tril.recording import Recording, Replay
-from tril.store import rankings
+from tril.store import audit, rankings
 from tril.store.changes import note_change
 from tril.store.models import RecordingRow, RecordingState, Source, Verification, now
 
@@ -117,6 +117,15 @@ def get(session: Session, recording_id: int) -> RecordingRow:
     return row
 
 
+def player_of(session: Session, recording_id: int) -> tuple[int | None, int] | None:
+    """Return the person who played a recording and its behaviour; None if there is no such one."""
+    query = select(RecordingRow.player_id, RecordingRow.behaviour_id).where(
+        RecordingRow.id == recording_id, RecordingRow.source == Source.PERSON
+    )
+    found = session.execute(query).one_or_none()
+    return None if found is None else (found[0], found[1])
+
+
 def by_ids(session: Session, ids: Iterable[int]) -> dict[int, RecordingRow]:
     """Return recordings by id, even deleted ones; unknown ids are left out."""
     query = select(RecordingRow).where(RecordingRow.id.in_(set(ids)))
@@ -130,6 +139,7 @@ def listing(
     with_deleted: bool = False,
     with_policies: bool = False,
     with_undecided: bool = False,
+    only_of: int | None = None,
 ) -> list[RecordingRow]:
     """Return a behaviour's library, newest first.
 
@@ -139,12 +149,15 @@ def listing(
         with_deleted: Whether to list deleted recordings, too.
         with_policies: Whether to list the recordings of runs, too.
         with_undecided: Whether to list games, too, that ended but were neither kept nor discarded.
+        only_of: Only the games that this person played.
     """
     query = _library(behaviour_id, with_undecided)
     if not with_deleted:
         query = query.where(RecordingRow.deleted_at.is_(None))
     if not with_policies:
         query = query.where(RecordingRow.run_id.is_(None))
+    if only_of is not None:
+        query = query.where(RecordingRow.player_id == only_of, RecordingRow.source == Source.PERSON)
     return list(session.scalars(query.order_by(RecordingRow.id.desc())))
 
 
@@ -154,17 +167,44 @@ def has_any(session: Session, behaviour_id: int) -> bool:
     return session.scalar(query) is not None
 
 
-def branches(session: Session, recording_id: int) -> list[RecordingRow]:
+def refuse_too_many(session: Session, player_id: int, limit: int, n_new: int = 1) -> None:
+    """Raise Conflict if a person may not store more recordings; deleted ones count as well.
+
+    A recording has at most some kilobytes, so this limits what somebody can store.
+    """
+    query = select(func.count(RecordingRow.id)).where(RecordingRow.player_id == player_id)
+    n_stored = session.scalar(query) or 0
+    if n_stored + n_new > limit:
+        raise Conflict(
+            f"{n_stored} recordings of yours are stored, deleted ones included, and at most"
+            f" {limit} may be. Whoever runs this server can allow more"
+            " (TRIL_MAX_RECORDINGS_PER_PLAYER)."
+        )
+
+
+def branches(session: Session, recording_id: int, only_of: int | None = None) -> list[RecordingRow]:
     """Return the recordings that continue this one, oldest first.
 
-    Deleted ones and games being played are left out.
+    Deleted ones and games being played are left out, and those of others than ``only_of``.
     """
     query = select(RecordingRow).where(
         RecordingRow.parent_id == recording_id,
         RecordingRow.deleted_at.is_(None),
         RecordingRow.state != RecordingState.PLAYING,
     )
+    if only_of is not None:
+        query = query.where(RecordingRow.player_id == only_of)
     return list(session.scalars(query.order_by(RecordingRow.id)))
+
+
+def own_ids(session: Session, player_id: int, ids: Iterable[int]) -> set[int]:
+    """Return which of these recordings a person played."""
+    query = select(RecordingRow.id).where(
+        RecordingRow.id.in_(set(ids)),
+        RecordingRow.player_id == player_id,
+        RecordingRow.source == Source.PERSON,
+    )
+    return set(session.scalars(query))
 
 
 def perfect_ids(session: Session, behaviour_id: int) -> list[int]:
@@ -208,6 +248,7 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
     gone = [row for row in rows if row.deleted_at is None]
     for row in gone:
         row.deleted_at = now()
+        audit.note(session, audit.Action.DELETED, player_id, f"recording {row.id}")
         note_change(session, "recording", row.id)
     session.flush()
     rankings.take_out(session, [row.id for row in gone], player_id)

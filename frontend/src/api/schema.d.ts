@@ -24,6 +24,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Audit
+         * @description Return who did what, the newest first, only what is older than the entry ``before``.
+         */
+        get: operations["list_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours": {
         parameters: {
             query?: never;
@@ -33,7 +53,7 @@ export interface paths {
         };
         /**
          * List Behaviours
-         * @description Return all behaviours, the built-in ones first.
+         * @description Return the behaviours that one may play, the built-in ones first.
          */
         get: operations["list_behaviours"];
         put?: never;
@@ -132,7 +152,7 @@ export interface paths {
          * @description Return the demonstrations that exemplify a behaviour, and which of them exist.
          *
          *     The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
-         *     what a plan asks for and ends without the player's death.
+         *     what a plan asks for and ends without the player's death; of a participant, their own.
          */
         get: operations["get_checklist"];
         put?: never;
@@ -300,6 +320,8 @@ export interface paths {
         /**
          * List Recordings
          * @description Return a behaviour's recordings, newest first, those to keep or discard included.
+         *
+         *     A participant gets their own.
          */
         get: operations["list_recordings"];
         put?: never;
@@ -390,6 +412,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/browsers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Browsers
+         * @description Return the browsers that are signed in, the newest first.
+         */
+        get: operations["list_browsers"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/browsers/{browser_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Sign Browser Out
+         * @description Sign a browser out, which takes effect within seconds.
+         */
+        delete: operations["sign_browser_out"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/events": {
         parameters: {
             query?: never;
@@ -399,7 +461,7 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream changes from now on.
+         * @description Stream changes from now on, until who listens is signed out.
          */
         get: operations["stream_events"];
         put?: never;
@@ -516,6 +578,94 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/invitations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Invitations
+         * @description Return the invitations that are not revoked, the newest first.
+         */
+        get: operations["list_invitations"];
+        put?: never;
+        /**
+         * Create Invitation
+         * @description Make a link that lets people in.
+         */
+        post: operations["create_invitation"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/invitations/{invitation_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Revoke Invitation
+         * @description Let nobody else in by a link. Those who came by it stay until they are signed out.
+         */
+        delete: operations["revoke_invitation"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/keys": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Keys
+         * @description Return the keys, the newest first.
+         */
+        get: operations["list_keys"];
+        put?: never;
+        /**
+         * Create Key
+         * @description Make a key, to be sent as ``Authorization: Bearer KEY``.
+         */
+        post: operations["create_key"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/keys/{key_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Revoke Key
+         * @description Revoke a key, which takes effect within seconds.
+         */
+        delete: operations["revoke_key"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/player": {
         parameters: {
             query?: never;
@@ -525,7 +675,7 @@ export interface paths {
         };
         /**
          * Get Player
-         * @description Return the player.
+         * @description Return who is signed in.
          */
         get: operations["get_player"];
         put?: never;
@@ -535,7 +685,7 @@ export interface paths {
         head?: never;
         /**
          * Update Player
-         * @description Change the player's name.
+         * @description Change one's own name.
          */
         patch: operations["update_player"];
         trace?: never;
@@ -988,6 +1138,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sign-out": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Sign Out
+         * @description Sign this browser out. A key can't sign out; it is revoked.
+         */
+        post: operations["sign_out"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/system": {
         parameters: {
             query?: never;
@@ -1012,6 +1182,12 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * Action
+         * @description What is logged.
+         * @enum {string}
+         */
+        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "deleted" | "restored" | "imported" | "ranked" | "queued a run" | "cancelled a run";
         /**
          * Artifact
          * @description A file of a training.
@@ -1056,6 +1232,28 @@ export interface components {
          * @enum {string}
          */
         AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
+        /**
+         * AuditEntry
+         * @description Something that somebody did; ``player`` is null for commands in the terminal.
+         */
+        AuditEntry: {
+            action: components["schemas"]["Action"];
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /** Details */
+            details: {
+                [key: string]: unknown;
+            };
+            /** Id */
+            id: number;
+            /** Player */
+            player: string | null;
+            /** Subject */
+            subject: string;
+        };
         /**
          * BegunBy
          * @description The policy that played the first ``frames`` frames of a person's game.
@@ -1166,6 +1364,28 @@ export interface components {
             frame: number;
             /** Recording Id */
             recording_id: number;
+        };
+        /**
+         * Browser
+         * @description A browser that is signed in. ``present`` is the one that asks.
+         */
+        Browser: {
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Id */
+            id: number;
+            /** Name */
+            name: string;
+            /** Player */
+            player: string;
+            /** Present */
+            present: boolean;
+            role: components["schemas"]["Role"];
+            /** Seen At */
+            seen_at: string | null;
         };
         /**
          * Checklist
@@ -1408,6 +1628,42 @@ export interface components {
             n: number;
         };
         /**
+         * Invitation
+         * @description A link that lets people in, until it is revoked.
+         */
+        Invitation: {
+            /** Behaviour Id */
+            behaviour_id: number | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Id */
+            id: number;
+            /** N Used */
+            n_used: number;
+            /** Name */
+            name: string;
+            role: components["schemas"]["Role"];
+        };
+        /**
+         * InvitationNew
+         * @description An invitation to make; participants are invited to one behaviour.
+         */
+        InvitationNew: {
+            /** Behaviour Id */
+            behaviour_id?: number | null;
+            /** Name */
+            name: string;
+            /**
+             * Role
+             * @default participant
+             * @enum {string}
+             */
+            role: "researcher" | "participant";
+        };
+        /**
          * JudgedGame
          * @description A game's true quantity (targets hit less strays) and its predicted return (sum of R).
          */
@@ -1438,6 +1694,40 @@ export interface components {
             player: "person" | "demonstrator" | "varied" | "imitator" | "clone";
             /** Tau */
             tau: number | null;
+        };
+        /**
+         * Key
+         * @description A key with which scripts and workers act for a person.
+         */
+        Key: {
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Id */
+            id: number;
+            /** Name */
+            name: string;
+            /** Player */
+            player: string;
+            role: components["schemas"]["Role"];
+            /** Seen At */
+            seen_at: string | null;
+        };
+        /**
+         * KeyNew
+         * @description A key to make.
+         */
+        KeyNew: {
+            /** Name */
+            name: string;
+            /**
+             * Role
+             * @default researcher
+             * @enum {string}
+             */
+            role: "owner" | "researcher";
         };
         /**
          * Latency
@@ -1506,6 +1796,50 @@ export interface components {
             };
         };
         /**
+         * NewInvitation
+         * @description An invitation that was made; ``path``, its link on this server, is shown only now.
+         */
+        NewInvitation: {
+            /** Behaviour Id */
+            behaviour_id: number | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Id */
+            id: number;
+            /** N Used */
+            n_used: number;
+            /** Name */
+            name: string;
+            /** Path */
+            path: string;
+            role: components["schemas"]["Role"];
+        };
+        /**
+         * NewKey
+         * @description A key that was made; ``key`` is shown only now.
+         */
+        NewKey: {
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Id */
+            id: number;
+            /** Key */
+            key: string;
+            /** Name */
+            name: string;
+            /** Player */
+            player: string;
+            role: components["schemas"]["Role"];
+            /** Seen At */
+            seen_at: string | null;
+        };
+        /**
          * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
@@ -1522,7 +1856,7 @@ export interface components {
         };
         /**
          * Player
-         * @description A player.
+         * @description A person, and what they may do here.
          */
         Player: {
             /** Id */
@@ -1965,7 +2299,10 @@ export interface components {
         };
         /**
          * Role
-         * @description What a player may do; there is one owner so far.
+         * @description What a person may do, see server/web/permissions.py.
+         *
+         *     OWNER: everything. RESEARCHER: everything but who gets in. PARTICIPANT: play the behaviours of
+         *     their memberships, and see their own games of them.
          * @enum {string}
          */
         Role: "owner" | "researcher" | "participant";
@@ -2293,7 +2630,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2304,6 +2641,84 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_audit: {
+        parameters: {
+            query?: {
+                /** @description An entry's id. */
+                before?: number | null;
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditEntry"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2376,7 +2791,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2454,7 +2869,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2539,7 +2954,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2622,7 +3037,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2720,7 +3135,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2814,7 +3229,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2903,7 +3318,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2987,7 +3402,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3081,7 +3496,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3166,7 +3581,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3251,7 +3666,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3340,7 +3755,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3438,7 +3853,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3532,7 +3947,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3621,7 +4036,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3715,7 +4130,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3804,7 +4219,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3900,7 +4315,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3989,7 +4404,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4086,7 +4501,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4182,7 +4597,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4276,7 +4691,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4296,6 +4711,163 @@ export interface operations {
             };
             /** @description The current state does not allow it. */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_browsers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Browser"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    sign_browser_out: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                browser_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4368,7 +4940,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4442,7 +5014,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4538,7 +5110,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4549,6 +5121,15 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4623,7 +5204,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4712,7 +5293,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4804,8 +5385,496 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_invitations: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Invitation"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_invitation: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["InvitationNew"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewInvitation"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_invitation: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                invitation_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_keys: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Key"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_key: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["KeyNew"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewKey"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_key: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                key_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4878,7 +5947,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4956,7 +6025,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5030,7 +6099,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5106,7 +6175,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5189,7 +6258,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5287,7 +6356,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5387,7 +6456,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5472,7 +6541,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5557,7 +6626,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5651,7 +6720,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5739,7 +6808,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5824,7 +6893,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5921,7 +6990,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6006,7 +7075,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6103,7 +7172,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6190,7 +7259,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6277,7 +7346,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6371,7 +7440,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6454,7 +7523,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6552,7 +7621,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6637,7 +7706,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6738,7 +7807,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6823,7 +7892,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -6919,7 +7988,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -7004,7 +8073,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -7089,7 +8158,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -7174,7 +8243,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -7269,7 +8338,88 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    sign_out: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -7352,7 +8502,7 @@ export interface operations {
                     "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request comes from another site. */
+            /** @description You may not do this, or it comes from another site. */
             403: {
                 headers: {
                     [name: string]: unknown;

@@ -36,6 +36,9 @@ const ComparePage = lazy(async () => ({
 }));
 const importRunPage = () => import("@/features/results/RunPage");
 const RunPage = lazy(async () => ({ default: (await importRunPage()).RunPage }));
+const PeoplePage = lazy(async () => ({
+  default: (await import("@/features/people/PeoplePage")).PeoplePage,
+}));
 const WatchPage = lazy(async () => ({
   default: (await import("@/features/play/watch/WatchPage")).WatchPage,
 }));
@@ -132,6 +135,14 @@ export const routes = [
       },
       { path: "runs/:runId", element: <RunPageRoute /> },
       { path: "runs/:runId/watch", element: <RunRoute page={watchPage} /> },
+      {
+        path: "people",
+        element: (
+          <Lazy>
+            <PeoplePage />
+          </Lazy>
+        ),
+      },
       { path: "*", element: <NotFound /> },
     ],
   },

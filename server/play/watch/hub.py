@@ -33,7 +33,7 @@ from tril.game.openings import Opening, draw_opening, evaluation_beginning
 from tril.game.starts import Start, draw_start
 from tril.recipes import recipe_from_dict
 from tril.recording import Recording, Verified, verify
-from tril.store import behaviours, games, players
+from tril.store import behaviours, games
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import artifacts, runs
@@ -47,6 +47,7 @@ class WatchPlan:
     """What is played before a page.
 
     Attributes:
+        player_id: The person who watches, and plays on.
         run_id: The run whose policies play.
         behaviour_id: What they have been taught.
         behaviour: The same, to score hits.
@@ -55,6 +56,7 @@ class WatchPlan:
         players: Who plays, and the seed of its sampled and repeated actions.
     """
 
+    player_id: int
     run_id: str
     behaviour_id: int
     behaviour: Behaviour
@@ -116,15 +118,17 @@ class WatchHub:
             await self.close(session)
         self._committer.close()
 
-    async def open(self, request: WatchRequest, socket: WatchSocket) -> WatchSession:
-        """Open games for a page.
+    async def open(
+        self, request: WatchRequest, socket: WatchSocket, player_id: int
+    ) -> WatchSession:
+        """Open games for a person's page.
 
         Raises:
             NotFound: There is no such run, or it has no such policy; says why.
             Unavailable: Too many games are open.
         """
         # Before places are taken, so that requests for unknown runs keep nobody from playing.
-        plan = await self._committer.run(lambda session: _plan(session, request))
+        plan = await self._committer.run(lambda session: _plan(session, request, player_id))
         n_games = len(request.actors)
         watched = self._limits.watched
         if self._games.n_games + watched.n_open + n_games > self._rules.max_games:
@@ -134,7 +138,10 @@ class WatchHub:
             )
         watched.n_open += n_games
         try:
-            await self._committer.run(self._check_limits)
+            await self._committer.run(
+                # The games have their places already.
+                lambda session: self._limits.check(session, player_id, n_new=0)
+            )
             played = await asyncio.to_thread(self._begin, plan)
         except BaseException:
             watched.n_open -= n_games
@@ -159,10 +166,6 @@ class WatchHub:
         await session.close()
         for lane in session.lanes:
             self._consoles.give_back(lane.game.episode.console)
-
-    def _check_limits(self, session: Session) -> None:
-        # The games have their places already.
-        self._limits.check(session, players.owner(session).id, n_new=0)
 
     def _begin(self, plan: WatchPlan) -> list[PolicyGame]:
         return [
@@ -190,10 +193,9 @@ class WatchHub:
         ).to_conditions()
 
         def take_over(transaction: Session) -> str:
-            player_id = players.owner(transaction).id
-            self._limits.check(transaction, player_id, n_counted=len(session.lanes))
+            self._limits.check(transaction, plan.player_id, n_counted=len(session.lanes))
             return games.create_taken_over(
-                transaction, plan.behaviour_id, begun, player_id, conditions
+                transaction, plan.behaviour_id, begun, plan.player_id, conditions
             ).id
 
         game_id = await self._committer.run(take_over)
@@ -218,12 +220,13 @@ class WatchHub:
                 await self.close(session)
 
 
-def _plan(session: Session, request: WatchRequest) -> WatchPlan:
+def _plan(session: Session, request: WatchRequest, player_id: int) -> WatchPlan:
     run = runs.get(session, request.run_id)
     for actor in request.actors:
         _check_trained(session, run, actor.policy)
     recipe = recipe_from_dict(run.recipe)
     return WatchPlan(
+        player_id,
         run.id,
         run.behaviour_id,
         behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),

@@ -8,7 +8,7 @@ from uuid import UUID
 from fastapi import APIRouter, Query
 from starlette.websockets import WebSocket
 
-from server.dependencies import services_of
+from server.dependencies import identity_of, services_of
 from server.play.watch.messages import (
     LaneAck,
     Refused,
@@ -40,7 +40,7 @@ async def watch(
     watching = services_of(websocket).watching
     try:
         request = parse_request(str(run_id), player, start, draw, take)
-        session = await watching.open(request, socket)
+        session = await watching.open(request, socket, identity_of(websocket).player_id)
     except (Invalid, NotFound, Unavailable) as error:
         await socket.close(_code_of(error), "", Refused(why=str(error)))
         return

@@ -9,19 +9,23 @@ import stat
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from datetime import timedelta
 from pathlib import Path
 
 import pytest
+from sqlalchemy import select
 from starlette.testclient import TestClient
 
 from server.main import bind
 from server.web.middleware import MAX_BODY_BYTES, MAX_UPLOAD_BYTES
-from server.web.security import Access, MaskToken, address_with_token, load_secrets
+from server.web.security import MaskToken, address_with_token, load_secrets
 from tests.server.clients import build_frontend, signed_in
 from testsupport.live import LiveServer
+from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace, make_workplace
 from tril.errors import Unavailable
 from tril.settings import Settings
+from tril.store.models import CredentialRow, now
 
 
 @pytest.fixture(scope="module")
@@ -111,23 +115,26 @@ def test_the_page_that_loads_itself_again_leads_nowhere_else(
     assert "<script" not in answer.text
 
 
-@pytest.mark.parametrize("forge", ["", "x", "1.2", "{issued}.{zeros}", "9999999999.{signature}"])
+@pytest.mark.parametrize("forge", ["", "x", "1.2", "{secret}.{zeros}", "x{secret}.{signature}"])
 def test_a_forged_cookie_is_refused(stranger: TestClient, workplace: Workplace, forge: str) -> None:
-    access = Access(workplace.settings)
-    issued, _, signature = access.new_cookie().partition(".")
-    stranger.cookies.set(
-        access.cookie_name, forge.format(issued=issued, signature=signature, zeros="0" * 64)
-    )
+    name, cookie = cookie_of(workplace.settings)
+    secret, _, signature = cookie.partition(".")
+    forged = forge.format(secret=secret, signature=signature, zeros="0" * 32)
+    stranger.cookies.set(name, forged)
     assert stranger.get("/api/player").status_code == 401
 
 
-def test_a_cookie_grows_old(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> None:
-    access = Access(workplace.settings)
-    cookie = access.new_cookie()
-    assert access.is_cookie(cookie)
-    now = int(cookie.partition(".")[0])
-    monkeypatch.setattr("server.web.security.time.time", lambda: now + 181 * 24 * 3600)
-    assert not access.is_cookie(cookie)
+def test_a_cookie_grows_old(stranger: TestClient, workplace: Workplace) -> None:
+    stranger.cookies.set(*cookie_of(workplace.settings))
+    assert stranger.get("/api/player").status_code == 200
+    name, cookie = cookie_of(workplace.settings)
+    with workplace.database.writing() as session:
+        newest = session.scalars(select(CredentialRow).order_by(CredentialRow.id.desc())).first()
+        assert newest is not None
+        newest.created_at = now() - timedelta(days=181)
+    stranger.cookies.clear()
+    stranger.cookies.set(name, cookie)
+    assert stranger.get("/api/player").status_code == 401
 
 
 def test_secrets_are_private_survive_a_restart_and_are_made_once(tmp_path: Path) -> None:

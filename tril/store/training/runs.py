@@ -12,7 +12,7 @@ from tril.analysis.outcome import RunSnapshot
 from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
 from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
-from tril.store import behaviours, processes, rankings, recordings
+from tril.store import audit, behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.database import database_now
 from tril.store.models import NOT_OVER, RunRow, RunStatus, now
@@ -36,6 +36,7 @@ def create(
     example_kind: str = SCRIPTED.name,
     parent_run_id: str | None = None,
     max_queued: int | None = None,
+    max_queued_of_player: int | None = None,
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
 
@@ -54,6 +55,7 @@ def create(
         example_kind: Which demonstrations an example has, see tril.demonstrator.KINDS.
         parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
         max_queued: Most runs that may wait in the queue; None for any number.
+        max_queued_of_player: Most of those that may be this person's.
 
     Raises:
         NotFound: No such behaviour or parent.
@@ -78,6 +80,16 @@ def create(
             f"{max_queued} runs are waiting already, and no more may. Wait until one has begun, or"
             " cancel one."
         )
+    if (
+        max_queued_of_player is not None
+        and player_id is not None
+        and _count_queued(session, RunRow.player_id == player_id) >= max_queued_of_player
+    ):
+        raise Conflict(
+            f"{max_queued_of_player} of your runs are waiting already, and no more may. Wait until"
+            " one has begun, or cancel one. Whoever runs this server can allow more"
+            " (TRIL_MAX_QUEUED_RUNS_PER_PLAYER)."
+        )
     row = RunRow(
         id=str(uuid.uuid4()),
         # By which those that wait are ordered, whichever machine they were made on.
@@ -97,6 +109,14 @@ def create(
     )
     session.add(row)
     session.flush()
+    audit.note(
+        session,
+        audit.Action.RUN_QUEUED,
+        player_id,
+        f"run {row.id}",
+        behaviour=behaviour_id,
+        recipe=recipe.name,
+    )
     note_change(session, "run", row.id)
     return row
 
@@ -248,7 +268,7 @@ def has_worker(session: Session, row: RunRow) -> bool:
     )
 
 
-def request_cancel(session: Session, run_id: str) -> RunRow:
+def request_cancel(session: Session, run_id: str, player_id: int | None = None) -> RunRow:
     """Cancel a run: at once if no living worker has it, else the worker is asked to stop.
 
     Raises:
@@ -266,6 +286,7 @@ def request_cancel(session: Session, run_id: str) -> RunRow:
         row.status, row.message = RunStatus.CANCELLED, CANCELLED_MESSAGE
         row.finished_at, row.remaining_s = database_now(session), None
         row.epoch += 1
+    audit.note(session, audit.Action.RUN_CANCELLED, player_id, f"run {run_id}")
     note_change(session, "run", run_id)
     return row
 
@@ -317,7 +338,7 @@ def _checked(field: str, text: str, max_length: int) -> str:
     return text
 
 
-def delete(session: Session, run_id: str) -> None:
+def delete(session: Session, run_id: str, player_id: int | None = None) -> None:
     """Take a run out of every list; its games and files stay readable by id.
 
     ``restore`` brings it back.
@@ -332,6 +353,7 @@ def delete(session: Session, run_id: str) -> None:
     if not RunStatus(row.status).is_over:
         raise Conflict("This training is not over yet. Cancel it first, then delete it.")
     row.deleted_at = now()
+    audit.note(session, audit.Action.DELETED, player_id, f"run {run_id}")
     note_change(session, "run", run_id)
 
 

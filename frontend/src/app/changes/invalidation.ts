@@ -23,6 +23,9 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
       return [["system"]];
     case "player":
       return [["player"]];
+    case "access":
+    case "invitation":
+      return [["people"]];
     default:
       return [];
   }

@@ -1,10 +1,14 @@
 import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 
 import { messageOf } from "@/api/client";
+import { connection } from "@/api/connection";
+import { signOut } from "@/api/people";
 import { playerQuery, renamePlayer } from "@/api/system";
-import { Button } from "@/components/controls/Button";
+import type { Player } from "@/api/types";
+import { Button, ButtonLink } from "@/components/controls/Button";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { FormDialog } from "@/components/controls/FormDialog";
@@ -27,12 +31,18 @@ export function PlayerMenu() {
       >
         <span className={styles.name}>{player.name}</span>
       </Button>
-      {open && <RenameDialog name={player.name} onClose={() => setOpen(false)} />}
+      {open && <RenameDialog player={player} onClose={() => setOpen(false)} />}
     </>
   );
 }
 
-function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) {
+function RenameDialog({
+  player: { name, role },
+  onClose,
+}: {
+  player: Player;
+  onClose: () => void;
+}) {
   const client = useQueryClient();
   const draft = useDraft("your name", name);
   const { value } = draft;
@@ -44,6 +54,10 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
       draft.drop();
       onClose();
     },
+  });
+  const leave = useMutation({
+    mutationFn: signOut,
+    onSuccess: () => connection.update({ authorised: false }),
   });
   const answered = rename.error && refused === value ? messageOf(rename.error) : null;
   const problem = value.trim() ? answered : t`Enter a name.`;
@@ -73,6 +87,22 @@ function RenameDialog({ name, onClose }: { name: string; onClose: () => void }) 
         )}
       </Field>
       <LanguageField />
+      <div className={styles.more}>
+        {role === "owner" && (
+          <ButtonLink to="/people" onClick={onClose}>
+            <Trans>People</Trans>
+          </ButtonLink>
+        )}
+        <Button
+          disabled={leave.isPending}
+          onClick={() => {
+            leave.mutate();
+          }}
+        >
+          <Trans>Sign out</Trans>
+        </Button>
+      </div>
+      {leave.error && <p role="alert">{messageOf(leave.error)}</p>}
     </FormDialog>
   );
 }

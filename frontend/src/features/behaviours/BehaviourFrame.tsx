@@ -6,7 +6,9 @@ import { Link, NavLink } from "react-router";
 
 import { behaviourQuery } from "@/api/behaviours";
 import { isNotFound } from "@/api/client";
+import { isParticipant } from "@/api/people";
 import { runsQuery } from "@/api/runs";
+import { playerQuery } from "@/api/system";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
@@ -30,6 +32,7 @@ interface BehaviourFrameProps {
 /** The header of every page of a behaviour: its name and the path through the four steps. */
 export function BehaviourFrame({ behaviourId, looking = false, children }: BehaviourFrameProps) {
   const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
+  const onlyPlays = isParticipant(useQuery(playerQuery).data);
   if (isNotFound(error)) {
     return (
       <Empty
@@ -59,7 +62,7 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
         <div className={styles.words}>
           <div className={styles.title}>
             <h1>{behaviour.name}</h1>
-            <EditBehaviour behaviour={behaviour} />
+            {!onlyPlays && <EditBehaviour behaviour={behaviour} />}
             <Training behaviourId={behaviour.id} />
           </div>
           <p>{behaviour.description}</p>
@@ -92,6 +95,7 @@ const PAGES: Readonly<Record<StepId, string>> = {
 
 function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }) {
   const { data: runs } = useQuery(runsQuery(behaviour.id));
+  const onlyPlays = isParticipant(useQuery(playerQuery).data);
   const steps = pathOf(behaviour, runs ?? []);
   const at = `/behaviours/${behaviour.id}`;
   const [play, ...others] = steps;
@@ -115,7 +119,7 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
             </span>
           </NavLink>
         </li>
-        {others.map((step, index) => (
+        {(onlyPlays ? [] : others).map((step, index) => (
           <li key={step.id}>
             <StepLink
               step={step}

@@ -5,7 +5,9 @@ import { useState } from "react";
 import { Link } from "react-router";
 
 import { behavioursQuery } from "@/api/behaviours";
+import { isParticipant } from "@/api/people";
 import { runsQuery } from "@/api/runs";
+import { playerQuery } from "@/api/system";
 import type { Behaviour, Run } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
@@ -26,6 +28,7 @@ export function HomePage() {
   const behaviours = useQuery(behavioursQuery);
   const runs = useQuery(runsQuery());
   const [making, setMaking] = useState(false);
+  const onlyPlays = isParticipant(useQuery(playerQuery).data);
 
   if (behaviours.error && !behaviours.data) {
     return (
@@ -38,13 +41,13 @@ export function HomePage() {
   }
   if (!behaviours.data) return <Loading what={t`the behaviours`} rows={4} height="6rem" />;
   const all = behaviours.data;
-  const isNew = all.every((one) => one.n_recordings === 0 && one.n_runs === 0);
+  const isNew = !onlyPlays && all.every((one) => one.n_recordings === 0 && one.n_runs === 0);
   const first = all[0];
   return (
     <>
       <PageTitle>Tril</PageTitle>
       {isNew && first && <Welcome first={first} all={all} />}
-      <Tour isNew={isNew} />
+      {!onlyPlays && <Tour isNew={isNew} />}
       <div className={styles.bar}>
         {isNew ? (
           <h2>
@@ -55,9 +58,11 @@ export function HomePage() {
             <Trans>Behaviours</Trans>
           </h1>
         )}
-        <Button icon="plus" onClick={() => setMaking(true)}>
-          <Trans>New behaviour</Trans>
-        </Button>
+        {!onlyPlays && (
+          <Button icon="plus" onClick={() => setMaking(true)}>
+            <Trans>New behaviour</Trans>
+          </Button>
+        )}
       </div>
       <ul className={styles.cards}>
         {all.map((behaviour) => (

@@ -1,0 +1,130 @@
+"""``tril people`` and ``tril audit``: who gets in, and what they did."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from cli.commands.services import server_url
+from cli.output import JsonOption, console, print_json
+from cli.workspace import Workspace, find_behaviour, open_workspace
+from server.web.security import invitation_link, load_secrets
+from tril.errors import Invalid
+from tril.store import audit as log
+from tril.store import players
+from tril.store.access import credentials, invitations
+from tril.store.models import AuditRow, CredentialKind, Role
+
+app = typer.Typer(help="Say who gets in.", no_args_is_help=True)
+
+
+@app.command()
+def invite(
+    name: Annotated[str, typer.Argument(help="Whom the link is for, to tell it from others.")],
+    behaviour: Annotated[
+        str | None, typer.Option(help="What they may play: a behaviour's short name or id.")
+    ] = None,
+    researcher: Annotated[bool, typer.Option(help="Let them in as researchers instead.")] = False,
+) -> None:
+    """Make a link that lets people in, and print it; it is not shown again."""
+    if researcher == (behaviour is not None):
+        raise typer.BadParameter("Give either --behaviour or --researcher.")
+    role = Role.RESEARCHER if researcher else Role.PARTICIPANT
+    with open_workspace() as workspace:
+        with workspace.database.writing() as session:
+            behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
+            _, secret = invitations.make(session, name, role, behaviour_id, by_player_id=None)
+        settings = workspace.settings
+        typer.echo(invitation_link(settings, server_url(settings), secret))
+
+
+@app.command("list")
+def list_access(as_json: JsonOption = False) -> None:
+    """List the browsers that are signed in, the invitations and the keys."""
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        names = players.names(session)
+        rows = [
+            {
+                "what": str(kind),
+                "id": row.id,
+                "name": row.name,
+                "person": names.get(row.player_id),
+                "seen": row.seen_at,
+            }
+            for kind in CredentialKind
+            for row in credentials.listing(session, kind)
+        ]
+        rows += [
+            {"what": "invitation", "id": row.id, "name": row.name, "used": row.n_used}
+            for row in invitations.listing(session)
+        ]
+    for row in rows:
+        if as_json:
+            print_json(row)
+        else:
+            known = [f"{key} {value}" for key, value in row.items() if value is not None][1:]
+            console.print(escape(f"{row['what']:>10}  {', '.join(known)}"))
+
+
+@app.command()
+def revoke(
+    what: Annotated[str, typer.Argument(help="browser, invitation or key")],
+    number: Annotated[int, typer.Argument(help="Its id, as `tril people list` prints it.")],
+) -> None:
+    """Sign a browser out, or revoke an invitation or a key; it takes effect within seconds."""
+    with open_workspace() as workspace, workspace.database.writing() as session:
+        if what == "invitation":
+            invitations.revoke(session, number, by_player_id=None)
+        elif what in set(CredentialKind):
+            credentials.end(session, CredentialKind(what), number, by_player_id=None)
+        else:
+            raise Invalid(f"Say browser, invitation or key, not {what}.")
+
+
+@app.command()
+def key(
+    name: Annotated[str, typer.Argument(help="What it is for.")],
+    owner: Annotated[bool, typer.Option(help="Let it do everything.")] = False,
+) -> None:
+    """Make a key for scripts, by default with a researcher's rights, and print it once."""
+    with open_workspace() as workspace:
+        with workspace.database.writing() as session:
+            person, role = players.owner(session), Role.OWNER if owner else Role.RESEARCHER
+            _, secret = credentials.make_key(session, person.id, name, role)
+        typer.echo(load_secrets(workspace.settings.token_file).signed(secret))
+
+
+def audit(
+    limit: Annotated[int, typer.Option(min=1, max=100_000, help="How many entries.")] = 50,
+    before: Annotated[int | None, typer.Option(help="Only entries older than this id.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Print who did what, the newest first."""
+    with open_workspace() as workspace:
+        _print_entries(workspace, before, limit, as_json)
+
+
+def _print_entries(workspace: Workspace, before: int | None, limit: int, as_json: bool) -> None:
+    with workspace.database.reading() as session:
+        names = players.names(session)
+        entries = log.page(session, before, limit)
+    for entry in entries:
+        who = names.get(entry.player_id or 0)
+        if as_json:
+            print_json({**_facts(entry), "player": who})
+        else:
+            details = ", ".join(f"{name} {value}" for name, value in entry.details.items())
+            line = f"{entry.id:>6}  {entry.at:%Y-%m-%d %H:%M:%S}  {who or 'terminal'}"
+            console.print(escape(f"{line} {entry.action} {entry.subject} {details}".rstrip()))
+
+
+def _facts(entry: AuditRow) -> dict[str, object]:
+    return {
+        "id": entry.id,
+        "at": entry.at.isoformat(),
+        "action": entry.action,
+        "subject": entry.subject,
+        "details": entry.details,
+    }

@@ -1,0 +1,121 @@
+import { t } from "@lingui/core/macro";
+import { Plural, Trans } from "@lingui/react/macro";
+import { useMutation, useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+
+import { behavioursQuery } from "@/api/behaviours";
+import { messageOf } from "@/api/client";
+import { createInvitation, invitationsQuery, revokeInvitation } from "@/api/people";
+import { Button } from "@/components/controls/Button";
+import { Field } from "@/components/controls/Field";
+import { Failed, Loading } from "@/components/feedback/States";
+import { moment } from "@/lib/format";
+
+import styles from "./PeoplePage.module.css";
+import { Secret } from "./Secret";
+import { roleName } from "./words";
+
+const RESEARCHERS = "researchers";
+
+/** The invitations, each with a button that revokes it, and a form that makes one. */
+export function Invitations() {
+  const { data: invitations, error, refetch } = useQuery(invitationsQuery);
+  const { data: behaviours = [] } = useQuery(behavioursQuery);
+  const revoke = useMutation({ mutationFn: revokeInvitation, onSettled: () => void refetch() });
+  if (error && !invitations) {
+    return <Failed what={t`The invitations`} error={error} onRetry={() => void refetch()} />;
+  }
+  if (!invitations) return <Loading what={t`the invitations`} rows={1} height="3rem" />;
+  const behaviourName = (id: number | null) =>
+    behaviours.find((behaviour) => behaviour.id === id)?.name;
+  return (
+    <>
+      <ul className={styles.rows}>
+        {invitations.map(({ id, name, role, behaviour_id: of, n_used: used, created_at: made }) => (
+          <li key={id}>
+            <span className={styles.what}>
+              <strong>{name}</strong> ({roleName(role)}
+              {of !== null && `, ${behaviourName(of) ?? ""}`})
+              <small>
+                {moment(made)}, <Plural value={used} one="used once" other="used # times" />
+              </small>
+            </span>
+            <Button
+              aria-label={t`Revoke the invitation ${name}`}
+              disabled={revoke.isPending}
+              onClick={() => revoke.mutate(id)}
+            >
+              <Trans>Revoke</Trans>
+            </Button>
+          </li>
+        ))}
+      </ul>
+      {revoke.error && <p role="alert">{messageOf(revoke.error)}</p>}
+      <NewInvitationForm onMade={() => void refetch()} />
+    </>
+  );
+}
+
+function NewInvitationForm({ onMade }: { onMade: () => void }) {
+  const { data: behaviours = [] } = useQuery(behavioursQuery);
+  const [name, setName] = useState("");
+  const [to, setTo] = useState("");
+  const make = useMutation({
+    mutationFn: createInvitation,
+    onSuccess: () => {
+      setName("");
+      onMade();
+    },
+  });
+  const chosen = to || String(behaviours[0]?.id ?? RESEARCHERS);
+  return (
+    <form
+      className={styles.form}
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (!name.trim()) return;
+        make.mutate(
+          chosen === RESEARCHERS
+            ? { name: name.trim(), role: "researcher" }
+            : { name: name.trim(), role: "participant", behaviour_id: Number(chosen) },
+        );
+      }}
+    >
+      <Field
+        label={t`Who is invited`}
+        hint={t`A note for you, such as the name of a class.`}
+        error={make.error ? messageOf(make.error) : null}
+      >
+        {(control) => (
+          <input
+            {...control}
+            value={name}
+            maxLength={80}
+            required
+            onChange={(event) => setName(event.currentTarget.value)}
+          />
+        )}
+      </Field>
+      <Field label={t`What they may do`}>
+        {(control) => (
+          <select
+            {...control}
+            value={chosen}
+            onChange={(event) => setTo(event.currentTarget.value)}
+          >
+            {behaviours.map((behaviour) => (
+              <option key={behaviour.id} value={behaviour.id}>
+                {t`Play ${behaviour.name}`}
+              </option>
+            ))}
+            <option value={RESEARCHERS}>{t`Everything but this page, as researchers`}</option>
+          </select>
+        )}
+      </Field>
+      <Button kind="primary" type="submit" disabled={!name.trim() || make.isPending}>
+        <Trans>Make a link</Trans>
+      </Button>
+      {make.data && <Secret value={new URL(make.data.path, location.origin).href} />}
+    </form>
+  );
+}

@@ -1,0 +1,96 @@
+import { screen } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it } from "vitest";
+
+import { PeoplePage } from "@/features/people/PeoplePage";
+
+import { behaviour } from "../../support/data";
+import { show } from "../../support/page";
+import { serve } from "../../support/server";
+
+const browser = (more: object) => ({
+  id: 1,
+  name: "Firefox on Linux",
+  player: "Ada",
+  role: "owner",
+  created_at: "2026-01-01T10:00:00Z",
+  seen_at: null,
+  present: true,
+  ...more,
+});
+
+const PEOPLE = {
+  "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }),
+  "GET /api/behaviours": () => [behaviour({ id: 1, name: "Column 1" })],
+  "GET /api/browsers": () => [
+    browser({}),
+    browser({
+      id: 2,
+      name: "Safari on iPhone",
+      player: "Ben",
+      role: "participant",
+      present: false,
+    }),
+  ],
+  "GET /api/invitations": () => [],
+  "GET /api/keys": () => [],
+  "GET /api/audit": () => [
+    {
+      id: 4,
+      at: "2026-01-01T10:00:00Z",
+      player: "Ben",
+      action: "signed in",
+      subject: "browser 2",
+      details: {},
+    },
+  ],
+};
+
+describe("the page of people", () => {
+  it("lists browsers and signs another one out", async () => {
+    const ended: string[] = [];
+    serve({
+      ...PEOPLE,
+      "DELETE /api/browsers/2": () => {
+        ended.push("2");
+        return undefined;
+      },
+    });
+    show(<PeoplePage />);
+    expect(await screen.findByText("This browser")).toBeVisible();
+    expect(await screen.findByText(/signed in \(browser 2\)/)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Sign out Ben, Safari on iPhone" }));
+    await expect.poll(() => ended).toEqual(["2"]);
+  });
+
+  it("makes a link for players of a behaviour and shows it once", async () => {
+    const wishes: unknown[] = [];
+    serve({
+      ...PEOPLE,
+      "POST /api/invitations": ({ body }) => {
+        wishes.push(body);
+        return {
+          id: 1,
+          name: "5b",
+          role: "participant",
+          behaviour_id: 1,
+          created_at: "2026-01-01T10:00:00Z",
+          n_used: 0,
+          path: "/join?invitation=abc",
+        };
+      },
+    });
+    show(<PeoplePage />);
+    await userEvent.type(await screen.findByLabelText("Who is invited"), "5b");
+    await userEvent.selectOptions(screen.getByLabelText("What they may do"), "Play Column 1");
+    await userEvent.click(screen.getByRole("button", { name: "Make a link" }));
+    expect(await screen.findByText(/\/join\?invitation=abc$/)).toBeVisible();
+    expect(wishes).toEqual([{ name: "5b", role: "participant", behaviour_id: 1 }]);
+  });
+
+  it("is for the owner only", async () => {
+    serve({ ...PEOPLE, "GET /api/player": () => ({ id: 2, name: "Ria", role: "researcher" }) });
+    show(<PeoplePage />);
+    expect(await screen.findByText("Only the owner sees this page")).toBeVisible();
+  });
+});

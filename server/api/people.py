@@ -1,0 +1,131 @@
+"""Who is signed in, what lets people in, and the log of what they did."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query, Request, Response
+
+from server.api.schemas.people import (
+    AuditEntry,
+    Browser,
+    Invitation,
+    InvitationNew,
+    Key,
+    KeyNew,
+    NewInvitation,
+    NewKey,
+    Player,
+    PlayerUpdate,
+)
+from server.dependencies import MAX_ID, ReadSession, Who, WriteSession, services_of
+from server.web.problems import CONFLICT, NOT_FOUND
+from tril.store import audit, players
+from tril.store.access import credentials, invitations
+from tril.store.models import CredentialKind
+
+router = APIRouter(tags=["people"])
+
+PersonsId = Annotated[int, Path(ge=1, le=MAX_ID)]
+
+
+@router.get("/player")
+def get_player(session: ReadSession, who: Who) -> Player:
+    """Return who is signed in."""
+    return Player.of(players.get(session, who.player_id), role=who.role)
+
+
+@router.patch("/player")
+def update_player(session: WriteSession, who: Who, update: PlayerUpdate) -> Player:
+    """Change one's own name."""
+    row = players.get(session, who.player_id)
+    players.rename(session, row, update.name)
+    return Player.of(row, role=who.role)
+
+
+@router.post("/sign-out", status_code=204, responses=NOT_FOUND)
+def sign_out(request: Request, response: Response, session: WriteSession, who: Who) -> None:
+    """Sign this browser out. A key can't sign out; it is revoked."""
+    credentials.end(session, CredentialKind.BROWSER, who.credential_id, who.player_id)
+    response.delete_cookie(services_of(request).access.cookie_name, path="/", samesite="strict")
+
+
+@router.get("/browsers")
+def list_browsers(session: ReadSession, who: Who) -> list[Browser]:
+    """Return the browsers that are signed in, the newest first."""
+    people = players.by_id(session)
+    return [
+        Browser.of(
+            row,
+            player=people[row.player_id].name,
+            role=people[row.player_id].role,
+            present=row.id == who.credential_id,
+        )
+        for row in credentials.listing(session, CredentialKind.BROWSER)
+    ]
+
+
+@router.delete("/browsers/{browser_id}", status_code=204, responses=NOT_FOUND)
+def sign_browser_out(session: WriteSession, who: Who, browser_id: PersonsId) -> None:
+    """Sign a browser out, which takes effect within seconds."""
+    credentials.end(session, CredentialKind.BROWSER, browser_id, who.player_id)
+
+
+@router.get("/keys")
+def list_keys(session: ReadSession) -> list[Key]:
+    """Return the keys, the newest first."""
+    people = players.by_id(session)
+    rows = credentials.listing(session, CredentialKind.KEY)
+    return [Key.of(row, player=people[row.player_id].name) for row in rows]
+
+
+@router.post("/keys", status_code=201, responses=CONFLICT)
+def create_key(request: Request, session: WriteSession, who: Who, new: KeyNew) -> NewKey:
+    """Make a key, to be sent as ``Authorization: Bearer KEY``."""
+    row, secret = credentials.make_key(session, who.player_id, new.name, new.role)
+    signed = services_of(request).access.secrets.signed(secret)
+    return NewKey.of(row, player=players.get(session, who.player_id).name, key=signed)
+
+
+@router.delete("/keys/{key_id}", status_code=204, responses=NOT_FOUND)
+def revoke_key(session: WriteSession, who: Who, key_id: PersonsId) -> None:
+    """Revoke a key, which takes effect within seconds."""
+    credentials.end(session, CredentialKind.KEY, key_id, who.player_id)
+
+
+@router.get("/invitations")
+def list_invitations(session: ReadSession) -> list[Invitation]:
+    """Return the invitations that are not revoked, the newest first."""
+    return [Invitation.model_validate(row) for row in invitations.listing(session)]
+
+
+@router.post("/invitations", status_code=201, responses=NOT_FOUND)
+def create_invitation(
+    request: Request, session: WriteSession, who: Who, new: InvitationNew
+) -> NewInvitation:
+    """Make a link that lets people in."""
+    row, secret = invitations.make(
+        session, new.name, new.role, new.behaviour_id, by_player_id=who.player_id
+    )
+    signed = services_of(request).access.secrets.signed(secret)
+    return NewInvitation.of(row, path=f"{invitations.PATH}?invitation={signed}")
+
+
+@router.delete("/invitations/{invitation_id}", status_code=204, responses=NOT_FOUND)
+def revoke_invitation(session: WriteSession, who: Who, invitation_id: PersonsId) -> None:
+    """Let nobody else in by a link. Those who came by it stay until they are signed out."""
+    invitations.revoke(session, invitation_id, who.player_id)
+
+
+@router.get("/audit")
+def list_audit(
+    session: ReadSession,
+    before: Annotated[int | None, Query(ge=1, le=2**63 - 1, description="An entry's id.")] = None,
+    limit: Annotated[int, Query(ge=1, le=200)] = 50,
+) -> list[AuditEntry]:
+    """Return who did what, the newest first, only what is older than the entry ``before``."""
+    names = players.names(session)
+    return [
+        AuditEntry.of(row, player=names.get(row.player_id or 0))
+        for row in audit.page(session, before, limit)
+    ]

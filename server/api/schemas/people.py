@@ -1,0 +1,98 @@
+"""Who gets in, and what they did."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import Field
+
+from server.api.schemas.base import Id, Schema
+from tril.store.audit import Action
+from tril.store.models import Role
+
+
+class Player(Schema):
+    """A person, and what they may do here."""
+
+    id: int
+    name: str
+    role: Role
+
+
+class PlayerUpdate(Schema):
+    """A player's new name."""
+
+    name: str = Field(min_length=1, max_length=80)
+
+
+class Browser(Schema):
+    """A browser that is signed in. ``present`` is the one that asks."""
+
+    id: int
+    name: str
+    player: str
+    role: Role
+    created_at: datetime
+    seen_at: datetime | None
+    present: bool
+
+
+class Key(Schema):
+    """A key with which scripts and workers act for a person."""
+
+    id: int
+    name: str
+    player: str
+    role: Role
+    created_at: datetime
+    seen_at: datetime | None
+
+
+class KeyNew(Schema):
+    """A key to make."""
+
+    name: str = Field(min_length=1, max_length=80)
+    role: Literal[Role.OWNER, Role.RESEARCHER] = Role.RESEARCHER
+
+
+class NewKey(Key):
+    """A key that was made; ``key`` is shown only now."""
+
+    key: str
+
+
+class Invitation(Schema):
+    """A link that lets people in, until it is revoked."""
+
+    id: int
+    name: str
+    role: Role
+    behaviour_id: int | None
+    created_at: datetime
+    n_used: int
+
+
+class InvitationNew(Schema):
+    """An invitation to make; participants are invited to one behaviour."""
+
+    name: str = Field(min_length=1, max_length=80)
+    role: Literal[Role.RESEARCHER, Role.PARTICIPANT] = Role.PARTICIPANT
+    behaviour_id: Id | None = None
+
+
+class NewInvitation(Invitation):
+    """An invitation that was made; ``path``, its link on this server, is shown only now."""
+
+    path: str
+
+
+class AuditEntry(Schema):
+    """Something that somebody did; ``player`` is null for commands in the terminal."""
+
+    id: int
+    at: datetime
+    player: str | None
+    action: Action
+    subject: str
+    details: dict[str, Any]

@@ -1,0 +1,174 @@
+"""Who makes a request: looked up once, remembered briefly, and forgotten when access changes."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import OrderedDict, defaultdict
+from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import TypeVar
+
+from sqlalchemy.orm import Session
+from starlette.requests import HTTPConnection
+
+from server.web.security import Secrets, cookie_name, is_token, load_secrets
+from tril.settings import Settings
+from tril.store.access import credentials
+from tril.store.access.credentials import Identity
+from tril.store.database import Database
+from tril.store.models import CredentialKind
+
+REMEMBERED_FOR_S = 30.0
+"""How long an identity is used without asking the database, if no change of access is heard of."""
+
+MAX_REMEMBERED = 4096
+
+SEEN_EVERY_S = 60.0
+"""How often it is to be saved when browsers and keys were last used."""
+
+Answer = TypeVar("Answer")
+
+
+class Access:
+    """Tells who makes a request, by its cookie or its key.
+
+    What is looked up is remembered until ``forget`` says that access has changed, which the change
+    stream does within its half second. Lookups have a thread and a connection of their own: they
+    don't wait for requests that work, and a burst of them takes no more than one connection.
+
+    Args:
+        settings: The file of the secrets, and the port.
+        database: Where browsers and keys are.
+    """
+
+    def __init__(self, settings: Settings, database: Database) -> None:
+        self.cookie_name = cookie_name(settings)
+        self._token_file = settings.token_file
+        self.secrets: Secrets = load_secrets(self._token_file)
+        self._database = database
+        self._remembered: OrderedDict[str, tuple[float, Identity]] = OrderedDict()
+        self._n_forgotten = 0
+        self._lookups: dict[str, asyncio.Task[Identity | None]] = {}
+        self._thread = ThreadPoolExecutor(1, "access")
+        self._seen: set[int] = set()
+        self._open: defaultdict[str, set[Callable[[], None]]] = defaultdict(set)
+        self._checks: set[asyncio.Task[None]] = set()
+
+    async def stop(self) -> None:
+        """Stop looking up."""
+        for check in list(self._checks):
+            check.cancel()
+        await asyncio.to_thread(self._thread.shutdown)
+
+    def is_token(self, token: str) -> bool:
+        """Whether this is the installation's token."""
+        return is_token(self._token_file, token)
+
+    async def identify(self, connection: HTTPConnection) -> Identity | None:
+        """Return who makes a request; None if nobody is signed in."""
+        scheme, _, key = connection.headers.get("authorization", "").partition(" ")
+        is_key = scheme.lower() == "bearer"
+        shown = key.strip() if is_key else connection.cookies.get(self.cookie_name, "")
+        secret = self.secrets.secret_in(shown)
+        if secret is None:
+            return None
+        found = await self._identity(credentials.hash_of(secret))
+        if found is None or (found.kind == CredentialKind.KEY) != is_key:
+            return None
+        self._seen.add(found.credential_id)
+        return found
+
+    async def ask(self, question: Callable[[Session], Answer]) -> Answer:
+        """Answer a short question about access from the database."""
+
+        def read() -> Answer:
+            with self._database.reading() as session:
+                return question(session)
+
+        return await asyncio.get_running_loop().run_in_executor(self._thread, read)
+
+    def forget(self) -> None:
+        """Look everybody up again, and end what is open for those who may not come in any more."""
+        self._remembered.clear()
+        self._n_forgotten += 1
+        if self._open:
+            check = asyncio.get_running_loop().create_task(self._end_refused())
+            self._checks.add(check)
+            check.add_done_callback(self._checks.discard)
+
+    @contextmanager
+    def while_open(self, identity: Identity, end: Callable[[], None]) -> Iterator[None]:
+        """Have ``end`` called, in the event loop, if somebody is signed out within the block."""
+        ends = self._open[identity.secret_hash]
+        ends.add(end)
+        try:
+            yield
+        finally:
+            ends.discard(end)
+            if not ends:
+                self._open.pop(identity.secret_hash, None)
+
+    async def _identity(self, secret_hash: str) -> Identity | None:
+        until, identity = self._remembered.get(secret_hash, (0.0, None))
+        if time.monotonic() < until:
+            return identity
+        lookup = self._lookups.get(secret_hash)
+        if lookup is None:
+            lookup = asyncio.create_task(self._look_up(secret_hash))
+            self._lookups[secret_hash] = lookup
+            lookup.add_done_callback(lambda _: self._lookups.pop(secret_hash, None))
+        return await asyncio.shield(lookup)
+
+    async def _look_up(self, secret_hash: str) -> Identity | None:
+        n_forgotten = self._n_forgotten
+        found = await self.ask(lambda session: credentials.find(session, secret_hash))
+        if found is not None and n_forgotten == self._n_forgotten:
+            self._remembered[secret_hash] = (time.monotonic() + REMEMBERED_FOR_S, found)
+            while len(self._remembered) > MAX_REMEMBERED:
+                self._remembered.popitem(last=False)
+        return found
+
+    async def _end_refused(self) -> None:
+        for secret_hash in list(self._open):
+            if await self._look_up(secret_hash) is None:
+                for end in list(self._open.get(secret_hash, ())):
+                    end()
+
+    async def save_seen(self) -> None:
+        """Save that browsers and keys were used since the last time."""
+        seen, self._seen = self._seen, set()
+        if not seen:
+            return
+
+        def save() -> None:
+            with self._database.writing() as session:
+                credentials.note_seen(session, seen)
+
+        await asyncio.to_thread(save)
+
+
+_BROWSERS = (("Edg", "Edge"), ("OPR/", "Opera"), ("Firefox/", "Firefox"), ("Chrome/", "Chrome"))
+_SYSTEMS = (
+    ("Android", "Android"),
+    ("iPhone", "iPhone"),
+    ("iPad", "iPad"),
+    ("Windows", "Windows"),
+    ("Mac OS X", "macOS"),
+    ("CrOS", "ChromeOS"),
+    ("Linux", "Linux"),
+)
+
+
+def browser_name(user_agent: str) -> str:
+    """Return a browser's name, to tell it from others: "Firefox on Linux"."""
+    browser = _first(_BROWSERS, user_agent) or ("Safari" if "Safari/" in user_agent else None)
+    system = _first(_SYSTEMS, user_agent)
+    if browser is None:
+        return user_agent.partition("/")[0].strip()[:80] or "Unknown browser"
+    return browser if system is None else f"{browser} on {system}"
+
+
+def _first(names: Collection[tuple[str, str]], text: str) -> str | None:
+    return next((name for mark, name in names if mark in text), None)

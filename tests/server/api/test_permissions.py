@@ -1,0 +1,310 @@
+"""Every operation of the API, asked for by everybody who may not, and by those who may."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from sqlalchemy import select
+from starlette.testclient import TestClient, WebSocketTestSession
+from starlette.websockets import WebSocketDisconnect
+
+from server.play.rules import PlayRules
+from server.web.permissions import check_all_declared
+from tests.server.clients import build_frontend, signed_in
+from testsupport.visitors import cookie_of
+from testsupport.workplace import Workplace, make_workplace
+from tril.game.episode import Start
+from tril.store import games, players, recordings
+from tril.store.models import (
+    ArtifactRow,
+    GameRow,
+    MembershipRow,
+    RecordingRow,
+    RecordingState,
+    Role,
+    Source,
+    Verification,
+)
+
+MARK = "Not for other people's eyes"
+"""Is in everything that a participant must not read."""
+
+METHODS = {"get", "post", "put", "patch", "delete"}
+
+OWN_GAMES_OF_BEHAVIOUR = {
+    "get_recording",
+    "get_recording_course",
+    "get_recording_frames",
+    "get_recording_thumbnail",
+    "get_recording_memory",
+    "get_recording_clip",
+    "export_recording",
+    "keep_recording",
+    "discard_recording",
+    "delete_recording",
+    "restore_recording",
+    "create_game_from",
+    "get_game",
+}
+"""Operations on games, which a participant may do with their own."""
+OF_BEHAVIOUR = {"get_behaviour", "get_checklist", "list_recordings"}
+"""Operations on behaviours that a participant may play; what they answer is filtered."""
+OF_ONESELF = {"get_player", "update_player", "sign_out", "list_behaviours", "create_game"}
+"""Operations that everybody may do who is signed in."""
+OF_OWNER = {
+    "list_browsers",
+    "sign_browser_out",
+    "list_keys",
+    "create_key",
+    "revoke_key",
+    "list_invitations",
+    "create_invitation",
+    "revoke_invitation",
+    "list_audit",
+}
+STREAM = "stream_events"
+
+
+@dataclass(frozen=True)
+class World:
+    """A server with games of several people.
+
+    Attributes:
+        client: Runs the application.
+        workplace: Its data.
+        people: The person of each role; "elsewhere" is a participant of behaviour 2.
+        owners: The ids of the owner's things, by the name of the path's parameter.
+        participants: Those of the participant.
+    """
+
+    client: TestClient
+    workplace: Workplace
+    people: dict[str, int]
+    owners: dict[str, Any]
+    participants: dict[str, Any]
+
+    def visitor(self, role: str) -> TestClient:
+        """Return a client of somebody's fresh browser; of nobody's for "anonymous"."""
+        visitor = TestClient(self.client.app, base_url=str(self.client.base_url))
+        if role != "anonymous":
+            visitor.cookies.set(*cookie_of(self.workplace.settings, self.people[role]))
+        return visitor
+
+    def socket(self, role: str, path: str) -> WebSocketTestSession:
+        """Open a stream from somebody's browser."""
+        authority = str(self.client.base_url).removeprefix("http://").rstrip("/")
+        return self.visitor(role).websocket_connect(f"ws://{authority}{path}")
+
+    def operations(self) -> list[tuple[str, str, str]]:
+        """Return the name, method and path of every operation of the API's description."""
+        return [
+            (operation["operationId"], method, path)
+            for path, methods in self.client.app.openapi()["paths"].items()  # type: ignore[attr-defined]
+            for method, operation in methods.items()
+            if method in METHODS
+        ]
+
+    def ask(self, visitor: TestClient, method: str, path: str, ids: dict[str, Any]) -> Any:
+        """Ask for an operation on things."""
+        url = re.sub(r"{(\w+)}", lambda name: str(ids[name[1]]), path)
+        query = {"step": "0", "method": "gradient"} if "attention" in path else {}
+        body: dict[str, Any] = {"name": "Kim", "behaviour_id": ids["behaviour_id"], "frame": 0}
+        if path == "/api/player":
+            body = {"name": "Kim"}
+        elif path == "/api/games":
+            body = {"behaviour_id": ids["behaviour_id"]}
+        return visitor.request(
+            method, url, params=query, json=None if method in {"get", "delete"} else body
+        )
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    folder = tmp_path_factory.mktemp("permissions")
+    workplace = make_workplace(folder / "data")
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        people = {"owner": players.owner(session).id}
+        players.rename(session, players.owner(session), MARK)
+        people["researcher"] = players.add(session, f"Ria, {MARK}", Role.RESEARCHER).id
+        for name, behaviour_id in (("participant", 1), ("elsewhere", 2)):
+            people[name] = players.add(session, name, Role.PARTICIPANT).id
+            session.add(MembershipRow(behaviour_id=behaviour_id, player_id=people[name]))
+        played = recordings.get(session, workplace.ranked[0])
+        things = {}
+        for name in ("owner", "participant"):
+            recording = recordings.add(
+                session,
+                1,
+                recordings.as_recording(played),
+                recordings.replay_of(played),
+                Source.PERSON,
+                player_id=people[name],
+                notes=MARK if name == "owner" else "",
+            )
+            game = games.create(session, 1, Start(20), people[name])
+            things[name] = {"recording_id": recording.id, "game_id": game.id}
+        artifact = ArtifactRow(
+            run_id=run_id, kind="report", name="r", path="r", media_type="text/plain", size_bytes=1
+        )
+        session.add(artifact)
+        session.flush()
+        common = {
+            "behaviour_id": 1,
+            "run_id": run_id,
+            "artifact_id": artifact.id,
+            "kind": "gif",
+            "browser_id": 9999,
+            "key_id": 9999,
+            "invitation_id": 9999,
+        }
+    with signed_in(workplace, build_frontend(folder), PlayRules(max_games=1)) as client:
+        yield World(
+            client,
+            workplace,
+            people,
+            {**common, **things["owner"]},
+            {**common, **things["participant"]},
+        )
+    workplace.database.close()
+
+
+def _state(world: World) -> list[Any]:
+    """Return what nobody may change who may not."""
+    with world.workplace.database.reading() as session:
+        rows = session.execute(
+            select(RecordingRow.id, RecordingRow.state, RecordingRow.deleted_at, RecordingRow.notes)
+        ).all()
+        return [tuple(row) for row in rows]
+
+
+def test_the_description_names_every_operation_of_this_test(world: World) -> None:
+    named = {name for name, _, _ in world.operations()}
+    assert len(named) > 50
+    assert named >= OWN_GAMES_OF_BEHAVIOUR | OF_BEHAVIOUR | OF_ONESELF | OF_OWNER | {STREAM}
+
+
+def test_nobody_who_is_not_signed_in_gets_more_than_the_health(world: World) -> None:
+    before = _state(world)
+    for name, method, path in world.operations():
+        answer = world.ask(world.visitor("anonymous"), method, path, world.owners)
+        assert answer.status_code == (200 if name == "get_health" else 401), name
+        assert MARK not in answer.text
+    assert _state(world) == before
+
+
+@pytest.mark.parametrize("role", ["participant", "elsewhere"])
+def test_a_participant_gets_nothing_of_other_people(world: World, role: str) -> None:
+    before = _state(world)
+    mine = OF_ONESELF | (OF_BEHAVIOUR if role == "participant" else set())
+    for name, method, path in world.operations():
+        if name in {STREAM, "get_health"}:
+            continue
+        visitor = world.visitor(role)
+        answer = world.ask(visitor, method, path, world.owners)
+        assert MARK not in answer.text, name
+        if name in mine and not (name == "create_game" and role == "elsewhere"):
+            assert answer.status_code in {200, 201, 204}, (name, answer.text)
+        else:
+            assert answer.status_code in {403, 404}, (name, answer.text)
+    with world.workplace.database.writing() as session:
+        # Only the game that the participant began in the loop is new.
+        of_theirs = [
+            row.id
+            for row in session.scalars(
+                select(RecordingRow).where(
+                    RecordingRow.player_id == world.people[role],
+                    RecordingRow.state == RecordingState.PLAYING,
+                )
+            )
+        ]
+    after = [row for row in _state(world) if row[0] not in of_theirs]
+    assert after == [row for row in before if row[0] not in of_theirs]
+
+
+def test_the_lists_of_a_participant_hold_only_their_own(world: World) -> None:
+    visitor = world.visitor("participant")
+    listed = visitor.get("/api/behaviours/1/recordings", params={"include": "policy"}).json()
+    assert [one["id"] for one in listed] == [world.participants["recording_id"]]
+    (behaviour,) = visitor.get("/api/behaviours").json()
+    assert (behaviour["id"], behaviour["n_recordings"], behaviour["n_ranked"]) == (1, 0, 0)
+    checklist = visitor.get("/api/behaviours/1/checklist").json()
+    ticks = {one["recording_id"] for one in checklist["planned"]}
+    assert ticks <= {None, world.participants["recording_id"]}
+    assert world.visitor("elsewhere").get("/api/behaviours").json()[0]["id"] == 2
+
+
+def test_a_participant_may_do_what_they_like_with_their_own_games(world: World) -> None:
+    done = set()
+    visitor = world.visitor("participant")
+    for name, method, path in world.operations():
+        if name in OWN_GAMES_OF_BEHAVIOUR and "delete" not in name and "discard" not in name:
+            answer = world.ask(visitor, method, path, world.participants)
+            # A gif is drawn by a program that may be missing; nothing may be forbidden.
+            assert answer.status_code not in {401, 403, 404}, (name, answer.text)
+            done.add(name)
+    assert len(done) == len(OWN_GAMES_OF_BEHAVIOUR) - 2
+    own = f"/api/recordings/{world.participants['recording_id']}"
+    assert visitor.post(f"{own}/discard").status_code == 200
+    assert visitor.post(f"{own}/restore").status_code == 200
+    # The same games are nothing to a participant of another behaviour.
+    for name, method, path in world.operations():
+        if name in OWN_GAMES_OF_BEHAVIOUR:
+            answer = world.ask(world.visitor("elsewhere"), method, path, world.participants)
+            assert answer.status_code == 404, name
+
+
+@pytest.mark.parametrize("role", ["researcher", "owner"])
+def test_researchers_may_do_everything_but_say_who_gets_in(world: World, role: str) -> None:
+    skipped = {STREAM, "open_finished_example", "get_run_archive", "get_recording_clip"}
+    for name, method, path in world.operations():
+        # What deletes is done in the other tests; here later operations need the things.
+        if name in skipped or method == "delete":
+            continue
+        answer = world.ask(world.visitor(role), method, path, world.owners)
+        if name in OF_OWNER and role == "researcher":
+            assert answer.status_code == 403, name
+        else:
+            assert answer.status_code not in {401, 403}, (name, answer.text)
+    if role == "researcher":
+        for path in ("browsers", "keys", "invitations"):
+            assert world.visitor(role).delete(f"/api/{path}/1").status_code == 403
+
+
+@pytest.mark.parametrize("role", ["anonymous", "participant", "elsewhere"])
+def test_nobody_joins_games_or_watches_runs_of_others(world: World, role: str) -> None:
+    paths = [f"/api/games/{world.owners['game_id']}/stream"]
+    paths.append(f"/api/runs/{world.owners['run_id']}/watch?player=imitator:greedy")
+    if role == "elsewhere":
+        paths.append(f"/api/games/{world.participants['game_id']}/stream")
+    for path in paths:
+        with (
+            pytest.raises(WebSocketDisconnect) as refused,
+            world.socket(role, path) as socket,
+        ):
+            socket.receive_text()
+        assert refused.value.code == (4401 if role == "anonymous" else 1008), path
+
+
+def test_a_participant_joins_their_own_game(world: World) -> None:
+    path = f"/api/games/{world.participants['game_id']}/stream"
+    with world.socket("participant", path) as socket:
+        assert '"hello"' in socket.receive_text()
+
+
+def test_a_route_without_a_declared_need_keeps_the_application_from_being_built() -> None:
+    with pytest.raises(RuntimeError, match="new_route"):
+        check_all_declared(["new_route"])
+
+
+def test_recordings_say_who_played_them(world: World) -> None:
+    shown = world.visitor("owner").get(f"/api/recordings/{world.participants['recording_id']}")
+    assert shown.json()["player"] in {"participant", "Kim"}
+    with world.workplace.database.reading() as session:
+        row = session.get_one(RecordingRow, world.participants["recording_id"])
+        assert row.verification == Verification.VERIFIED
+        assert session.get_one(GameRow, world.participants["game_id"]).recording_id

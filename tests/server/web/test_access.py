@@ -1,0 +1,327 @@
+"""Browsers, invitations and keys: let in, seen, and shut out within seconds."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import httpx2
+import pytest
+from sqlalchemy import delete, event, select, update
+from sqlalchemy.exc import DatabaseError
+from typer.testing import CliRunner
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection
+
+from cli.main import app
+from server.web.access import browser_name
+from server.web.security import address_with_token, invitation_link
+from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
+from testsupport.visitors import cookie_of
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
+from tril.store import audit, players, recordings
+from tril.store.access import credentials, invitations
+from tril.store.models import AuditRow, CredentialKind, CredentialRow, Role
+
+
+def _visitor(live: LiveServer, **more: Any) -> httpx2.Client:
+    return httpx2.Client(base_url=live.http.base_url, timeout=TIMEOUT_S, **more)
+
+
+@pytest.fixture
+def browser(live: LiveServer) -> Iterator[httpx2.Client]:
+    """Return another browser of the owner."""
+    name, value = cookie_of(live.settings)
+    with _visitor(live, cookies={name: value}) as client:
+        yield client
+
+
+def _present(client: httpx2.Client) -> dict[str, Any]:
+    (found,) = [one for one in client.get("/api/browsers").json() if one["present"]]
+    return dict(found)
+
+
+def _code_at_end(socket: ClientConnection) -> int | None:
+    """Receive until a socket is closed, and return why."""
+    try:
+        while True:
+            socket.recv(timeout=10)
+    except ConnectionClosed as closed:
+        return None if closed.rcvd is None else closed.rcvd.code
+
+
+def _is_refused(client: httpx2.Client) -> bool:
+    return client.get("/api/player").status_code == 401
+
+
+def test_signing_out_ends_this_browser_and_no_other(
+    live: LiveServer, browser: httpx2.Client
+) -> None:
+    assert browser.get("/api/player").status_code == 200
+    answer = browser.post("/api/sign-out")
+    assert answer.status_code == 204
+    assert "max-age=0" in answer.headers["set-cookie"].lower()
+    browser.cookies.clear()
+    assert _is_refused(browser)
+    assert live.http.get("/api/player").status_code == 200
+
+
+def test_a_browser_that_is_signed_out_loses_what_it_has_open(
+    live: LiveServer, browser: httpx2.Client
+) -> None:
+    cookie = "=".join(next(iter(browser.cookies.items())))
+    with (
+        browser.stream("GET", "/api/events") as events,
+        connect_to(live.settings, live.new_game()["stream_path"], cookie) as socket,
+    ):
+        lines = events.iter_lines()
+        next(line for line in lines if line.startswith(": listening"))
+        socket.recv()
+        browser_id = _present(browser)["id"]
+        assert live.http.delete(f"/api/browsers/{browser_id}").status_code == 204
+        for _ in lines:
+            pass
+        assert _code_at_end(socket) == 4401
+    assert _is_refused(browser)
+    assert live.http.delete("/api/browsers/99999").status_code == 404
+
+
+def test_a_burst_of_requests_asks_the_database_once_who_it_is(
+    live: LiveServer, browser: httpx2.Client
+) -> None:
+    engine = live.services.database.engine
+    asked: list[str] = []
+
+    def count(_connection: Any, _cursor: Any, statement: str, *_: Any) -> None:
+        if "FROM credentials" in statement:
+            asked.append(statement)
+
+    assert browser.get("/api/player").status_code == 200
+    stranger = _visitor(live, cookies={live.services.access.cookie_name: "made.up"})
+    event.listen(engine, "before_cursor_execute", count)
+    try:
+        for _ in range(20):
+            assert browser.get("/api/player").status_code == 200
+            assert browser.get("/api/health").status_code == 200
+            assert stranger.get("/api/player").status_code == 401
+    finally:
+        event.remove(engine, "before_cursor_execute", count)
+        stranger.close()
+    # Another test's change of access may be heard of meanwhile.
+    assert len(asked) <= 1
+
+
+def test_a_new_key_shuts_out_old_addresses_and_every_browser(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+    with live_server(workplace.settings.data) as live:
+        url = f"http://{live.authority}"
+        old = address_with_token(live.settings, url)
+        key = _made(live.http.post("/api/keys", json={"name": "worker"}))["key"]
+        with _visitor(live) as browser:
+            assert browser.get(old).status_code == 303
+            assert browser.get("/api/player").status_code == 200
+            result = CliRunner().invoke(app, ["address", "--new"])
+            assert result.exit_code == 0, result.output
+            wait_until(lambda: _is_refused(browser))
+            assert browser.get(old).status_code == 401
+            new = address_with_token(live.settings, url)
+            assert new.rpartition("=")[2] in result.stdout
+            assert browser.get(new).status_code == 303
+            assert browser.get("/api/player").status_code == 200
+        with _visitor(live, headers={"Authorization": f"Bearer {key}"}) as script:
+            assert script.get("/api/player").status_code == 200
+
+
+def test_opening_the_address_again_adds_no_second_browser(live: LiveServer) -> None:
+    address = address_with_token(live.settings, str(live.http.base_url))
+    with _visitor(live) as browser:
+        for _ in range(2):
+            assert browser.get(address).status_code == 303
+        cookie = dict(browser.cookies)
+        browser.get(address)
+        assert dict(browser.cookies) == cookie
+
+
+def _made(answer: httpx2.Response) -> dict[str, Any]:
+    assert answer.status_code == 201, answer.text
+    return dict(answer.json())
+
+
+def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: LiveServer) -> None:
+    wish = {"name": "Class 5b", "role": "participant", "behaviour_id": 2}
+    made = _made(live.http.post("/api/invitations", json=wish))
+    with _visitor(live) as guest:
+        page = guest.get(made["path"])
+        assert "What is your name?" in page.text
+        (signed,) = re.findall(r'name="invitation" value="([^"]+)"', page.text)
+        unnamed = guest.post("/join", data={"invitation": signed, "name": "  "})
+        assert "What is your name?" in unnamed.text
+        joined = guest.post("/join", data={"invitation": signed, "name": "Ada <b>"})
+        assert joined.status_code == 303
+        me = guest.get("/api/player").json()
+        assert (me["name"], me["role"]) == ("Ada <b>", "participant")
+        assert [one["id"] for one in guest.get("/api/behaviours").json()] == [2]
+        game = guest.post("/api/games", json={"behaviour_id": 2}).json()
+        assert live.row(game["recording_id"]).player_id == me["id"]
+        assert guest.post("/api/games", json={"behaviour_id": 1}).status_code == 404
+        assert live.http.delete(f"/api/invitations/{made['id']}").status_code == 204
+        assert guest.get(made["path"]).status_code == 404
+        late = guest.post("/join", data={"invitation": signed, "name": "Late"})
+        assert late.status_code == 404
+        # Who came by it stays.
+        assert guest.get("/api/player").status_code == 200
+    assert made["id"] not in {one["id"] for one in live.http.get("/api/invitations").json()}
+
+
+@pytest.mark.parametrize(
+    "wish",
+    [
+        {"name": "x", "role": "participant"},
+        {"name": "x", "role": "researcher", "behaviour_id": 1},
+        {"name": "x", "role": "owner"},
+        {"name": " ", "role": "researcher"},
+    ],
+)
+def test_an_invitation_that_makes_no_sense_is_refused(
+    live: LiveServer, wish: dict[str, Any]
+) -> None:
+    assert live.http.post("/api/invitations", json=wish).status_code == 422
+
+
+def test_a_key_lets_a_script_in_until_it_is_revoked(live: LiveServer) -> None:
+    made = _made(live.http.post("/api/keys", json={"name": "nightly", "role": "researcher"}))
+    with _visitor(live, headers={"Authorization": f"Bearer {made['key']}"}) as script:
+        assert script.get("/api/player").json()["role"] == "researcher"
+        assert script.get("/api/runs").status_code == 200
+        assert script.get("/api/keys").status_code == 403
+        assert script.post("/api/sign-out").status_code == 404
+        wait_until(lambda: _saved_seen(live, made["id"]))
+        assert live.http.delete(f"/api/keys/{made['id']}").status_code == 204
+        wait_until(lambda: _is_refused(script))
+    # A key is no cookie, and a cookie is no key.
+    name, value = cookie_of(live.settings)
+    with _visitor(live, headers={"Authorization": f"Bearer {value}"}) as confused:
+        assert _is_refused(confused)
+    other = _made(live.http.post("/api/keys", json={"name": "other"}))
+    with _visitor(live, cookies={name: other["key"]}) as confused:
+        assert _is_refused(confused)
+
+
+def _saved_seen(live: LiveServer, credential_id: int) -> bool:
+    asyncio.run(live.services.access.save_seen())
+    with live.database.reading() as session:
+        return session.get_one(CredentialRow, credential_id).seen_at is not None
+
+
+def test_no_secret_is_stored(live: LiveServer) -> None:
+    made = _made(live.http.post("/api/keys", json={"name": "hidden"}))
+    secret = made["key"].partition(".")[0]
+    with live.database.reading() as session:
+        row = session.get_one(CredentialRow, made["id"])
+        assert secret not in str(vars(row))
+        assert row.secret_hash == credentials.hash_of(secret)
+        assert all(secret not in str(vars(entry)) for entry in audit.page(session))
+
+
+def test_what_people_do_is_logged_and_stays(live: LiveServer) -> None:
+    _made(live.http.post("/api/invitations", json={"name": "logged", "role": "researcher"}))
+    ranking = live.http.get("/api/behaviours/1/ranking").json()
+    tiers = ranking["tiers"][::-1]
+    update_ = {"base_revision": ranking["revision"], "tiers": tiers}
+    assert live.http.put("/api/behaviours/1/ranking", json=update_).status_code == 200
+    newest, earlier = live.http.get("/api/audit", params={"limit": 2}).json()
+    assert (newest["action"], newest["subject"]) == ("ranked", "behaviour 1")
+    assert newest["player"] == live.http.get("/api/player").json()["name"]
+    assert earlier["action"] == "made an invitation"
+    (older,) = live.http.get("/api/audit", params={"limit": 1, "before": newest["id"]}).json()
+    assert older == earlier
+    changes = (
+        update(AuditRow).where(AuditRow.id == newest["id"]).values(subject="nothing"),
+        delete(AuditRow).where(AuditRow.id == newest["id"]),
+    )
+    for change in changes:
+        with (
+            pytest.raises(DatabaseError, match="only be added to"),
+            live.database.writing() as session,
+        ):
+            session.execute(change)
+
+
+def test_deletions_and_runs_are_logged_with_who_did_them(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        owner = players.owner(session).id
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        recordings.delete(session, [recordings.get(session, workplace.ranked[0])], owner)
+    with workplace.database.reading() as session:
+        logged = [(entry.action, entry.subject, entry.player_id) for entry in audit.page(session)]
+    assert ("deleted", f"recording {workplace.ranked[0]}", owner) in logged
+    assert ("queued a run", f"run {run_id}", None) in logged
+
+
+def test_a_person_stores_and_queues_only_so_much(workplace: Workplace) -> None:
+    limits: dict[str, Any] = {"max_recordings_per_player": 1, "max_queued_runs_per_player": 1}
+    with live_server(workplace.settings.data, **limits) as live:
+        assert live.http.post("/api/games", json={"behaviour_id": 1}).status_code == 201
+        refused = live.http.post("/api/games", json={"behaviour_id": 1})
+        assert refused.status_code == 409
+        assert "TRIL_MAX_RECORDINGS_PER_PLAYER" in refused.json()["detail"]
+        run = {"behaviour_id": 1, "recipe": "fast", "training_seed": 0}
+        assert live.http.post("/api/runs", json=run).status_code == 201
+        refused = live.http.post("/api/runs", json=run)
+        assert refused.status_code == 409
+        assert "TRIL_MAX_QUEUED_RUNS_PER_PLAYER" in refused.json()["detail"]
+
+
+def test_commands_say_who_gets_in(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+
+    def tril(*words: str) -> str:
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, result.output
+        return result.stdout
+
+    link = tril("people", "invite", "Class 5b", "--behaviour", "column-1").strip()
+    assert "/join?invitation=" in link
+    key = tril("people", "key", "nightly").strip()
+    listed = tril("people", "list")
+    assert "Class 5b" in listed
+    assert "nightly" in listed
+    assert key.partition(".")[0] not in listed
+    tril("people", "revoke", "invitation", "1")
+    with workplace.database.reading() as session:
+        assert not invitations.listing(session)
+        (row,) = credentials.listing(session, CredentialKind.KEY)
+        assert row.role == Role.RESEARCHER
+    tril("people", "revoke", "key", str(row.id))
+    log = tril("audit")
+    assert log.splitlines()[0].endswith("terminal revoked a key key 1 name nightly")
+    assert CliRunner().invoke(app, ["people", "invite", "x"]).exit_code != 0
+    assert invitation_link(workplace.settings, "http://x/", "s").startswith("http://x/join?")
+    with workplace.database.reading() as session:
+        assert session.scalar(select(AuditRow.player_id).order_by(AuditRow.id.desc())) is None
+
+
+@pytest.mark.parametrize(
+    ("user_agent", "name"),
+    [
+        (
+            "Mozilla/5.0 (X11; Linux x86_64; rv:140.0) Gecko/20100101 Firefox/140.0",
+            "Firefox on Linux",
+        ),
+        (
+            "Mozilla/5.0 (Windows NT 10.0) AppleWebKit/537.36 Chrome/140.0 Safari/537.36 Edg/140.0",
+            "Edge on Windows",
+        ),
+        ("Mozilla/5.0 (iPhone; CPU) AppleWebKit/605 Version/18 Safari/604", "Safari on iPhone"),
+        ("curl/8.5.0", "curl"),
+        ("", "Unknown browser"),
+    ],
+)
+def test_browsers_are_named(user_agent: str, name: str) -> None:
+    assert browser_name(user_agent) == name

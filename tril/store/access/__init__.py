@@ -1,0 +1,1 @@
+"""Who gets in: signed-in browsers, keys, and invitations."""

@@ -1,0 +1,59 @@
+"""The audit log: who did what, and when. It is only ever added to."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from tril.store.models import AuditRow
+
+
+class Action(StrEnum):
+    """What is logged."""
+
+    SIGNED_IN = "signed in"
+    SIGNED_OUT = "signed out"
+    ALL_SIGNED_OUT = "signed everybody out"
+    INVITATION_MADE = "made an invitation"
+    INVITATION_USED = "used an invitation"
+    INVITATION_REVOKED = "revoked an invitation"
+    KEY_MADE = "made a key"
+    KEY_REVOKED = "revoked a key"
+    DELETED = "deleted"
+    RESTORED = "restored"
+    IMPORTED = "imported"
+    RANKED = "ranked"
+    RUN_QUEUED = "queued a run"
+    RUN_CANCELLED = "cancelled a run"
+
+
+def note(
+    session: Session, action: Action, player_id: int | None, subject: str, **details: Any
+) -> None:
+    """Log, in the transaction that does it, what somebody does.
+
+    Args:
+        session: The transaction.
+        action: What is done.
+        player_id: Who does it; None for a command in the terminal, or Tril itself.
+        subject: What it is done to: "recording 12".
+        **details: More about it, as JSON; no secrets.
+    """
+    session.add(AuditRow(action=action, player_id=player_id, subject=subject, details=details))
+
+
+def page(session: Session, before: int | None = None, limit: int = 50) -> list[AuditRow]:
+    """Return entries, newest first.
+
+    Args:
+        session: The transaction.
+        before: Only entries that are older than the one of this id.
+        limit: How many.
+    """
+    query = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)
+    if before is not None:
+        query = query.where(AuditRow.id < before)
+    return list(session.scalars(query))
