@@ -95,12 +95,16 @@ async def join(request: Request) -> Response:
         return _no_invitation()
     name, browser = given.get("name", [""])[0], _browser_of(request)
 
-    def accept() -> str:
+    def accept() -> tuple[str, int | None]:
         with services.database.writing() as session:
-            return invitations.accept(session, secret, name, browser)
+            row = invitations.find(session, secret)
+            return invitations.accept(session, secret, name, browser), row and row.behaviour_id
 
     try:
-        return _with_cookie(request, await run_in_threadpool(accept))
+        secret_of_browser, behaviour_id = await run_in_threadpool(accept)
+        # Somebody who may play one behaviour has nothing to choose from on the first page.
+        path = "/" if behaviour_id is None else f"/behaviours/{behaviour_id}/play"
+        return _with_cookie(request, secret_of_browser, path)
     except TrilError:
         # The name is missing, or the invitation was revoked since; the page says which.
         return await _ask_for_name(request, signed)
@@ -145,9 +149,9 @@ def _no_invitation() -> Response:
     return small_page(404, "This invitation is not valid", why, form="")
 
 
-def _with_cookie(request: Request, secret: str) -> Response:
+def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:
     access = services_of(request).access
-    answer = _to_the_page()
+    answer = _to_the_page(path)
     answer.set_cookie(
         access.cookie_name,
         access.secrets.signed(secret),
@@ -160,8 +164,8 @@ def _with_cookie(request: Request, secret: str) -> Response:
     return answer
 
 
-def _to_the_page() -> Response:
-    return Response(status_code=303, headers={"Location": "/", "Cache-Control": "no-store"})
+def _to_the_page(path: str = "/") -> Response:
+    return Response(status_code=303, headers={"Location": path, "Cache-Control": "no-store"})
 
 
 def _browser_of(request: Request) -> str:

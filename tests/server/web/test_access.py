@@ -163,6 +163,7 @@ def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: Li
         assert "What is your name?" in unnamed.text
         joined = guest.post("/join", data={"invitation": signed, "name": "Ada <b>"})
         assert joined.status_code == 303
+        assert joined.headers["location"] == "/behaviours/2/play"
         me = guest.get("/api/player").json()
         assert (me["name"], me["role"]) == ("Ada <b>", "participant")
         assert [one["id"] for one in guest.get("/api/behaviours").json()] == [2]
