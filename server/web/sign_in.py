@@ -98,7 +98,8 @@ async def join(request: Request) -> Response:
     def accept() -> tuple[str, int | None]:
         with services.database.writing() as session:
             row = invitations.find(session, secret)
-            return invitations.accept(session, secret, name, browser), row and row.behaviour_id
+            behaviour_id = None if row is None else row.behaviour_id
+            return invitations.accept(session, secret, name, browser), behaviour_id
 
     try:
         secret_of_browser, behaviour_id = await run_in_threadpool(accept)
