@@ -273,8 +273,9 @@ def test_recipes_have_the_values_that_they_were_started_with(old: OldFolder) -> 
         stored = Counter(_leaves(json.loads(old.stored[key]["recipe"])))
         now = Counter(_leaves(recipe.to_dict()))
         assert not stored - now
-        # What came later is off: death forfeit, openings, sticky actions, end_share, pretraining.
-        assert now - stored == {"0.0": 4, "false": 3}
+        # What came later is off: death forfeit, openings, sticky actions, end_share, pretraining,
+        # frozen convolutions.
+        assert now - stored == {"0.0": 4, "false": 5}
     demo = recipes[old.run(DEMO)["id"]]
     assert (demo.policy.n_envs, demo.policy.n_steps, demo.policy.n_epochs) == (2, 32, 1)
     assert (demo.policy.kl_coef, demo.policy.clip_range) == (0.03, 0.2)

@@ -68,10 +68,12 @@ def test_sixty_requests_at_once_are_all_answered_and_reads_while_writes_wait(
                 if sent == method:
                     answers[method, path, status(client)] += 1
 
+        # Signing in writes, too, so the requests are made before.
+        requests = [request(server, method, path, body) for method, path, body, _ in expected]
         with database.writing() as session:
             session.connection()  # takes the lock, so that all writes are under way at once
-            for client, (method, path, body, _) in zip(clients, cycle(expected), strict=False):
-                client.sendall(request(server, method, path, body))
+            for client, content in zip(clients, cycle(requests), strict=False):
+                client.sendall(content)
             health = httpx2.get(f"{server.base_url}/api/health", timeout=TIMEOUT_S)
             assert health.status_code == 200
             take_answers("GET")
