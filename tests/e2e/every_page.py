@@ -17,6 +17,16 @@ from testsupport.workplace import Workplace, make_workplace
 from tril.store.models import RunStatus
 from tril.store.training import leases
 
+UNCHANGED = """() => new Promise((resolve) => {
+  let timer = setTimeout(resolve, 500);
+  const observer = new MutationObserver(() => {
+    clearTimeout(timer);
+    timer = setTimeout(resolve, 500);
+  });
+  observer.observe(document.body, { subtree: true, childList: true });
+})"""
+"""Resolves once nothing was added to the page or removed from it for half a second."""
+
 
 @dataclass(frozen=True)
 class EveryPage:
@@ -46,6 +56,7 @@ def serving_every_page(data: Path) -> Iterator[EveryPage]:
         "stopped run": f"/runs/{stopped}",
         "waiting run": f"/runs/{waiting}",
         "compared runs": f"/runs/compare?run={done}&run={stopped}",
+        "people": "/people",
         "no page": "/nowhere",
     }
     with (
@@ -69,3 +80,4 @@ def settled(page: Page, path: str) -> None:
     page.goto(path)
     expect(page.locator("h1, h2").first).to_be_visible()
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    page.evaluate(UNCHANGED)

@@ -183,12 +183,8 @@ function GameCell({
   const title = `${name} ${from}`.trim();
   return (
     <>
-      <button
-        type="button"
-        className={styles.game}
-        aria-label={t`Watch ${inSentence(title)}`}
-        onClick={() => onWatch({ recording, title })}
-      >
+      <button type="button" className={styles.game} onClick={() => onWatch({ recording, title })}>
+        <span className="visually-hidden">{t`Watch ${inSentence(title)}`}</span>
         <span className={styles.only}>
           <ThingMark thing={thing}>{best ? t`Best` : name}</ThingMark>
         </span>

@@ -9,8 +9,9 @@ import { playedBy } from "@/lib/things";
 import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 
-/** Predicted returns by tier: decreasing if the reward model agrees with the ranking. */
+/** Predicted returns by tier, if any: decreasing if the reward model agrees with the ranking. */
 export function ReturnsByTier({ returns }: { returns: RankingCheck["returns"] }) {
+  if (returns.length === 0) return null;
   const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
   return (
     <figure className={styles.scatter}>
