@@ -55,7 +55,9 @@ def measure(cell: str, recipes: dict[str, RewardRecipe]) -> dict[str, dict[str, 
 def main() -> None:
     """Learn and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cells", nargs="+", metavar="BEHAVIOUR:SEED")
+    parser.add_argument(
+        "cells", nargs="*", default=["column-2:2", "column-4:2"], metavar="BEHAVIOUR:SEED"
+    )
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE ...")
     parser.add_argument("--threads", type=int, default=1)
     arguments = parser.parse_args()

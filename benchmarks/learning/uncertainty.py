@@ -1,6 +1,6 @@
 r"""Whether a reward's standard deviation is larger where it orders unseen games wrongly.
 
-    python -m benchmarks.learning.uncertainty column-2:2 column-4:2
+    python -m benchmarks.learning.uncertainty [column-2:2 column-4:2]
 
 Rewards are learned and checked as in benchmarks.learning.generalisation, from games like a
 person's and varied play, and judge unseen games of the same two kinds: pairs of which one is worth
@@ -71,7 +71,9 @@ def _area(positive: Floats, negative: Floats) -> float:
 def main() -> None:
     """Learn and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cells", nargs="+", metavar="BEHAVIOUR:SEED")
+    parser.add_argument(
+        "cells", nargs="*", default=["column-2:2", "column-4:2"], metavar="BEHAVIOUR:SEED"
+    )
     parser.add_argument("--threads", type=int, default=1)
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)
