@@ -218,10 +218,21 @@ def rate(model: PPO, steps: int) -> float:
 
 
 def measure(
-    name: str, rounds: int, rollouts: int, precision: Precision, device: torch.device
+    name: str,
+    rounds: int,
+    rollouts: int,
+    precision: Precision,
+    device: torch.device,
+    freeze_convolutions: bool = False,
 ) -> dict[str, float]:
     """Measure a recipe's PPO in turns with plain PPO, print a table and return the figures."""
-    recipe = replace(RECIPES[name].policy, kl_coef=0.0, critic_warm_up_steps=0, reward="level")
+    recipe = replace(
+        RECIPES[name].policy,
+        kl_coef=0.0,
+        critic_warm_up_steps=0,
+        reward="level",
+        freeze_convolutions=freeze_convolutions,
+    )
     network = new_network(np.random.default_rng(0))
     shaping = RewardShaping.of(RewardModel((network,)).on(device), recipe)
     steps = recipe.n_envs * recipe.n_steps * rollouts
@@ -265,11 +276,21 @@ def main() -> None:
     parser.add_argument("--rollouts", type=int, default=2, help="rollouts in a turn")
     parser.add_argument("--precision", choices=["auto", *Precision], default="auto")
     parser.add_argument("--device", choices=["auto", "cpu", "cuda"], default="auto")
+    parser.add_argument(
+        "--freeze-convolutions", action="store_true", help="ours learns the layers above them"
+    )
     arguments = parser.parse_args()
     device = learning_device(arguments.device)
     precision = Precision.of(arguments.precision, device)
     result = {
-        name: measure(name, arguments.rounds, arguments.rollouts, precision, device)
+        name: measure(
+            name,
+            arguments.rounds,
+            arguments.rollouts,
+            precision,
+            device,
+            arguments.freeze_convolutions,
+        )
         for name in arguments.recipe or list(RECIPES)
     }
     threads = torch.get_num_threads()

@@ -159,7 +159,8 @@ def test_a_page_looks_as_it_did(browser: Browser, every_page: EveryPage, name: s
 
 
 def test_every_page_has_its_pictures(every_page: EveryPage) -> None:
-    assert set(every_page.paths) == set(PAGES)
+    # The page of people lists the browsers that the tests before have signed in.
+    assert set(every_page.paths) - {"people"} == set(PAGES)
     assert len(list(KEPT.glob("*.png"))) == len(PAGES) * len(WIDTHS) * len(THEMES)
 
 

@@ -252,8 +252,6 @@ class _TrainingCallback(BaseCallback):
                 ppo.start_policy = start
             if not ppo.num_timesteps:
                 ppo.policy.load_state_dict(start.state_dict())
-        if self._task.recipe.policy.freeze_convolutions:
-            ppo.policy.freeze_convolutions()
         self._reporter.on_step()
 
     def _on_rollout_start(self) -> None:

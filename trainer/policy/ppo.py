@@ -122,6 +122,8 @@ class ImitationPPO(PPO):
         with torch_seeded(generators.weights):
             self._setup_model()
         channels_last(self.policy)
+        if recipe.freeze_convolutions:
+            self.policy.freeze_convolutions()
 
     def collect_rollouts(
         self,
