@@ -1,15 +1,7 @@
 import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
 
 import { api, unwrap } from "./client";
-import type {
-  AuditEntry,
-  Invitation,
-  InvitationNew,
-  KeyNew,
-  NewInvitation,
-  NewKey,
-  Player,
-} from "./types";
+import type { AuditEntry, Invitation, InvitationNew, KeyNew, NewInvitation, NewKey } from "./types";
 
 const ENTRIES = 50;
 
@@ -72,9 +64,4 @@ export function createKey(body: KeyNew): Promise<NewKey> {
 
 export function revokeKey(id: number): Promise<unknown> {
   return unwrap(api.DELETE("/api/keys/{key_id}", { params: { path: { key_id: id } } }));
-}
-
-/** Whether somebody only plays; false while that is unknown. */
-export function isParticipant(player: Player | undefined): boolean {
-  return player?.role === "participant";
 }

@@ -7,6 +7,7 @@ import { isAlive, systemQuery } from "@/api/system";
 import type { System } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
+import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { classes } from "@/lib/classes";
 import { bytes } from "@/lib/format";
 
@@ -14,7 +15,7 @@ import styles from "./StatusMenu.module.css";
 
 /** Whether the worker is running, with a dialog about processes and disk usage. */
 export function StatusMenu() {
-  const { data: system } = useQuery(systemQuery);
+  const { data: system } = useQuery({ ...systemQuery, enabled: useOnlyPlays() === false });
   const [open, setOpen] = useState(false);
   const worker = isAlive(system, "worker");
   if (!system || worker === null) return null;

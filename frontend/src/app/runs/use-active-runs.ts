@@ -6,11 +6,12 @@ import { useNavigate } from "react-router";
 import { activeRunsQuery, resultsQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
 import { useToast } from "@/components/feedback/Toasts";
+import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { notify } from "@/lib/notifications";
 
 /** Follows the runs that are not over: announces each that ends; returns the tab's title or null. */
 export function useActiveRuns(): string | null {
-  const { data: runs } = useQuery(activeRunsQuery);
+  const { data: runs } = useQuery({ ...activeRunsQuery, enabled: useOnlyPlays() === false });
   useEndings(runs);
   const training = runs?.find(({ status }) => status === "running");
   return training ? titleOf(training) : null;

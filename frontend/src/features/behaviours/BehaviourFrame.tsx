@@ -6,15 +6,14 @@ import { Link, NavLink } from "react-router";
 
 import { behaviourQuery } from "@/api/behaviours";
 import { isNotFound } from "@/api/client";
-import { isParticipant } from "@/api/people";
 import { runsQuery } from "@/api/runs";
-import { playerQuery } from "@/api/system";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { PageTitle } from "@/components/PageTitle";
+import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { classes } from "@/lib/classes";
 import { isActive } from "@/lib/runs";
 
@@ -32,7 +31,7 @@ interface BehaviourFrameProps {
 /** The header of every page of a behaviour: its name and the path through the four steps. */
 export function BehaviourFrame({ behaviourId, looking = false, children }: BehaviourFrameProps) {
   const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
-  const onlyPlays = isParticipant(useQuery(playerQuery).data);
+  const onlyPlays = useOnlyPlays();
   if (isNotFound(error)) {
     return (
       <Empty
@@ -94,8 +93,8 @@ const PAGES: Readonly<Record<StepId, string>> = {
 };
 
 function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }) {
-  const { data: runs } = useQuery(runsQuery(behaviour.id));
-  const onlyPlays = isParticipant(useQuery(playerQuery).data);
+  const onlyPlays = useOnlyPlays();
+  const { data: runs } = useQuery({ ...runsQuery(behaviour.id), enabled: onlyPlays === false });
   const steps = pathOf(behaviour, runs ?? []);
   const at = `/behaviours/${behaviour.id}`;
   const [play, ...others] = steps;

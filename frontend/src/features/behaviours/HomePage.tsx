@@ -5,15 +5,14 @@ import { useState } from "react";
 import { Link } from "react-router";
 
 import { behavioursQuery } from "@/api/behaviours";
-import { isParticipant } from "@/api/people";
 import { runsQuery } from "@/api/runs";
-import { playerQuery } from "@/api/system";
 import type { Behaviour, Run } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import { PageTitle } from "@/components/PageTitle";
+import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { Tour } from "@/features/behaviours/tour/Tour";
 import { bounds, fixed } from "@/lib/format";
 import { isActive, statusLine } from "@/lib/runs";
@@ -26,9 +25,9 @@ import { NewBehaviourDialog } from "./NewBehaviourDialog";
 /** The list of behaviours; on first use, an introduction too. */
 export function HomePage() {
   const behaviours = useQuery(behavioursQuery);
-  const runs = useQuery(runsQuery());
+  const onlyPlays = useOnlyPlays();
+  const runs = useQuery({ ...runsQuery(), enabled: onlyPlays === false });
   const [making, setMaking] = useState(false);
-  const onlyPlays = isParticipant(useQuery(playerQuery).data);
 
   if (behaviours.error && !behaviours.data) {
     return (

@@ -9,6 +9,7 @@ import type { Behaviour, Recording } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { WatchDialog } from "@/components/recording/WatchDialog";
+import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { readFilter } from "@/features/recordings/library/filter";
 import { ImportDialog } from "@/features/recordings/library/ImportDialog";
 import { Library } from "@/features/recordings/library/Library";
@@ -21,9 +22,11 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   const [watched, setWatched] = useState<Recording | null>(null);
   const [importing, setImporting] = useState<{ dropped: File | null } | null>(null);
 
+  const onImport = useOnlyPlays() ? undefined : () => setImporting({ dropped: null });
+
   function drop(event: DragEvent) {
     const [file] = event.dataTransfer.files;
-    if (!file) return;
+    if (!file || !onImport) return;
     event.preventDefault();
     setImporting({ dropped: file });
   }
@@ -36,14 +39,9 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
     // Dropping a file has a keyboard equivalent, the Import button.
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
       {data.length === 0 && !asksForDeleted ? (
-        <NoRecordings behaviour={behaviour} onImport={() => setImporting({ dropped: null })} />
+        <NoRecordings behaviour={behaviour} onImport={onImport} />
       ) : (
-        <Library
-          recordings={data}
-          behaviour={behaviour}
-          onWatch={setWatched}
-          onImport={() => setImporting({ dropped: null })}
-        />
+        <Library recordings={data} behaviour={behaviour} onWatch={setWatched} onImport={onImport} />
       )}
       {watched && (
         <WatchDialog
@@ -63,7 +61,13 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   );
 }
 
-function NoRecordings({ behaviour, onImport }: { behaviour: Behaviour; onImport: () => void }) {
+function NoRecordings({
+  behaviour,
+  onImport,
+}: {
+  behaviour: Behaviour;
+  onImport: (() => void) | undefined;
+}) {
   return (
     <Empty
       title={t`No recordings yet`}
@@ -72,9 +76,11 @@ function NoRecordings({ behaviour, onImport }: { behaviour: Behaviour; onImport:
           <ButtonLink kind="primary" to={`/behaviours/${behaviour.id}/play`}>
             <Trans>Play a game</Trans>
           </ButtonLink>
-          <Button icon="upload" onClick={onImport}>
-            <Trans>Import recordings</Trans>
-          </Button>
+          {onImport && (
+            <Button icon="upload" onClick={onImport}>
+              <Trans>Import recordings</Trans>
+            </Button>
+          )}
         </>
       }
     >

@@ -56,7 +56,19 @@ describe("every page", () => {
     serve(CALM);
     open("/");
     expect(await screen.findByRole("button", { name: /Player: Ada/ })).toBeVisible();
-    expect(screen.getByText("Worker ready")).toBeVisible();
+    expect(await screen.findByText("Worker ready")).toBeVisible();
+  });
+
+  it("asks nothing for players that they may not know", async () => {
+    const asked = serve({
+      ...CALM,
+      "GET /api/player": () => ({ id: 2, name: "Mia", role: "participant" }),
+    });
+    open("/");
+    expect(await screen.findByRole("button", { name: /Player: Mia/ })).toBeVisible();
+    const paths = asked.map(({ path }) => path);
+    expect(paths).not.toContain("/api/system");
+    expect(paths).not.toContain("/api/runs");
   });
 
   it("shows the progress of a run in its title, and announces the end with the verdict", async () => {

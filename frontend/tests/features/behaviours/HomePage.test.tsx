@@ -25,6 +25,8 @@ const HEADLINE = {
   held_out_accuracy: null,
 };
 
+const OWNER = { "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }) };
+
 describe("the first page", () => {
   it("says what Tril is and where to begin, before anything was played", async () => {
     const asked = serve({
@@ -80,6 +82,7 @@ describe("the first page", () => {
 
   it("shows the latest run's headline with its interval afterwards", async () => {
     serve({
+      ...OWNER,
       "GET /api/behaviours": () => [
         behaviour({ n_recordings: 12, n_ranked: 12, n_perfect: 3, n_runs: 1 }),
       ],
@@ -99,6 +102,7 @@ describe("the first page", () => {
 
   it("shows the last result where the latest run was cancelled", async () => {
     serve({
+      ...OWNER,
       "GET /api/behaviours": () => [behaviour({ n_recordings: 12, n_runs: 2 })],
       "GET /api/recipes": () => [recipe()],
       "GET /api/runs": () => [

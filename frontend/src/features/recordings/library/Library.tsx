@@ -22,7 +22,8 @@ interface LibraryProps {
   recordings: readonly Recording[];
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
-  onImport: () => void;
+  /** Without it there is no import, and no export of all. */
+  onImport: (() => void) | undefined;
 }
 
 /** The grid of recordings, with filters kept in the address and a selection. */
@@ -45,12 +46,16 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
             </>
           )}
         </h2>
-        <Button icon="upload" onClick={onImport}>
-          <Trans>Import</Trans>
-        </Button>
-        <DownloadLink href={exportUrl(behaviour.id)}>
-          <Trans>Export</Trans>
-        </DownloadLink>
+        {onImport && (
+          <>
+            <Button icon="upload" onClick={onImport}>
+              <Trans>Import</Trans>
+            </Button>
+            <DownloadLink href={exportUrl(behaviour.id)}>
+              <Trans>Export</Trans>
+            </DownloadLink>
+          </>
+        )}
       </div>
       <FilterBar
         filter={filter}
