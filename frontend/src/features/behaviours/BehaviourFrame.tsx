@@ -75,7 +75,10 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
 
 /** A link to the run that is under way, where the path has no room to name it. */
 function Training({ behaviourId }: { behaviourId: number }) {
-  const { data: runs = [] } = useQuery(runsQuery(behaviourId));
+  const { data: runs = [] } = useQuery({
+    ...runsQuery(behaviourId),
+    enabled: useOnlyPlays() === false,
+  });
   const active = runs.find(isActive);
   if (!active) return null;
   return (
