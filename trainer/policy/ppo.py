@@ -171,21 +171,15 @@ class ImitationPPO(PPO):
         logits, values = self._forward(self.policy, observations)
         return logits.cpu(), values.cpu()
 
-    def _forward(self, policy: ScreenPolicy, observations: Tensor) -> tuple[Tensor, Tensor]:
-        """Return a policy's logits and values in the precision of this training."""
-        device = device_of(policy)
-        with self._precision.autocast(device):
-            return policy.logits_and_values(observations.to(device))
-
-    def _evaluate(self, policy: ScreenPolicy, inputs: Tensor) -> tuple[Tensor, Tensor]:
-        """Return a policy's logits and values of what it learns from, see ``_inputs``."""
+    def _forward(self, policy: ScreenPolicy, inputs: Tensor) -> tuple[Tensor, Tensor]:
+        """Return a policy's logits and values of screens, or of what ``_inputs`` makes of them."""
         return policy.heads(self._features(policy, inputs))
 
     def _features(self, policy: ScreenPolicy, inputs: Tensor) -> Tensor:
-        """Return a policy's features of what it learns from, in the precision of this training."""
+        """Return a policy's features, in the precision of this training."""
         device = device_of(policy)
         with self._precision.autocast(device):
-            if self.recipe.freeze_convolutions:
+            if inputs.dim() == 2:
                 return policy.features_extractor.features_of(inputs.to(device))
             return policy.extract_features(inputs.to(device))
 
@@ -265,7 +259,7 @@ class ImitationPPO(PPO):
         self, minibatch: Minibatch, start_log_probs: Tensor | None, kl_coef: float
     ) -> tuple[Tensor, Tensor]:
         """Return PPO's loss of a minibatch, and its statistics in the order of update_metrics."""
-        logits, values = self._evaluate(self.policy, minibatch.inputs)
+        logits, values = self._forward(self.policy, minibatch.inputs)
         log_all = logits.log_softmax(1)
         log_probs = log_all.gather(1, minibatch.actions[:, None])[:, 0]
         advantages = minibatch.advantages
@@ -307,7 +301,7 @@ class ImitationPPO(PPO):
         parts = []
         with torch.no_grad():
             for part in torch.split(inputs, size):
-                logits, _ = self._evaluate(self.start_policy, part)
+                logits, _ = self._forward(self.start_policy, part)
                 parts.append(logits.log_softmax(1))
                 self._on_step()
         return torch.cat(parts)
