@@ -102,9 +102,9 @@ def delete_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId)
 
 
 @router.post("/{behaviour_id}/restore", responses=NOT_FOUND | CONFLICT)
-def restore_behaviour(session: WriteSession, behaviour_id: BehaviourId) -> Behaviour:
+def restore_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Restore a deleted behaviour, with everything it had."""
-    return _one(session, behaviours.restore(session, behaviour_id))
+    return _one(session, behaviours.restore(session, behaviour_id, who.player_id))
 
 
 def _played(row: RecordingRow) -> GameOutcome:

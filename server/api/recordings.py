@@ -68,7 +68,7 @@ def change_recordings(
     else:
         for row in rows:
             if body.change == "restore":
-                recordings.restore(session, row)
+                recordings.restore(session, row, who.player_id)
             else:
                 recordings.update(session, row, perfect=body.change == "mark_perfect")
     return RecordingViews(session).all(rows)
@@ -137,10 +137,10 @@ def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId
 
 
 @router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
-def restore_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
+def restore_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
     """Restore a deleted recording, unranked."""
     row = recordings.get(session, recording_id)
-    recordings.restore(session, row)
+    recordings.restore(session, row, who.player_id)
     return RecordingViews(session).one(row)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from html import escape
 from urllib.parse import parse_qs, unquote
 
@@ -10,7 +11,6 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 
 from server.dependencies import services_of
-from server.web.access import browser_name
 from server.web.problems import problem
 from tril.errors import TrilError
 from tril.store import behaviours, players
@@ -46,6 +46,17 @@ _NAME_FORM = """<form action="{path}" method="post" style="display: grid; gap: .
 <input type="hidden" name="invitation" value="{invitation}">
 <button style="{style} 1rem; justify-self: start">Begin</button>
 </form>"""
+
+_BROWSERS = (("Edg", "Edge"), ("OPR/", "Opera"), ("Firefox/", "Firefox"), ("Chrome/", "Chrome"))
+_SYSTEMS = (
+    ("Android", "Android"),
+    ("iPhone", "iPhone"),
+    ("iPad", "iPad"),
+    ("Windows", "Windows"),
+    ("Mac OS X", "macOS"),
+    ("CrOS", "ChromeOS"),
+    ("Linux", "Linux"),
+)
 
 
 def small_page(
@@ -97,9 +108,7 @@ async def join(request: Request) -> Response:
 
     def accept() -> tuple[str, int | None]:
         with services.database.writing() as session:
-            row = invitations.find(session, secret)
-            behaviour_id = None if row is None else row.behaviour_id
-            return invitations.accept(session, secret, name, browser), behaviour_id
+            return invitations.accept(session, secret, name, browser)
 
     try:
         secret_of_browser, behaviour_id = await run_in_threadpool(accept)
@@ -171,6 +180,19 @@ def _to_the_page(path: str = "/") -> Response:
 
 def _browser_of(request: Request) -> str:
     return browser_name(request.headers.get("user-agent", ""))
+
+
+def browser_name(user_agent: str) -> str:
+    """Return a browser's name, to tell it from others: "Firefox on Linux"."""
+    browser = _first(_BROWSERS, user_agent) or ("Safari" if "Safari/" in user_agent else None)
+    system = _first(_SYSTEMS, user_agent)
+    if browser is None:
+        return user_agent.partition("/")[0].strip()[:80] or "Unknown browser"
+    return browser if system is None else f"{browser} on {system}"
+
+
+def _first(names: Collection[tuple[str, str]], text: str) -> str | None:
+    return next((name for mark, name in names if mark in text), None)
 
 
 def _token_in(given: str) -> str:

@@ -205,7 +205,7 @@ def delete(session: Session, row: BehaviourRow, player_id: int | None = None) ->
     note_change(session, "behaviour", row.id)
 
 
-def restore(session: Session, behaviour_id: int) -> BehaviourRow:
+def restore(session: Session, behaviour_id: int, player_id: int | None = None) -> BehaviourRow:
     """Bring a deleted behaviour back, with everything it had.
 
     Raises:
@@ -218,6 +218,7 @@ def restore(session: Session, behaviour_id: int) -> BehaviourRow:
     if row.deleted_at is not None:
         _refuse_taken_name(session, row.name, besides=row.id)
         row.deleted_at = None
+        audit.note(session, audit.Action.RESTORED, player_id, f"behaviour {row.id}", name=row.name)
         note_change(session, "behaviour", row.id)
     return row
 

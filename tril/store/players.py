@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from sqlalchemy import select
+from sqlalchemy import exists, or_, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid, NotFound
 from tril.store.changes import note_change
-from tril.store.models import PlayerRow, Role
+from tril.store.models import CredentialRow, PlayerRow, Role
 
 OWNER_NAME = "Player"
 """Name of the owner until it is changed."""
@@ -63,9 +63,17 @@ def rename(session: Session, player: PlayerRow, name: str) -> None:
 
 
 def named(session: Session, name: str) -> PlayerRow:
-    """Return the oldest player of this name; without one a participant is added."""
+    """Return the person of this name who played imported games; added if there is none.
+
+    The owner counts, but nobody else who has signed in: they would be shown the games of a
+    namesake.
+    """
+    has_signed_in = exists().where(CredentialRow.player_id == PlayerRow.id)
     row = session.scalar(
-        select(PlayerRow).where(PlayerRow.name == name).order_by(PlayerRow.id).limit(1)
+        select(PlayerRow)
+        .where(PlayerRow.name == name, or_(PlayerRow.role == Role.OWNER, ~has_signed_in))
+        .order_by(PlayerRow.id)
+        .limit(1)
     )
     return row or add(session, name, Role.PARTICIPANT)
 

@@ -254,13 +254,14 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
     rankings.take_out(session, [row.id for row in gone], player_id)
 
 
-def restore(session: Session, row: RecordingRow) -> None:
+def restore(session: Session, row: RecordingRow, player_id: int | None = None) -> None:
     """Restore a deleted recording, unranked; a discarded game goes into the library."""
     if row.deleted_at is None:
         return
     row.deleted_at = None
     if row.state == RecordingState.FINISHED:
         row.state = RecordingState.KEPT
+    audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
     note_change(session, "recording", row.id)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from server.web.problems import explain_database_error
@@ -45,7 +45,7 @@ class Committer:
         try:
             with self._database.writing() as session:
                 return work(session)
-        except OperationalError as error:
+        except DBAPIError as error:
             explained = explain_database_error(error)
             _LOG.error("Games could not be saved: %s", error.orig)
             raise explained or _not_saved(error) from error

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.tril.exchange.samples import MODEL, finished_run
 from testsupport.workplace import Workplace
 from tril.errors import Conflict, Unavailable
 from tril.exchange import backup
@@ -24,19 +25,6 @@ from tril.store.database import create_database
 from tril.store.models import RunRow, RunStatus, Source
 from tril.store.schema import check_schema
 from tril.store.training import artifacts, runs
-
-MODEL = b"weights" * 1000
-
-
-def finished_run(workplace: Workplace) -> str:
-    """A run that is done and has a file."""
-    run_id = workplace.make_run()
-    store = ArtifactStore(workplace.settings.artifact_root)
-    size = store.put(artifacts.path_of(run_id, "model.bin"), MODEL)
-    with workplace.database.writing() as session:
-        session.get_one(RunRow, run_id).status = RunStatus.DONE
-        artifacts.save(session, run_id, "model", "model.bin", "application/octet-stream", size)
-    return run_id
 
 
 def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_path: Path) -> None:

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 from alembic import command
-from sqlalchemy import text
+from sqlalchemy import make_url, text
 
 from testsupport.databases import new_url, on_postgresql
 from testsupport.postgres import Cluster, cluster, find_or_install
-from tril.store import players
+from tril.store import copies, players
 from tril.store.copies import CopyFailed
 from tril.store.database import Database, create_database
 from tril.store.schema import alembic_config, check_schema, upgrade
@@ -145,3 +145,17 @@ def test_without_a_fitting_pg_dump_postgresql_is_not_upgraded(
     check_schema(database)
     database.close()
     server.drop("tril_no_dump")
+
+
+def test_the_password_of_an_address_reaches_pg_dump_and_not_its_arguments(tmp_path: Path) -> None:
+    program, said = tmp_path / "program", tmp_path / "said"
+    program.write_text(f'#!/bin/sh\nprintf "%s\\n" "$PGPASSWORD" "$@" > {said}\n')
+    program.chmod(0o755)
+    url = make_url("postgresql+psycopg://tril:secret@db.example:5433/tril?sslmode=require")
+    copies._run(url, str(program), "--format=custom")
+    assert said.read_text().splitlines() == [
+        "secret",
+        "--format=custom",
+        "--no-password",
+        "--dbname=postgresql://tril@db.example:5433/tril?sslmode=require",
+    ]

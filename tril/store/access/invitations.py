@@ -57,8 +57,11 @@ def find(session: Session, secret: str) -> InvitationRow | None:
     )
 
 
-def accept(session: Session, secret: str, name: str, browser: str) -> str:
-    """Let somebody in by a link as a new person, and return the secret for their cookie.
+def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str, int | None]:
+    """Let somebody in by a link as a new person.
+
+    Returns:
+        The secret for their cookie, and the behaviour that they may play; None for researchers.
 
     Raises:
         NotFound: The invitation was revoked or is unknown.
@@ -74,7 +77,7 @@ def accept(session: Session, secret: str, name: str, browser: str) -> str:
         )
     row.n_used += 1
     _log(session, audit.Action.INVITATION_USED, person.id, row)
-    return credentials.sign_in(session, person.id, browser, row.id)
+    return credentials.sign_in(session, person.id, browser, row.id), row.behaviour_id
 
 
 def listing(session: Session) -> list[InvitationRow]:

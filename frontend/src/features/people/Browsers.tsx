@@ -1,13 +1,12 @@
 import { t } from "@lingui/core/macro";
-import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
 import { browsersQuery, signBrowserOut } from "@/api/people";
-import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { moment } from "@/lib/format";
 
+import { Credential } from "./Credential";
 import styles from "./PeoplePage.module.css";
 import { roleName } from "./words";
 
@@ -28,21 +27,22 @@ export function Browsers() {
       )}
       <ul className={styles.rows}>
         {browsers.map(({ id, name, player, role, seen_at: seen, created_at: created, present }) => (
-          <li key={id}>
-            <span className={styles.what}>
-              <strong>{player}</strong> ({roleName(role)}), {name}
-              <small>{present ? t`This browser` : t`Last used ${moment(seen ?? created)}`}</small>
-            </span>
-            {!present && (
-              <Button
-                aria-label={t`Sign out ${player}, ${name}`}
-                disabled={end.isPending}
-                onClick={() => end.mutate(id)}
-              >
-                <Trans>Sign out</Trans>
-              </Button>
-            )}
-          </li>
+          <Credential
+            key={id}
+            note={present ? t`This browser` : t`Last used ${moment(seen ?? created)}`}
+            end={
+              present
+                ? undefined
+                : {
+                    label: t`Sign out`,
+                    name: t`Sign out ${player}, ${name}`,
+                    disabled: end.isPending,
+                    onClick: () => end.mutate(id),
+                  }
+            }
+          >
+            <strong>{player}</strong> ({roleName(role)}), {name}
+          </Credential>
         ))}
       </ul>
     </>

@@ -8,9 +8,10 @@ import { messageOf } from "@/api/client";
 import { createInvitation, invitationsQuery, revokeInvitation } from "@/api/people";
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
-import { Failed, Loading } from "@/components/feedback/States";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { moment } from "@/lib/format";
 
+import { Credential } from "./Credential";
 import styles from "./PeoplePage.module.css";
 import { Secret } from "./Secret";
 import { roleName } from "./words";
@@ -30,27 +31,32 @@ export function Invitations() {
     behaviours.find((behaviour) => behaviour.id === id)?.name;
   return (
     <>
+      {revoke.error && (
+        <Notice tone="bad" live>
+          {messageOf(revoke.error)}
+        </Notice>
+      )}
       <ul className={styles.rows}>
         {invitations.map(({ id, name, role, behaviour_id: of, n_used: used, created_at: made }) => (
-          <li key={id}>
-            <span className={styles.what}>
-              <strong>{name}</strong> ({roleName(role)}
-              {of !== null && `, ${behaviourName(of) ?? ""}`})
-              <small>
+          <Credential
+            key={id}
+            note={
+              <>
                 {moment(made)}, <Plural value={used} one="used once" other="used # times" />
-              </small>
-            </span>
-            <Button
-              aria-label={t`Revoke the invitation ${name}`}
-              disabled={revoke.isPending}
-              onClick={() => revoke.mutate(id)}
-            >
-              <Trans>Revoke</Trans>
-            </Button>
-          </li>
+              </>
+            }
+            end={{
+              label: t`Revoke`,
+              name: t`Revoke the invitation ${name}`,
+              disabled: revoke.isPending,
+              onClick: () => revoke.mutate(id),
+            }}
+          >
+            <strong>{name}</strong> ({roleName(role)}
+            {of !== null && `, ${behaviourName(of) ?? ""}`})
+          </Credential>
         ))}
       </ul>
-      {revoke.error && <p role="alert">{messageOf(revoke.error)}</p>}
       <NewInvitationForm onMade={() => void refetch()} />
     </>
   );
