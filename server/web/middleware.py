@@ -17,9 +17,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from server.dependencies import services_of
 from server.web.problems import problem
 from server.web.security_headers import SECURITY_HEADERS
+from tril.errors import Unavailable
 
 PUBLIC_PATHS = frozenset({"/api/health"})
 CLOSE_UNAUTHORISED = 4401
+CLOSE_TRY_AGAIN_LATER = 1013
 
 MAX_BODY_BYTES = 1024 * 1024
 MAX_UPLOAD_BYTES = 16 * 1024 * 1024
@@ -89,7 +91,11 @@ class Authentication:
             await self._app(scope, receive, send)
             return
         connection = HTTPConnection(scope)
-        identity = await services_of(connection).access.identify(connection)
+        try:
+            identity = await services_of(connection).access.identify(connection)
+        except Unavailable as error:
+            await _refuse_for_now(scope, receive, send, str(error))
+            return
         if identity is None:
             await _refuse_stranger(scope, receive, send)
             return
@@ -118,6 +124,16 @@ class Authentication:
         access = services_of(HTTPConnection(scope)).access
         with access.while_open(scope["identity"], end):
             await self._app(scope, receive, send_unless_closed)
+
+
+async def _refuse_for_now(scope: Scope, receive: Receive, send: Send, why: str) -> None:
+    if scope["type"] == "websocket":
+        # Once it is accepted, so that the page hears that it may try again.
+        await send({"type": "websocket.accept"})
+        reason = "It can't be looked up who you are. Try again in a moment."
+        await send({"type": "websocket.close", "code": CLOSE_TRY_AGAIN_LATER, "reason": reason})
+    else:
+        await problem(503, why)(scope, receive, send)
 
 
 async def _refuse_stranger(scope: Scope, receive: Receive, send: Send) -> None:

@@ -9,11 +9,12 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, ConfigDict
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from tril.errors import Conflict, Forbidden, Invalid, NotFound, TrilError, Unavailable
+from tril.store.database import is_away, is_busy
 
 _LOG = logging.getLogger(__name__)
 
@@ -30,6 +31,14 @@ DISK_FULL = (
     "try again."
 )
 DATABASE_BUSY = "The database is busy with another change. Try again in a moment."
+DATABASE_AWAY = (
+    "The database can't be reached, so it is not known whether this was saved. What was saved "
+    "before is safe. Look again in a moment."
+)
+DISK_FAILED = (
+    "The disk reports an error, so nothing more can be saved. What was saved is safe. Check the "
+    "disk and try again."
+)
 
 
 class Problem(BaseModel):
@@ -65,13 +74,17 @@ def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None
     return JSONResponse(body, status_code=status)
 
 
-def explain_database_error(error: OperationalError) -> Unavailable | None:
+def explain_database_error(error: DBAPIError) -> Unavailable | None:
     """Return what the user can do about a database error, None if that is unknown."""
     text = str(error.orig).lower()
     if "disk is full" in text or "no space left" in text:
         return Unavailable(DISK_FULL)
-    if "locked" in text or "busy" in text:
+    if is_busy(error):
         return Unavailable(DATABASE_BUSY)
+    if "disk i/o error" in text or "unable to open database file" in text:
+        return Unavailable(DISK_FAILED)
+    if is_away(error):
+        return Unavailable(DATABASE_AWAY)
     return None
 
 
@@ -92,7 +105,7 @@ def install(app: FastAPI, headers: Mapping[str, str]) -> None:
     app.add_exception_handler(TrilError, _on_tril_error)
     app.add_exception_handler(HTTPException, _on_http_exception)
     app.add_exception_handler(RequestValidationError, _on_validation_error)
-    app.add_exception_handler(OperationalError, _on_database_error)
+    app.add_exception_handler(DBAPIError, _on_database_error)
 
 
 def status_of(error: TrilError) -> int:
@@ -170,7 +183,7 @@ def in_plain_words(error: Mapping[str, Any]) -> str:
 
 
 async def _on_database_error(request: Request, error: Exception) -> Response:
-    assert isinstance(error, OperationalError)
+    assert isinstance(error, DBAPIError)
     explained = explain_database_error(error)
     if explained is None:
         raise error

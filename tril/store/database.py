@@ -15,7 +15,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, make_url, text
+from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
+from sqlalchemy.exc import DBAPIError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
 from tril.store.models import UTCDateTime
@@ -32,13 +33,26 @@ SILENT_WRITER_MS = 60_000
 """PostgreSQL ends a writer's transaction that does nothing for so long: its machine may be gone."""
 WAL_RETRY_S = 0.01
 
+KEEPALIVES = {
+    "connect_timeout": "10",
+    "keepalives_idle": "10",
+    "keepalives_interval": "5",
+    "keepalives_count": "3",
+    "tcp_user_timeout": "30000",
+}
+"""Parameters of libpq: a connection over TCP breaks within 30 s of its last sign of life."""
+
+_LOCK_TIMEOUT = "55P03"
+_AWAY = ("08", "57P0")
+"""Beginnings of PostgreSQL's codes for connections that break, and a server that ends or starts."""
+
 WRITE_LOCK = 8_411_105_108
 """Key of the advisory lock that a PostgreSQL transaction which writes holds until its end."""
 
 
 def create_database(url: str) -> Database:
     """Open the database at an SQLAlchemy URL; creates nothing but SQLite's folder."""
-    parsed = make_url(url)
+    parsed = with_keepalives(url)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
     engine = create_engine(parsed, pool_pre_ping=parsed.get_backend_name() != "sqlite")
@@ -47,6 +61,18 @@ def create_database(url: str) -> Database:
     elif parsed.get_backend_name() == "postgresql":
         _set_up_postgresql(engine)
     return Database(engine)
+
+
+def with_keepalives(url: str) -> URL:
+    """Return a URL by which a connection to PostgreSQL that the network has lost breaks in time.
+
+    The server may have ended it without being heard. Whoever waits for an answer then waits for
+    two hours, which is when Linux first asks whether the other end is still there.
+    """
+    parsed = make_url(url)
+    if parsed.get_backend_name() != "postgresql":
+        return parsed
+    return parsed.set(query={**KEEPALIVES, **parsed.query})
 
 
 class Database:
@@ -112,6 +138,25 @@ def database_now(session: Session) -> datetime:
     # Not by the session, which would first write what is still being put together in it.
     moment: datetime = session.connection().execute(query).scalar_one()
     return moment
+
+
+def is_away(error: DBAPIError) -> bool:
+    """Whether the database could not be reached, or the connection to it broke."""
+    return error.connection_invalidated or _code(error).startswith(_AWAY)
+
+
+def is_busy(error: DBAPIError) -> bool:
+    """Whether another writer took longer than a writer waits."""
+    text = str(error.orig).lower()
+    return "locked" in text or "busy" in text or _code(error) == _LOCK_TIMEOUT
+
+
+def _code(error: DBAPIError) -> str:
+    """Return PostgreSQL's code of an error; empty for SQLite."""
+    code: str | None = getattr(error.orig, "sqlstate", "")
+    if code is None and isinstance(error, OperationalError):
+        return _AWAY[0]  # There was no connection to tell one by.
+    return code or ""
 
 
 def use_wal(cursor: sqlite3.Cursor) -> None:
