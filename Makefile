@@ -25,7 +25,7 @@ PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 .DELETE_ON_ERROR:
 .PHONY: help run dev dev-server dev-page environment frontend test test-unit test-postgres coverage test-e2e \
 	screenshots test-frontend check lint format types imports migrations-check api api-check texts texts-check \
-	wheel docs constraints audit bench clean
+	wheel docs constraints audit bench faults clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## /{printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -131,6 +131,10 @@ bench: $(DEV_STAMP) ## run all benchmarks
 		printf '\n%s\n' "$$name"; \
 		$(PY) -m "$$name" || exit 1; \
 	done
+
+# Not part of bench: it takes hours.
+faults: $(DEV_STAMP) ## hurt a running Tril by 200 faults and check that nothing acknowledged is lost
+	$(PY) -m benchmarks.faults $(ARGS)
 
 clean: ## remove everything built; the data folder stays
 	rm -rf $(VENV) frontend/node_modules server/web/static $(DIST) site docs/api

@@ -31,6 +31,7 @@ app.command()(services.inference)
 app.command()(backup)
 app.command()(services.migrate)
 app.command()(services.health)
+app.command()(services.status)
 app.command()(services.address)
 app.command()(people.audit)
 

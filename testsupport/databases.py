@@ -5,6 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 import secrets
+import sqlite3
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +16,9 @@ from sqlalchemy import make_url
 
 from testsupport.postgres import cluster
 from tril.settings import Settings
+from tril.store import behaviours
+from tril.store.database import Database
+from tril.store.schema import check_schema, upgrade
 
 CHOICE = "TESTS_DATABASE"
 """Tells the processes that tests start which database was chosen."""
@@ -61,7 +68,42 @@ def copy_database(template: Settings, to: Path) -> None:
         cluster().create(wanted, template=given)
 
 
+def corrupt_databases(data: Path) -> list[str]:
+    """Return the SQLite databases of a data folder that fail an integrity check, and why."""
+    wrong = []
+    for path in data.glob("*.sqlite"):
+        connection = sqlite3.connect(path)
+        found = connection.execute("PRAGMA integrity_check").fetchone()[0]
+        connection.close()
+        if found != "ok":
+            wrong.append(f"{path.name}: {found}")
+    return wrong
+
+
 def _name(settings: Settings) -> str:
     name = make_url(settings.application_url).database
     assert name is not None
     return name
+
+
+def upgrade_at_once(opened: Callable[[], Database]) -> None:
+    """Upgrade a database from three threads at the same time, and check what it has become.
+
+    Args:
+        opened: Opens the database anew.
+    """
+    barrier = threading.Barrier(3)
+
+    def run(_: int) -> None:
+        database = opened()
+        barrier.wait()
+        upgrade(database)
+        database.close()
+
+    with ThreadPoolExecutor(3) as threads:
+        list(threads.map(run, range(3)))
+    database = opened()
+    check_schema(database)
+    with database.reading() as session:
+        assert len(behaviours.listing(session)) == 7
+    database.close()

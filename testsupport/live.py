@@ -99,9 +99,15 @@ class LiveServer:
 
 
 @contextmanager
-def join(settings: Settings, game: dict[str, Any], tab: str | None = None) -> Iterator[GameClient]:
-    """Join a game from a tab."""
-    with connect_to(settings, f"{game['stream_path']}?tab={tab or uuid.uuid4()}") as socket:
+def join(
+    settings: Settings,
+    game: dict[str, Any],
+    tab: str | None = None,
+    cookie_header: str | None = None,
+) -> Iterator[GameClient]:
+    """Join a game from a tab, signed in, by default as the owner."""
+    path = f"{game['stream_path']}?tab={tab or uuid.uuid4()}"
+    with connect_to(settings, path, cookie_header) as socket:
         yield GameClient(socket)
 
 

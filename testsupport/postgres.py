@@ -84,18 +84,44 @@ def cluster() -> Cluster:
     """
     if SERVER in os.environ:
         return Cluster(Path(os.environ[SERVER]))
+    folder = Path(tempfile.mkdtemp(prefix="tril-postgresql-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    programs, data = prepare(folder)
+    options = [f"--{name}={value}" for name, value in QUICK.items()]
+    with (folder / "log").open("w") as log:
+        server = subprocess.Popen(
+            [programs / "postgres", "-D", data, "-k", folder, *options],
+            user=owner(),
+            cwd=folder,
+            stdout=log,
+            stderr=log,
+            preexec_fn=_end_with_parent,
+        )
+    atexit.register(_stop, server)
+    os.environ[SERVER] = str(folder)
+    made = Cluster(folder)
+    wait_until(lambda: _answers(made), what_was_said=lambda: (folder / "log").read_text())
+    return made
+
+
+def prepare(folder: Path) -> tuple[Path, Path]:
+    """Make the data of a server in a folder, which passes to the user who is to run it.
+
+    Returns:
+        The folder of the server's programs, and that of its data.
+
+    Raises:
+        RuntimeError: There is no PostgreSQL and none could be installed.
+    """
     programs = find_or_install()
     if programs is None:
         raise RuntimeError(
             "These tests need the programs of a PostgreSQL server, initdb and postgres. Install "
             "it (Debian: apt install postgresql), or put its bin folder on the PATH."
         )
-    folder = Path(tempfile.mkdtemp(prefix="tril-postgresql-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    user = _owner()
+    user, data = owner(), folder / "data"
     if user is not None:
         shutil.chown(folder, user)
-    data = folder / "data"
     initdb: list[str | Path] = [
         programs / "initdb",
         "--pgdata",
@@ -111,21 +137,7 @@ def cluster() -> Cluster:
         stdout=subprocess.DEVNULL,
         check=True,
     )
-    options = [f"--{name}={value}" for name, value in QUICK.items()]
-    with (folder / "log").open("w") as log:
-        server = subprocess.Popen(
-            [programs / "postgres", "-D", data, "-k", folder, *options],
-            user=user,
-            cwd=folder,
-            stdout=log,
-            stderr=log,
-            preexec_fn=_end_with_parent,
-        )
-    atexit.register(_stop, server)
-    os.environ[SERVER] = str(folder)
-    made = Cluster(folder)
-    wait_until(lambda: _answers(made), what_was_said=lambda: (folder / "log").read_text())
-    return made
+    return programs, data
 
 
 def find_or_install() -> Path | None:
@@ -144,7 +156,7 @@ def _find() -> Path | None:
     return newest.parent if newest else None
 
 
-def _owner() -> str | None:
+def owner() -> str | None:
     """Return who is to run the server, which refuses to run as root; None for whoever this is."""
     if os.geteuid() != 0:
         return None

@@ -110,15 +110,9 @@ def tril_process(
         environ: The environment without settings.
         cwd: The current folder of the command.
     """
-    chosen = settings.model_dump(exclude_defaults=True)
     process = subprocess.Popen(
         [*command, *arguments],
-        env={
-            **{name: value for name, value in environ.items() if not name.startswith("TRIL_")},
-            **{f"TRIL_{name.upper()}": str(value) for name, value in chosen.items()},
-            "COLUMNS": "200",
-            "PYTHONUNBUFFERED": "1",
-        },
+        env=environment_of(settings, environ),
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -136,6 +130,17 @@ def tril_process(
             process.kill()
             process.wait()
             reader.join(TIMEOUT_S)
+
+
+def environment_of(settings: Settings, environ: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return the environment of a command that has these settings and no others."""
+    chosen = settings.model_dump(exclude_defaults=True)
+    return {
+        **{name: value for name, value in environ.items() if not name.startswith("TRIL_")},
+        **{f"TRIL_{name.upper()}": str(value) for name, value in chosen.items()},
+        "COLUMNS": "200",
+        "PYTHONUNBUFFERED": "1",
+    }
 
 
 def _read(running: TrilProcess) -> None:

@@ -1,7 +1,7 @@
 """Starts worker processes in no time: everything is imported once, then each worker is forked.
 
-As a program it reads lines of JSON, ``{"data", "log", "lost_after_s"}``, forks a worker for each
-and prints its process id. As a module it has the other end.
+As a program it reads lines of JSON, ``{"data", "log", "lost_after_s", "settings"}``, forks a worker
+for each and prints its process id. As a module it has the other end.
 """
 
 from __future__ import annotations
@@ -61,22 +61,37 @@ class Zygote:
         )
         self._log_count = 0
 
-    def start(self, data: Path, lost_after_s: float = LOST_AFTER_S) -> WorkerProcess:
-        """Start a worker for a data folder; it gives others up after ``lost_after_s``."""
+    def start(
+        self, data: Path, lost_after_s: float = LOST_AFTER_S, **settings: str
+    ) -> WorkerProcess:
+        """Start a worker for a data folder; it gives others up after ``lost_after_s``.
+
+        Args:
+            data: The data folder.
+            lost_after_s: See run_worker.
+            **settings: More settings by name.
+        """
         self._log_count += 1
         log = data / f"worker-{self._log_count}.log"
         log.touch()
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        order = {"data": str(data), "log": str(log), "lost_after_s": lost_after_s}
+        order = {
+            "data": str(data),
+            "log": str(log),
+            "lost_after_s": lost_after_s,
+            "settings": settings,
+        }
         self._process.stdin.write(json.dumps(order) + "\n")
         self._process.stdin.flush()
         return WorkerProcess(int(self._process.stdout.readline()), log)
 
     @contextmanager
-    def running(self, data: Path, lost_after_s: float = LOST_AFTER_S) -> Iterator[WorkerProcess]:
+    def running(
+        self, data: Path, lost_after_s: float = LOST_AFTER_S, **settings: str
+    ) -> Iterator[WorkerProcess]:
         """A worker that is killed at the end of the block, unless it is gone."""
-        worker = self.start(data, lost_after_s)
+        worker = self.start(data, lost_after_s, **settings)
         try:
             yield worker
         finally:
@@ -114,7 +129,8 @@ def _serve() -> None:
         for descriptor, place in ((null, 0), (log, 1), (log, 2)):
             os.dup2(descriptor, place)
         try:
-            run_worker(settings_on(Path(order["data"]), learning_threads=1), order["lost_after_s"])
+            settings = settings_on(Path(order["data"]), learning_threads=1, **order["settings"])
+            run_worker(settings, order["lost_after_s"])
         finally:
             sys.stdout.flush()
             os._exit(0)

@@ -20,7 +20,7 @@ from tril.recording import Recorder, Recording, Replay
 from tril.settings import Settings
 from tril.store import behaviours, rankings, recordings
 from tril.store.database import Database, create_database
-from tril.store.models import RunRow, Source
+from tril.store.models import RunDevice, RunRow, Source
 from tril.store.schema import upgrade
 from tril.store.training import leases, runs
 from tril.store.training.leases import Lease
@@ -76,6 +76,7 @@ class Workplace:
         training_seed: int = 0,
         go_on_anyway: bool = True,
         parent_run_id: str | None = None,
+        device: RunDevice = RunDevice.ANY,
     ) -> str:
         """Make a queued run, which goes on whatever the check of its ranking says."""
         with self.database.writing() as session:
@@ -87,6 +88,7 @@ class Workplace:
                 training_seed,
                 go_on_anyway,
                 parent_run_id=parent_run_id,
+                device=device,
             ).id
 
     def lease(self, run_id: str, worker: str = "worker-0") -> Lease:

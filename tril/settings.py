@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from tril.addresses import Network, parse_address, parse_networks
@@ -31,7 +31,8 @@ class Settings(BaseSettings):
         tls_key: PEM file of the certificate's key, without a password.
         trusted_proxies: Addresses and networks of proxies, comma-separated, whose forwarded headers
             are believed.
-        plain_http: Whether an address that is open to other machines may be served without TLS.
+        plain_http: Whether an address that is open to other machines may be served, and a server of
+            another machine joined, without TLS.
         database_url: SQLAlchemy URL of the application's database; SQLite in ``data`` if empty.
         jobs_database_url: URL of the job queue's database. If empty, the queue is in the
             application's database where that is PostgreSQL, else SQLite in ``data``.
@@ -47,6 +48,8 @@ class Settings(BaseSettings):
         max_connections_per_address: Maximum number of these from one address.
         max_queued_runs: Maximum number of runs that wait in the queue; further ones are refused.
         max_queued_runs_per_player: Maximum number of those per person.
+        worker_key: Key with which ``tril worker --join`` asks a server of another machine.
+        worker_key_file: File that has this key.
         learning_threads: Threads for training; 0 means all cores.
         learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
             bfloat16 where the device supports its multiplication.
@@ -76,6 +79,8 @@ class Settings(BaseSettings):
     max_connections_per_address: int = Field(default=256, ge=1)
     max_queued_runs: int = Field(default=50, ge=1)
     max_queued_runs_per_player: int = Field(default=50, ge=1)
+    worker_key: SecretStr = SecretStr("")
+    worker_key_file: Path | None = None
     learning_threads: int = Field(default=0, ge=0)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
     learning_device: Literal["auto", "cpu", "cuda"] = "auto"
@@ -85,7 +90,7 @@ class Settings(BaseSettings):
     def _absolute(cls, value: Path) -> Path:
         return value.expanduser().resolve()
 
-    @field_validator("tls_certificate", "tls_key", mode="before")
+    @field_validator("tls_certificate", "tls_key", "worker_key_file", mode="before")
     @classmethod
     def _none_if_empty(cls, value: Any) -> Any:
         return None if value == "" else value

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sqlite3
 import tempfile
 import threading
 import time
@@ -27,6 +26,7 @@ import numpy as np
 from websockets.exceptions import WebSocketException
 
 from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Rewound
+from testsupport.databases import corrupt_databases
 from testsupport.live import GameClient, join
 from testsupport.processes import server_process
 from testsupport.workplace import Workplace, make_workplace
@@ -143,18 +143,6 @@ def resume(workplace: Workplace, settings: Settings, played: Played, saved: Save
         wrong.append("it never ended")
     elif recording.verification != Verification.VERIFIED:
         wrong.append(f"it does not verify: {recording.verification_note}")
-    return wrong
-
-
-def corrupt_databases(data: Path) -> list[str]:
-    """Return the databases of a data folder that fail SQLite's integrity check."""
-    wrong = []
-    for path in data.glob("*.sqlite"):
-        connection = sqlite3.connect(path)
-        found = connection.execute("PRAGMA integrity_check").fetchone()[0]
-        connection.close()
-        if found != "ok":
-            wrong.append(f"{path.name}: {found}")
     return wrong
 
 

@@ -87,11 +87,17 @@ def revoke(
 def key(
     name: Annotated[str, typer.Argument(help="What it is for.")],
     owner: Annotated[bool, typer.Option(help="Let it do everything.")] = False,
+    worker: Annotated[
+        bool, typer.Option(help="Let it do nothing but start workers on other machines.")
+    ] = False,
 ) -> None:
     """Make a key for scripts, by default with a researcher's rights, and print it once."""
+    if owner and worker:
+        raise typer.BadParameter("Give either --owner or --worker.")
+    role = Role.OWNER if owner else Role.WORKER if worker else Role.RESEARCHER
     with open_workspace() as workspace:
         with workspace.database.writing() as session:
-            person, role = players.owner(session), Role.OWNER if owner else Role.RESEARCHER
+            person = players.owner(session)
             _, secret = credentials.make_key(session, person.id, name, role)
         typer.echo(load_secrets(workspace.settings.token_file).signed(secret))
 

@@ -21,8 +21,8 @@ from tril.exchange.run_transfer import import_run
 from tril.files.artifact_store import ArtifactStore
 from tril.jobs import estimate, overall_progress
 from tril.recipes import RECIPES, Recipe, recipe_named, with_values
-from tril.store import behaviours, players
-from tril.store.models import RunRow
+from tril.store import behaviours, players, processes
+from tril.store.models import RunDevice, RunRow
 from tril.store.training import evaluations, runs
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
@@ -46,6 +46,7 @@ def start_run(
     example: bool = False,
     example_kind: str = SCRIPTED.name,
     parent_run_id: str | None = None,
+    device: RunDevice = RunDevice.ANY,
 ) -> str:
     """Create and enqueue a run; return its id."""
     with workspace.database.writing() as session:
@@ -60,12 +61,16 @@ def start_run(
             player_id=players.owner(session).id,
             example_kind=example_kind,
             parent_run_id=parent_run_id,
+            device=device,
         )
+        lacks_gpu = device is RunDevice.GPU and not processes.is_gpu_worker_alive(session)
         cost = estimate(session, recipe)
         run_id = row.id
     expected_s = steps / cost.steps_per_s + cost.overhead_s
     basis = "as measured here" if cost.measured else "on two 2.5 GHz cores"
     errors.print(f"Run {run_id}: about {duration(expected_s)} {basis}.")
+    if lacks_gpu:
+        errors.print("It waits for a worker with a GPU; none is running.")
     with workspace.jobs() as jobs:
         jobs.enqueue(run_id)
     return run_id
@@ -94,6 +99,9 @@ def train(
         str | None,
         typer.Option(metavar="RUN_ID", help="Begin with this run's imitator, not with the clone."),
     ] = None,
+    device: Annotated[
+        RunDevice, typer.Option(help="gpu: only a worker that learns on a GPU takes the run.")
+    ] = RunDevice.ANY,
     wait: Annotated[bool, typer.Option(help="Follow the run until it is over.")] = True,
 ) -> None:
     """Train an imitator and a clone on a behaviour's ranking."""
@@ -107,6 +115,7 @@ def train(
             training_seed,
             go_on_anyway=go_on_anyway,
             parent_run_id=continue_from,
+            device=device,
         )
         if not wait:
             console.print(run_id)
@@ -266,6 +275,7 @@ def run_entry(row: RunRow) -> dict[str, Any]:
         "recipe": row.recipe_name,
         "steps": row.steps,
         "training_seed": row.training_seed,
+        "device": row.device,
         "status": row.status,
         "stage": row.stage,
         "progress": overall_progress(row),

@@ -5,16 +5,20 @@ from __future__ import annotations
 import ssl
 import urllib.error
 import urllib.request
+from dataclasses import asdict
 from enum import StrEnum
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 
-from cli.output import console, read_settings, readable_errors
+from cli.join import join_server
+from cli.output import JsonOption, console, print_json, read_settings, readable_errors
 from cli.supervision.servers import supervise_servers
 from cli.workspace import migrate_databases, open_workspace
 from tril.errors import Unavailable
 from tril.settings import Settings
+from tril.store import processes
 from tril.store.access import credentials
 
 
@@ -50,12 +54,27 @@ def serve(
             supervise_servers(settings)
 
 
-def worker() -> None:
-    """Run a training worker. Several may run at the same time."""
+def worker(
+    join: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Work for the server of another machine; the key is TRIL_WORKER_KEY, or in a file"
+            " named by TRIL_WORKER_KEY_FILE.",
+        ),
+    ] = None,
+    until_empty: Annotated[
+        bool, typer.Option(help="End once no run that this worker could do waits or runs.")
+    ] = False,
+) -> None:
+    """Run a training worker. Several may run at the same time, on any number of machines."""
     from trainer.runtime.worker import run_worker
 
     with readable_errors():
-        run_worker(read_settings())
+        settings = read_settings()
+        if join is not None:
+            settings = join_server(settings, join)
+        run_worker(settings, until_empty=until_empty)
 
 
 def inference() -> None:
@@ -79,6 +98,22 @@ def migrate(
     with readable_errors():
         migrate_databases(read_settings(), keep_copy=not without_copy)
     console.print("The database is up to date.")
+
+
+def status(as_json: JsonOption = False) -> None:
+    """List the processes of Tril on all machines, with what workers learn on and are at."""
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        found = processes.statuses(session)
+    for one in found:
+        if as_json:
+            print_json(asdict(one))
+        else:
+            known = [str(one.details[key]) for key in ("host", "gpu") if one.details.get(key)]
+            if cores := one.details.get("cores"):
+                known.append(f"{cores} cores")
+            known += [f"run {run_id}" for run_id in one.details.get("runs", ())]
+            state = "running" if one.alive else "not responding"
+            console.print(escape(f"{one.name}: {', '.join([state, *known])}"))
 
 
 def health(service: Service) -> None:
@@ -167,7 +202,6 @@ def ask_inference(settings: Settings) -> None:
 
 def ask_worker(settings: Settings) -> None:
     """Raise Unavailable unless a worker is alive."""
-    from tril.store import processes
     from tril.store.database import create_database
 
     database = create_database(settings.application_url)

@@ -81,6 +81,7 @@ def create_run(request: Request, who: Who, new: RunNew) -> Run:
             max_queued=services.settings.max_queued_runs,
             max_queued_of_player=services.settings.max_queued_runs_per_player,
             parent_run_id=None if new.parent_run_id is None else str(new.parent_run_id),
+            device=new.device,
         )
         shown = run_view(session, row)
     # After the commit, because the worker looks for the run's row.
@@ -110,9 +111,9 @@ def delete_run(session: WriteSession, who: Who, run_id: RunId) -> None:
 
 
 @router.post("/runs/{run_id}/restore", responses=NOT_FOUND)
-def restore_run(session: WriteSession, run_id: RunId) -> Run:
+def restore_run(session: WriteSession, who: Who, run_id: RunId) -> Run:
     """Restore a deleted training, with everything it had."""
-    return run_view(session, runs.restore(session, str(run_id)))
+    return run_view(session, runs.restore(session, str(run_id), who.player_id))
 
 
 @router.post("/runs/{run_id}/cancel", responses=NOT_FOUND | CONFLICT)

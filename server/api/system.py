@@ -6,13 +6,25 @@ import shutil
 
 from fastapi import APIRouter, Request
 
-from server.api.schemas.system import ProcessStatus, Storage, System
-from server.dependencies import ReadSession, services_of
+from server.api.schemas.system import (
+    ProcessStatus,
+    SharedPlaces,
+    Storage,
+    System,
+    WorkerJoining,
+)
+from server.dependencies import ReadSession, Who, WriteSession, services_of
+from server.shared_places import probe_of, refuse_unshared
+from server.web.problems import CONFLICT
 from tril import __version__
+from tril.errors import Conflict
 from tril.exchange.example import has_example
-from tril.store import processes
+from tril.store import audit, processes
+from tril.store.schema import schema_revision
 
 router = APIRouter(tags=["system"])
+
+_DEVICE = ("host", "cores", "gpu")
 
 
 @router.get("/system")
@@ -22,9 +34,47 @@ def get_system(request: Request, session: ReadSession) -> System:
     settings, use = services.settings, services.storage.use()
     return System(
         version=__version__,
-        processes=[ProcessStatus.model_validate(found) for found in processes.statuses(session)],
+        processes=[
+            ProcessStatus.of(found, **{name: found.details.get(name) for name in _DEVICE})
+            for found in processes.statuses(session)
+        ],
         disk_free_bytes=shutil.disk_usage(settings.data).free,
         data_bytes=use.total_bytes,
         storage=Storage.of(use, cache_limit_bytes=settings.cache_limit_bytes),
         has_example=has_example(),
+    )
+
+
+@router.post("/workers", responses=CONFLICT)
+def let_worker_in(
+    request: Request, session: WriteSession, who: Who, worker: WorkerJoining
+) -> SharedPlaces:
+    """Tell a worker of another machine where database, queue and files of runs are.
+
+    Only a worker's key may ask: the answer has whatever credentials the addresses contain.
+    """
+    here = (__version__, schema_revision())
+    if (worker.version, worker.revision) != here:
+        raise Conflict(
+            f"This server is version {here[0]} with schema {here[1]}, the worker is version"
+            f" {worker.version} with schema {worker.revision}. Install the server's version on the"
+            " worker's machine."
+        )
+    services = services_of(request)
+    refuse_unshared(services.settings)
+    path, content = probe_of(who)
+    if not services.artifacts.exists(path):
+        services.artifacts.put(path, content.encode())
+    audit.note(
+        session,
+        audit.Action.WORKER_LET_IN,
+        who.player_id,
+        f"key {who.credential_id}",
+    )
+    return SharedPlaces(
+        database_url=services.settings.application_url,
+        jobs_database_url=services.settings.queue_url,
+        artifacts_url=services.artifacts.url,
+        probe_path=path,
+        probe=content,
     )

@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import OrderedDict, defaultdict
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 from starlette.requests import HTTPConnection
 
+from server.web.problems import explain_database_error
 from server.web.security import Secrets, cookie_name, is_token, load_secrets
 from tril.settings import Settings
 from tril.store.access import credentials
@@ -81,11 +83,18 @@ class Access:
         return found
 
     async def ask(self, question: Callable[[Session], Answer]) -> Answer:
-        """Answer a short question about access from the database."""
+        """Answer a short question about access from the database.
+
+        Raises:
+            Unavailable: The database can't be read; says what to do.
+        """
 
         def read() -> Answer:
-            with self._database.reading() as session:
-                return question(session)
+            try:
+                with self._database.reading() as session:
+                    return question(session)
+            except DBAPIError as error:
+                raise explain_database_error(error) or error from error
 
         return await asyncio.get_running_loop().run_in_executor(self._thread, read)
 
@@ -147,28 +156,3 @@ class Access:
                 credentials.note_seen(session, seen)
 
         await asyncio.to_thread(save)
-
-
-_BROWSERS = (("Edg", "Edge"), ("OPR/", "Opera"), ("Firefox/", "Firefox"), ("Chrome/", "Chrome"))
-_SYSTEMS = (
-    ("Android", "Android"),
-    ("iPhone", "iPhone"),
-    ("iPad", "iPad"),
-    ("Windows", "Windows"),
-    ("Mac OS X", "macOS"),
-    ("CrOS", "ChromeOS"),
-    ("Linux", "Linux"),
-)
-
-
-def browser_name(user_agent: str) -> str:
-    """Return a browser's name, to tell it from others: "Firefox on Linux"."""
-    browser = _first(_BROWSERS, user_agent) or ("Safari" if "Safari/" in user_agent else None)
-    system = _first(_SYSTEMS, user_agent)
-    if browser is None:
-        return user_agent.partition("/")[0].strip()[:80] or "Unknown browser"
-    return browser if system is None else f"{browser} on {system}"
-
-
-def _first(names: Collection[tuple[str, str]], text: str) -> str | None:
-    return next((name for mark, name in names if mark in text), None)

@@ -24,6 +24,7 @@ class Need(Enum):
 
     NOTHING: no sign-in. SIGNED_IN: its answer is only about who asks. OWN_BEHAVIOUR, OWN_RECORDING
     and OWN_GAME: researchers, and participants for what is named in the path, if it is theirs.
+    WORKER: a worker's key and nobody else, since the answer has the database's password.
     """
 
     NOTHING = auto()
@@ -33,6 +34,7 @@ class Need(Enum):
     OWN_GAME = auto()
     RESEARCHER = auto()
     OWNER = auto()
+    WORKER = auto()
 
 
 _OPERATIONS: dict[Need, tuple[str, ...]] = {
@@ -111,6 +113,7 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
         "revoke_invitation",
         "list_audit",
     ),
+    Need.WORKER: ("let_worker_in",),
 }
 
 NEEDS = {name: need for need, names in _OPERATIONS.items() for name in names}
@@ -135,10 +138,17 @@ async def check_permission(connection: HTTPConnection) -> None:
     identity = identity_of(connection)
     if _suffices(identity.role, need):
         return
-    if need in _NOT_YOURS:
+    if need in _NOT_YOURS and identity.role is not Role.WORKER:
         if await _is_own(connection, need, identity):
             return
         refusal: Exception = NotFound(_NOT_YOURS[need])
+    elif identity.role is Role.WORKER:
+        refusal = Forbidden("This key lets workers join, and nothing else.")
+    elif need is Need.WORKER:
+        refusal = Forbidden(
+            "Only the key of a worker may do this. The owner makes one on the page People, or by"
+            " `tril people key NAME --worker`."
+        )
     else:
         who = "owner" if need is Need.OWNER else "owner and researchers"
         refusal = Forbidden(f"Only the {who} may do this. Ask whoever runs this server.")
@@ -164,6 +174,8 @@ def check_all_declared(operations: Iterable[str]) -> None:
 
 
 def _suffices(role: Role, need: Need) -> bool:
+    if role is Role.WORKER or need is Need.WORKER:
+        return role is Role.WORKER and need is Need.WORKER
     if role is Role.OWNER or need is Need.SIGNED_IN:
         return True
     return role is Role.RESEARCHER and need is not Need.OWNER

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from cli.main import app
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
+from tril.store import processes
 from tril.store.training import artifacts
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
@@ -81,6 +82,21 @@ def test_a_training_continues_from_a_run_that_has_an_imitator(workplace: Workpla
     listed = json.loads(_run("runs", "list", "--json"))
     assert {one["id"]: one["parent_run_id"] for one in listed} == {child: parent, parent: None}
     assert "no such training" in _run(*command, "missing", status=1)
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_a_run_for_a_gpu_says_that_no_worker_has_one_until_one_has(workplace: Workplace) -> None:
+    command = ("train", "column-1", "--no-wait", "--device", "gpu")
+    assert "waits for a worker with a GPU; none is running" in _run(*command)
+    with workplace.database.writing() as session:
+        details = {"runs": [], "host": "lab-3", "cores": 8, "gpu": "NVIDIA T4"}
+        processes.beat(session, "worker-0-abc", "worker", details)
+    assert "waits for a worker" not in _run(*command)
+    assert "worker-0-abc: running, lab-3, NVIDIA T4, 8 cores" in _run("status")
+    (listed,) = map(json.loads, _run("status", "--json").splitlines())
+    assert (listed["name"], listed["alive"], listed["details"]) == ("worker-0-abc", True, details)
+    (one, _) = json.loads(_run("runs", "list", "--json"))
+    assert one["device"] == "gpu"
 
 
 @pytest.mark.usefixtures("data_folder")

@@ -11,12 +11,13 @@ import logging
 import shutil
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial
-from pathlib import Path
 
 import torch
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from trainer.nn.devices import free_memory
@@ -24,6 +25,13 @@ from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
 from trainer.runtime.priority import learning_threads
 from trainer.runtime.run_data import RunData
+from trainer.runtime.scratch import (
+    COPIES,
+    CheckpointCopies,
+    fetch_newer_copy,
+    own_scratch_folder,
+    scratch_folder,
+)
 from trainer.runtime.stages import STAGE_WORK
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
@@ -33,7 +41,7 @@ from tril.recipes import recipe_from_dict
 from tril.settings import Settings
 from tril.stages import Stage, stages_of
 from tril.store import behaviours
-from tril.store.database import Database
+from tril.store.database import Database, is_away, is_busy
 from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 from tril.store.training.leases import Lease, LeaseLost
@@ -43,6 +51,7 @@ log = logging.getLogger(__name__)
 FINISHED = "finished"
 LEASE_LOST = "leased to another worker"
 GIVEN_BACK = "given back to the queue"
+LEFT = "left in the queue"
 RunStage = Callable[[str, str], str]
 """(run id, stage) -> FINISHED, or how the run ended or left this worker."""
 
@@ -66,7 +75,11 @@ class Pipeline:
         self._stopping = stopping
         self._artifacts = ArtifactStore(settings.artifact_root)
         self._threads = learning_threads(settings.learning_threads)
+        self._busy = threading.Lock()
         self._at_work: dict[str, RunData] = {}
+        # Of a store that only this machine has, no other machine could take a copy.
+        self._copies_checkpoints = bool(settings.artifacts_url)
+        self._copies: dict[str, CheckpointCopies] = {}
 
     @property
     def run_ids(self) -> list[str]:
@@ -79,14 +92,20 @@ class Pipeline:
             leases.beat(session, data.context.lease)
 
     def sweep(self) -> None:
-        """Remove the scratch folders of runs that are done or deleted."""
+        """Remove the checkpoints of runs that are done or deleted, and their copies."""
         folders = self._settings.data / "runs"
-        if not folders.is_dir():
-            return
+        found = [folder.name for folder in folders.iterdir()] if folders.is_dir() else []
+        if self._copies_checkpoints:
+            found += self._artifacts.names(COPIES)
         with self._database.reading() as session:
-            past = runs.past_resuming(session, [folder.name for folder in folders.iterdir()])
+            past = runs.past_resuming(session, set(found))
         for run_id in past:
-            shutil.rmtree(folders / run_id, ignore_errors=True)
+            self._remove_checkpoints(run_id)
+
+    def _remove_checkpoints(self, run_id: str) -> None:
+        shutil.rmtree(scratch_folder(self._settings, run_id), ignore_errors=True)
+        if self._copies_checkpoints:
+            self._artifacts.remove_folder(f"{COPIES}/{run_id}")
 
     def train(self, run_id: str, run_stage: RunStage) -> str:
         """Lease a run and take it through its stages.
@@ -98,14 +117,23 @@ class Pipeline:
         Returns:
             How it ended, for the log.
         """
-        if self._stopping.is_set():
-            return "left in the queue"
+        # Two queues may hand out a run at the same moment; the second run gets a new job.
+        if self._stopping.is_set() or not self._busy.acquire(blocking=False):
+            log.info("Run %s: %s.", run_id, LEFT)
+            return LEFT
+        try:
+            return self._train(run_id, run_stage)
+        finally:
+            self._busy.release()
+
+    def _train(self, run_id: str, run_stage: RunStage) -> str:
         with self._database.writing() as session:
             lease = leases.acquire(session, run_id, self._worker, versions())
         if lease is None:
             log.info("Run %s: nothing to do.", run_id)
             return "nothing to do"
         try:
+            self._fetch_checkpoints(run_id)
             context = self._context(lease)
         except Exception as problem:
             # E.g. a recipe of another version, or the behaviour was deleted.
@@ -113,7 +141,10 @@ class Pipeline:
             return self._end(lease, RunStatus.FAILED, failure_message("start", problem, run_id))
         self._at_work[run_id] = RunData(context)
         try:
-            result = self._run_stages(context, run_stage)
+            with self._checkpoint_copies(context):
+                result = self._run_stages(context, run_stage)
+            if result == RunStatus.DONE:
+                self._remove_checkpoints(run_id)
         finally:
             del self._at_work[run_id]
             free_memory()
@@ -129,10 +160,28 @@ class Pipeline:
         if any(stage not in context.run.finished_stages for stage in stages):
             # The queue remembers a stage as done that the row does not: the row is the truth.
             return self._leave(context.lease, leases.release, GIVEN_BACK)
-        result = self._end(context.lease, RunStatus.DONE)
-        if result == RunStatus.DONE:
-            shutil.rmtree(scratch_folder(self._settings, context.run_id), ignore_errors=True)
-        return result
+        return self._end(context.lease, RunStatus.DONE)
+
+    @contextmanager
+    def _checkpoint_copies(self, context: RunContext) -> Iterator[None]:
+        """Copy a run's checkpoints within the block, if another machine may have to go on."""
+        if not self._copies_checkpoints:
+            yield
+            return
+        copies = CheckpointCopies(
+            self._artifacts, context.run_id, context.folder, lambda: context.run.finished_stages
+        )
+        with copies:
+            self._copies[context.run_id] = copies
+            try:
+                yield
+            finally:
+                del self._copies[context.run_id]
+
+    def _copy_checkpoints(self, run_id: str) -> None:
+        """Copy a run's checkpoints before others may go on with it."""
+        if run_id in self._copies:
+            self._copies[run_id].copy()
 
     def run_stage(self, run_id: str, name: str) -> str:
         """Run one stage of the run at work; however it ends is written to the run."""
@@ -151,13 +200,20 @@ class Pipeline:
             log.info("Run %s: %s.", run_id, LEASE_LOST)
             return LEASE_LOST
         except WorkerStopping:
+            self._copy_checkpoints(run_id)
             return self._leave(lease, leases.release, GIVEN_BACK)
         except RunCancelled:
+            self._copy_checkpoints(run_id)
             return self._end(lease, RunStatus.CANCELLED)
         except Exception as problem:
+            if isinstance(problem, DBAPIError) and (is_away(problem) or is_busy(problem)):
+                # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
+                log.warning("Run %s: the database can't be written: %s", run_id, problem.orig)
+                return self._leave(lease, leases.release, GIVEN_BACK)
             # The one catch-all: the person is told and the worker lives on.
             self._write_log(run_id, stage)
             log.exception("Run %s: stage %s failed.", run_id, stage)
+            self._copy_checkpoints(run_id)
             return self._end(lease, RunStatus.FAILED, failure_message(stage, problem, run_id))
 
     def _work(self, data: RunData, stage: Stage) -> None:
@@ -173,9 +229,14 @@ class Pipeline:
         context.finish_stage(stage, seconds, found)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
+    def _fetch_checkpoints(self, run_id: str) -> None:
+        if self._copies_checkpoints:
+            fetch_newer_copy(self._artifacts, run_id, scratch_folder(self._settings, run_id))
+
     def _context(self, lease: Lease) -> RunContext:
         with self._database.reading() as session:
             run = runs.get(session, lease.run_id)
+            root = scratch_folder(self._settings, run.id)
             return RunContext(
                 lease=lease,
                 run=run,
@@ -183,7 +244,7 @@ class Pipeline:
                 recipe=recipe_from_dict(run.recipe),
                 database=self._database,
                 artifacts=self._artifacts,
-                folder=own_scratch_folder(scratch_folder(self._settings, run.id), lease.epoch),
+                folder=own_scratch_folder(root, lease.epoch),
                 settings=self._settings,
                 eta=RunEta.of(session, run),
                 threads=self._threads,
@@ -229,30 +290,3 @@ def failure_message(stage: str, problem: BaseException, run_id: str) -> str:
         f"{type(problem).__name__}: {problem}. The details are in logs/runs/{run_id}.log in the "
         "data folder. Resume to try again from the last checkpoint."
     )
-
-
-def scratch_folder(settings: Settings, run_id: str) -> Path:
-    """Return the folder of a run's checkpoints on this machine."""
-    return settings.data / "runs" / run_id
-
-
-def own_scratch_folder(root: Path, epoch: int) -> Path:
-    """Return the scratch folder of a lease, with what the lease before left in its own.
-
-    The earlier folder is renamed, so that a worker which has lost the run without knowing finds
-    its folder gone and can't replace the checkpoints of the one that has it now.
-    """
-    root.mkdir(parents=True, exist_ok=True)
-    own = root / str(epoch)
-    if own.exists():
-        return own
-    earlier = sorted(
-        (int(path.name) for path in root.iterdir() if path.name.isdigit()), reverse=True
-    )
-    if earlier:
-        (root / str(earlier[0])).rename(own)
-    else:
-        own.mkdir()
-    for number in earlier[1:]:
-        shutil.rmtree(root / str(number), ignore_errors=True)
-    return own

@@ -8,25 +8,32 @@ import logging
 import os
 import secrets
 import signal
+import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
+import torch
 from dbos import DBOS
+from sqlalchemy.exc import SQLAlchemyError
 
+from trainer.nn.devices import learning_device
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.pipeline import Pipeline
 from trainer.runtime.priority import lower_priority
-from tril.errors import Unavailable
+from tril.cores import core_count
+from tril.errors import Invalid, Unavailable
 from tril.files.artifact_store import write_whole
 from tril.heartbeat import Heartbeat
-from tril.jobs import QUEUE, WORKFLOW, Jobs, executor_config, prepare_queue
+from tril.jobs import QUEUES, WORKFLOW, Jobs, executor_config, prepare_queue
 from tril.jobs.delivery import LOST_AFTER_S
 from tril.settings import Settings
 from tril.store.database import Database, create_database
+from tril.store.models import RunDevice
 from tril.store.schema import check_schema
+from tril.store.training import runs
 
 log = logging.getLogger(__name__)
 
@@ -36,13 +43,21 @@ MAX_DELIVERIES = 50
 
 MAX_WORKERS = 64
 
+EMPTY_POLL_S = 2.0
 
-def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
+SWEEP_EVERY_S = 60.0
+"""A run that passed to another machine and is done there leaves its scratch folder on this one."""
+
+
+def run_worker(
+    settings: Settings, lost_after_s: float = LOST_AFTER_S, *, until_empty: bool = False
+) -> None:
     """Run a worker until it is told to stop (SIGTERM or Ctrl-C).
 
     Args:
         settings: Settings of the process.
         lost_after_s: Seconds without a change after which another worker's lease is revoked.
+        until_empty: Whether it also stops once no run waits or is at work, here or elsewhere.
 
     Raises:
         Unavailable: The databases are not of this version.
@@ -56,7 +71,7 @@ def run_worker(settings: Settings, lost_after_s: float = LOST_AFTER_S) -> None:
     try:
         check_schema(database)
         with worker_name(settings.data) as name:
-            _work(settings, database, name, stopping, lost_after_s)
+            _work(settings, database, name, stopping, lost_after_s, until_empty)
     finally:
         database.close()
         # At the lowest priority the collection of all of PyTorch at exit takes seconds.
@@ -69,9 +84,12 @@ def _work(
     name: str,
     stopping: threading.Event,
     lost_after_s: float,
+    until_empty: bool,
 ) -> None:
     """Take runs from the queue until told to stop; the run at work goes back to the queue."""
     prepare_queue(settings)
+    gpu = _gpu_name(settings)
+    devices = list(RunDevice) if gpu else [RunDevice.ANY]
     pipeline = Pipeline(database, settings, name, stopping)
     pipeline.sweep()
     jobs = Jobs(database, settings, lost_after_s)
@@ -80,21 +98,74 @@ def _work(
             database,
             name,
             "worker",
-            lambda: {"runs": pipeline.run_ids, "pid": os.getpid()},
+            lambda: {
+                "runs": pipeline.run_ids,
+                "pid": os.getpid(),
+                "host": socket.gethostname(),
+                "cores": core_count(),
+                "gpu": gpu,
+            },
             pipeline.beat,
         ):
-            _take_from_queue(settings, name, pipeline)
+            _take_from_queue(settings, name, pipeline, devices)
             log.info("Worker %s waits for runs.", name)
             jobs.start_reconciling()
-            stopping.wait()
+            if until_empty:
+                _wait_until_empty(database, stopping, devices)
+            else:
+                sweep_until(stopping, pipeline)
             log.info("Worker %s is stopping.", name)
             DBOS.destroy(workflow_completion_timeout_sec=STOP_TIMEOUT_S)
     finally:
         jobs.close()
 
 
-def _take_from_queue(settings: Settings, name: str, pipeline: Pipeline) -> None:
-    DBOS(config=executor_config(settings, name))
+def _gpu_name(settings: Settings) -> str | None:
+    """Return the name of the GPU that this worker learns on; None if it learns on the CPU."""
+    try:
+        device = learning_device(settings.learning_device)
+    except Invalid as problem:
+        # Its runs will fail and say so.
+        log.warning("%s", problem)
+        return None
+    return torch.cuda.get_device_name(device) if device.type == "cuda" else None
+
+
+def _wait_until_empty(
+    database: Database, stopping: threading.Event, devices: Collection[str]
+) -> None:
+    """Wait until no run for these devices waits or is at work.
+
+    One that another worker has may come back.
+    """
+    while not stopping.wait(EMPTY_POLL_S):
+        try:
+            with database.reading() as session:
+                if not any(run.device in devices for run in runs.not_over(session)):
+                    log.info("No run is left.")
+                    return
+        except SQLAlchemyError:
+            log.warning("The runs could not be read; they are read again.", exc_info=True)
+
+
+def sweep_until(
+    stopping: threading.Event, pipeline: Pipeline, every_s: float = SWEEP_EVERY_S
+) -> None:
+    """Remove scratch folders that nobody needs, again and again, until the worker is to stop."""
+    while not stopping.wait(every_s):
+        try:
+            pipeline.sweep()
+        except SQLAlchemyError as problem:
+            log.warning("Old scratch folders could not be looked for: %s", problem)
+
+
+def _take_from_queue(
+    settings: Settings, name: str, pipeline: Pipeline, devices: Collection[RunDevice]
+) -> None:
+    dbos = DBOS(config=executor_config(settings, name))
+    # DBOS counts what a worker has at work for each queue separately; this one has one run of all.
+    active = dbos._active_workflows_set
+    active.count_for_queue = lambda queue_name: len(active.activeList())  # type: ignore[method-assign]
 
     @DBOS.step(name="stage")
     def run_stage(run_id: str, stage: str) -> str:
@@ -104,7 +175,7 @@ def _take_from_queue(settings: Settings, name: str, pipeline: Pipeline) -> None:
     def train(run_id: str) -> str:
         return pipeline.train(run_id, run_stage)
 
-    DBOS.listen_queues([QUEUE])
+    DBOS.listen_queues([QUEUES[device] for device in devices])
     DBOS.launch()
 
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
 import fsspec
@@ -26,12 +26,23 @@ class ArtifactStore:
     """
 
     def __init__(self, root: str) -> None:
-        self._files, self._root = fsspec.core.url_to_fs(root)
+        self._url = root
+        try:
+            self._files, self._root = fsspec.core.url_to_fs(root)
+        except ImportError as error:
+            raise Unavailable(
+                f"The artifact store (TRIL_ARTIFACTS_URL) needs a package that is missing: {error}."
+            ) from error
 
     @property
     def is_local(self) -> bool:
         """Whether the store is a local folder."""
         return isinstance(self._files, LocalFileSystem)
+
+    @property
+    def url(self) -> str:
+        """Return the store's URL; that of a local folder is its absolute path."""
+        return str(self._root) if self.is_local else self._url
 
     def put(self, path: str, content: bytes) -> int:
         """Write a file, replacing an existing one; return its size in bytes.
@@ -73,6 +84,23 @@ class ArtifactStore:
         """Return whether the file exists."""
         found: bool = self._files.isfile(self._place(path))
         return found
+
+    def names(self, path: str) -> list[str]:
+        """Return the names of what lies in a folder, sorted; none if there is no such folder.
+
+        Files that are being written are left out.
+        """
+        try:
+            found = self._files.ls(self._place(path), detail=False)
+        except FileNotFoundError:
+            return []
+        names = sorted(PurePosixPath(one).name for one in found)
+        return [name for name in names if not name.startswith(".")]
+
+    def remove(self, path: str) -> None:
+        """Remove a file, if it is there."""
+        with suppress(FileNotFoundError):
+            self._files.rm_file(self._place(path))
 
     def remove_folder(self, path: str) -> None:
         """Remove everything below a path, if there is anything."""

@@ -6,10 +6,10 @@ own) only brings a run's id to a worker, at least once; the worker asks the row 
 
 from tril.jobs.delivery import Jobs
 from tril.jobs.eta import CostEstimate, RunEta, estimate, overall_progress
-from tril.jobs.queue import QUEUE, WORKFLOW, executor_config, prepare_queue
+from tril.jobs.queue import QUEUES, WORKFLOW, executor_config, prepare_queue
 
 __all__ = [
-    "QUEUE",
+    "QUEUES",
     "WORKFLOW",
     "CostEstimate",
     "Jobs",

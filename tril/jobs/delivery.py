@@ -12,10 +12,10 @@ from dbos import WorkflowStatus, error
 from sqlalchemy.exc import SQLAlchemyError
 
 from tril.errors import Unavailable
-from tril.jobs.queue import QUEUE, VERSION, WORKFLOW, open_client
+from tril.jobs.queue import QUEUES, VERSION, WORKFLOW, open_client
 from tril.settings import Settings
 from tril.store.database import Database
-from tril.store.models import RunRow, RunStatus
+from tril.store.models import RunDevice, RunRow, RunStatus
 from tril.store.training import leases, runs
 
 log = logging.getLogger(__name__)
@@ -69,7 +69,9 @@ class Jobs:
     def enqueue(self, run_id: str) -> None:
         """Enqueue a queued run; if the queue can't be reached, ``reconcile`` does it later."""
         try:
-            self._deliver(run_id)
+            with self._database.reading() as session:
+                device = RunDevice(runs.get(session, run_id).device)
+            self._deliver(run_id, device)
         except (SQLAlchemyError, error.DBOSException, Unavailable) as problem:
             log.warning("Run %s could not be enqueued yet: %s", run_id, problem)
 
@@ -161,9 +163,9 @@ class Jobs:
         if row.status == RunStatus.QUEUED:
             if job is None or job.status not in ACTIVE:
                 log.info("Run %s waits without a job; it gets one.", row.id)
-                self._deliver(row.id)
+                self._deliver(row.id, RunDevice(row.device))
             elif job.status == "PENDING" and self._is_stuck(row.id):
-                self._deliver_again(row.id, job)
+                self._deliver_again(row, job)
         elif job is not None and job.status == GIVEN_UP:
             with self._database.writing() as session:
                 leases.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
@@ -171,27 +173,27 @@ class Jobs:
             with self._database.writing() as session:
                 is_queued = leases.revoke(session, row.id, row.epoch)
             if is_queued:
-                self._deliver_again(row.id, job)
+                self._deliver_again(row, job)
 
-    def _deliver_again(self, run_id: str, job: WorkflowStatus | None) -> None:
+    def _deliver_again(self, row: RunRow, job: WorkflowStatus | None) -> None:
         log.warning(
             "Nothing was heard of run %s (%s) for %.0f s; another worker may go on with it.",
-            run_id,
+            row.id,
             job.executor_id if job else "no worker",
             self._lost_after_s,
         )
         if job is not None and job.status == "PENDING":
-            self._client.resume_workflow(run_id, queue_name=QUEUE)
+            self._client.resume_workflow(row.id, queue_name=QUEUES[RunDevice(row.device)])
         else:
-            self._deliver(run_id)
+            self._deliver(row.id, RunDevice(row.device))
 
-    def _deliver(self, run_id: str) -> None:
+    def _deliver(self, run_id: str, device: RunDevice) -> None:
         job = self._jobs([run_id]).get(run_id)
         if job is None:
             self._client.enqueue(
                 {
                     "workflow_name": WORKFLOW,
-                    "queue_name": QUEUE,
+                    "queue_name": QUEUES[device],
                     "workflow_id": run_id,
                     "app_version": VERSION,
                 },
@@ -199,7 +201,7 @@ class Jobs:
             )
         elif job.status not in ACTIVE:
             try:
-                self._client.rewind_workflow(run_id, queue_name=QUEUE)
+                self._client.rewind_workflow(run_id, queue_name=QUEUES[device])
             except error.DBOSException:
                 again = self._jobs([run_id]).get(run_id)
                 if again is None or again.status not in ACTIVE:

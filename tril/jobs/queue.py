@@ -10,10 +10,12 @@ from dbos import DBOS, DBOSClient, DBOSConfig, DBOSPortableJSONSerializer, Seria
 from sqlalchemy import make_url
 
 from tril.settings import Settings
-from tril.store.database import use_wal
+from tril.store.database import use_wal, with_keepalives
+from tril.store.models import RunDevice
 
 APPLICATION = "tril"
-QUEUE = "runs"
+QUEUES = {RunDevice.ANY: "runs", RunDevice.GPU: "runs-gpu"}
+"""Every worker takes runs that need no certain device; one with a GPU those that need it, too."""
 WORKFLOW = "train"
 VERSION = "1"
 """Jobs of another version are left alone. Raised when a job's argument, the run's id, changes."""
@@ -22,7 +24,7 @@ POLL_S = 0.5
 
 
 def prepare_queue(settings: Settings) -> None:
-    """Create or upgrade the queue's database and register its queue; harmless when repeated.
+    """Create or upgrade the queue's database and register its queues; harmless when repeated.
 
     Has to be done before anything is enqueued: the queue's client never migrates.
     """
@@ -32,10 +34,11 @@ def prepare_queue(settings: Settings) -> None:
         path = Path(url.database)
         path.parent.mkdir(parents=True, exist_ok=True)
         _use_wal(path)
-    DBOS.migrate(settings.queue_url)
+    DBOS.migrate(_url(settings))
     client = open_client(settings)
     try:
-        client.register_queue(QUEUE, worker_concurrency=1, polling_interval_sec=POLL_S)
+        for queue in QUEUES.values():
+            client.register_queue(queue, worker_concurrency=1, polling_interval_sec=POLL_S)
     finally:
         client.destroy()
 
@@ -44,7 +47,7 @@ def open_client(settings: Settings) -> DBOSClient:
     """Open the queue for enqueuing, cancelling and listing jobs."""
     _quiet_dbos()
     return DBOSClient(
-        system_database_url=settings.queue_url,
+        system_database_url=_url(settings),
         application_name=APPLICATION,
         serializer=_serializer(),
         lazy=True,
@@ -60,12 +63,16 @@ def executor_config(settings: Settings, name: str) -> DBOSConfig:
     """
     return {
         "name": APPLICATION,
-        "system_database_url": settings.queue_url,
+        "system_database_url": _url(settings),
         "executor_id": name,
         "application_version": VERSION,
         "serializer": _serializer(),
         "log_level": "WARNING",
     }
+
+
+def _url(settings: Settings) -> str:
+    return with_keepalives(settings.queue_url).render_as_string(hide_password=False)
 
 
 def _serializer() -> Serializer:

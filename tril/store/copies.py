@@ -122,8 +122,11 @@ def _run(url: URL | None, program: str, *arguments: str) -> None:
         # Not the password, which other users of the machine would see among the arguments.
         if url.password:
             environ["PGPASSWORD"] = str(url.password)
-        place = url.set(drivername="postgresql", password=None).render_as_string()
-        arguments = (*arguments, "--no-password", f"--dbname={place}")
+        # URL.set(password=None) would leave it.
+        place = URL.create(
+            "postgresql", url.username, None, url.host, url.port, url.database, url.query
+        )
+        arguments = (*arguments, "--no-password", f"--dbname={place.render_as_string()}")
     done = subprocess.run(
         [program, *arguments],
         env=environ,

@@ -94,12 +94,14 @@ class Role(StrEnum):
     """What a person may do, see server/web/permissions.py.
 
     OWNER: everything. RESEARCHER: everything but who gets in. PARTICIPANT: play the behaviours of
-    their memberships, and see their own games of them.
+    their memberships, and see their own games of them. WORKER: no person's, but that of a key with
+    which a worker of another machine asks where the data is, and nothing else.
     """
 
     OWNER = "owner"
     RESEARCHER = "researcher"
     PARTICIPANT = "participant"
+    WORKER = "worker"
 
 
 class Source(StrEnum):
@@ -274,6 +276,13 @@ class BorrowedGameRow(Base):
     added_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
 
 
+class RunDevice(StrEnum):
+    """Which workers may take a run. ANY: all. GPU: those that learn on a GPU."""
+
+    ANY = "any"
+    GPU = "gpu"
+
+
 class RunRow(Base):
     """One training of a behaviour. The id is also the job's id.
 
@@ -281,8 +290,9 @@ class RunRow(Base):
     ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
     is the full recipe as data. ``parent_run_id`` names the run whose imitator PPO begins with in
     place of the run's own clone. ``finished_stages`` maps each finished stage to the seconds of
-    work it took. ``name`` and ``notes`` are a person's. ``epoch`` grows with every lease of the run
-    to a worker; what a worker with an older epoch writes is refused.
+    work it took. ``name`` and ``notes`` are a person's. ``device`` says which workers may take it.
+    ``epoch`` grows with every lease of the run to a worker; what a worker with an older epoch
+    writes is refused.
     """
 
     __tablename__ = "runs"
@@ -304,6 +314,9 @@ class RunRow(Base):
     go_on_anyway: Mapped[bool] = mapped_column(Boolean, default=False)
     snapshot: Mapped[RunSnapshot | None] = mapped_column(ModelJSON(RunSnapshot))
     versions: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
+    device: Mapped[str] = mapped_column(
+        String(8), default=RunDevice.ANY, server_default=RunDevice.ANY
+    )
     status: Mapped[str] = mapped_column(String(16), index=True)
     stage: Mapped[str] = mapped_column(String(24), default="")
     stage_done: Mapped[float] = mapped_column(Float, default=0.0)

@@ -159,6 +159,12 @@ def is_kind_alive(session: Session, kind: str) -> bool:
     return any(status.alive for status in statuses(session) if status.kind == kind)
 
 
+def is_gpu_worker_alive(session: Session) -> bool:
+    """Whether a worker that learns on a GPU is alive."""
+    workers = [one for one in statuses(session) if one.alive and one.kind == "worker"]
+    return any(one.details.get("gpu") for one in workers)
+
+
 def has_ended(session: Session, name: str) -> bool:
     """Whether a process is known to have ended; one that was never heard of is not."""
     row = session.get(ProcessRow, name, populate_existing=True)

@@ -36,7 +36,7 @@ def upgrade(database: Database, copies: Path | None = None) -> None:
     with database.upgrading() as connection:
         present = MigrationContext.configure(connection).get_current_revision()
         _refuse_newer(present, config)
-        is_old = present not in {None, ScriptDirectory.from_config(config).get_current_head()}
+        is_old = present not in {None, schema_revision()}
         if is_old and copies is not None:
             assert present is not None
             copy_before_upgrade(database.engine, present, copies)
@@ -60,12 +60,19 @@ def check_schema(database: Database) -> None:
     except OperationalError as error:
         raise Unavailable(f"The database can't be reached: {error.orig}.") from error
     _refuse_newer(present, config)
-    if present != ScriptDirectory.from_config(config).get_current_head():
+    if present != schema_revision():
         was = "empty" if present is None else f"of an older version of Tril ({present})"
         raise Unavailable(
             f"The database is {was}. Bring it up to date with `tril migrate`; `tril up` and "
             "`make run` do so by themselves. Nothing is lost."
         )
+
+
+def schema_revision() -> str:
+    """Return the revision of the schema that this version works on."""
+    revision = ScriptDirectory.from_config(alembic_config()).get_current_head()
+    assert revision is not None
+    return revision
 
 
 def alembic_config() -> Config:

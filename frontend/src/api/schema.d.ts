@@ -1178,6 +1178,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/workers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Let Worker In
+         * @description Tell a worker of another machine where database, queue and files of runs are.
+         *
+         *     Only a worker's key may ask: the answer has whatever credentials the addresses contain.
+         */
+        post: operations["let_worker_in"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -1187,7 +1209,7 @@ export interface components {
          * @description What is logged.
          * @enum {string}
          */
-        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "deleted" | "restored" | "imported" | "ranked" | "queued a run" | "cancelled a run";
+        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "let a worker in" | "deleted" | "restored" | "imported" | "ranked" | "queued a run" | "cancelled a run";
         /**
          * Artifact
          * @description A file of a training.
@@ -1727,7 +1749,7 @@ export interface components {
              * @default researcher
              * @enum {string}
              */
-            role: "owner" | "researcher";
+            role: "owner" | "researcher" | "worker";
         };
         /**
          * Latency
@@ -1920,14 +1942,22 @@ export interface components {
         /**
          * ProcessStatus
          * @description ``alive`` is false after 15 s without a heartbeat.
+         *
+         *     ``host``, ``cores`` and ``gpu`` say where a worker learns; ``gpu`` is null if not on one.
          */
         ProcessStatus: {
             /** Alive */
             alive: boolean;
+            /** Cores */
+            cores: number | null;
             /** Details */
             details: {
                 [key: string]: unknown;
             };
+            /** Gpu */
+            gpu: string | null;
+            /** Host */
+            host: string | null;
             /**
              * Kind
              * @enum {string}
@@ -2302,10 +2332,11 @@ export interface components {
          * @description What a person may do, see server/web/permissions.py.
          *
          *     OWNER: everything. RESEARCHER: everything but who gets in. PARTICIPANT: play the behaviours of
-         *     their memberships, and see their own games of them.
+         *     their memberships, and see their own games of them. WORKER: no person's, but that of a key with
+         *     which a worker of another machine asks where the data is, and nothing else.
          * @enum {string}
          */
-        Role: "owner" | "researcher" | "participant";
+        Role: "owner" | "researcher" | "participant" | "worker";
         /**
          * Run
          * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
@@ -2324,6 +2355,7 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            device: components["schemas"]["RunDevice"];
             /** Example */
             example: boolean;
             /** Finished At */
@@ -2384,6 +2416,12 @@ export interface components {
             worker_alive: boolean;
         };
         /**
+         * RunDevice
+         * @description Which workers may take a run. ANY: all. GPU: those that learn on a GPU.
+         * @enum {string}
+         */
+        RunDevice: "any" | "gpu";
+        /**
          * RunNew
          * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
@@ -2399,6 +2437,8 @@ export interface components {
              * @default false
              */
             cancel_parent: boolean;
+            /** @default any */
+            device: components["schemas"]["RunDevice"];
             /**
              * Example
              * @default false
@@ -2489,6 +2529,25 @@ export interface components {
             name?: string | null;
             /** Notes */
             notes?: string | null;
+        };
+        /**
+         * SharedPlaces
+         * @description Where a worker finds the data, credentials included.
+         *
+         *     The file ``probe_path`` in the artifact store contains ``probe``: so a worker knows that what it
+         *     finds at ``artifacts_url`` is the same store.
+         */
+        SharedPlaces: {
+            /** Artifacts Url */
+            artifacts_url: string;
+            /** Database Url */
+            database_url: string;
+            /** Jobs Database Url */
+            jobs_database_url: string;
+            /** Probe */
+            probe: string;
+            /** Probe Path */
+            probe_path: string;
         };
         /**
          * Source
@@ -2583,6 +2642,16 @@ export interface components {
          * @enum {string}
          */
         Verification: "pending" | "verified" | "failed";
+        /**
+         * WorkerJoining
+         * @description A worker of another machine: its version of Tril and of the database's schema.
+         */
+        WorkerJoining: {
+            /** Revision */
+            revision: string;
+            /** Version */
+            version: string;
+        };
     };
     responses: never;
     parameters: never;
@@ -8504,6 +8573,93 @@ export interface operations {
             };
             /** @description You may not do this, or it comes from another site. */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    let_worker_in: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["WorkerJoining"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharedPlaces"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -19,6 +19,14 @@ export function renamePlayer(name: string): Promise<Player> {
   return unwrap(api.PATCH("/api/player", { body: { name } }));
 }
 
+/** Whether a worker that learns on a GPU is alive; null while unknown. */
+export function hasGpu(system: System | undefined): boolean | null {
+  if (!system) return null;
+  return system.processes.some(
+    ({ kind, alive, gpu }) => kind === "worker" && alive && gpu !== null,
+  );
+}
+
 /** Whether a process of a kind is alive; null while unknown. */
 export function isAlive(system: System | undefined, kind: "worker" | "inference"): boolean | null {
   if (!system) return null;

@@ -126,6 +126,7 @@ export function run(change: Partial<Run> = {}): Run {
     training_seed: 0,
     learning_rate: 0.0003,
     go_on_anyway: false,
+    device: "any",
     ranking_revision: 3,
     n_ranked: 12,
     n_perfect: 3,
@@ -183,7 +184,17 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
 export function system(workerAlive: boolean): System {
   return {
     version: "0.1.0",
-    processes: [{ name: "w1", kind: "worker", alive: workerAlive, details: {} }],
+    processes: [
+      {
+        name: "w1",
+        kind: "worker",
+        alive: workerAlive,
+        details: {},
+        host: "lab-3",
+        cores: 8,
+        gpu: null,
+      },
+    ],
     disk_free_bytes: 1e9,
     data_bytes: 1e6,
     storage: {

@@ -26,8 +26,8 @@ class PlayerUpdate(Schema):
     name: str = Field(min_length=1, max_length=80)
 
 
-class Browser(Schema):
-    """A browser that is signed in. ``present`` is the one that asks."""
+class Credential(Schema):
+    """What lets a person in."""
 
     id: int
     name: str
@@ -35,25 +35,23 @@ class Browser(Schema):
     role: Role
     created_at: datetime
     seen_at: datetime | None
+
+
+class Browser(Credential):
+    """A browser that is signed in. ``present`` is the one that asks."""
+
     present: bool
 
 
-class Key(Schema):
+class Key(Credential):
     """A key with which scripts and workers act for a person."""
-
-    id: int
-    name: str
-    player: str
-    role: Role
-    created_at: datetime
-    seen_at: datetime | None
 
 
 class KeyNew(Schema):
     """A key to make."""
 
     name: str = Field(min_length=1, max_length=80)
-    role: Literal[Role.OWNER, Role.RESEARCHER] = Role.RESEARCHER
+    role: Literal[Role.OWNER, Role.RESEARCHER, Role.WORKER] = Role.RESEARCHER
 
 
 class NewKey(Key):

@@ -15,7 +15,7 @@ from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, Rewa
 from tril.analysis.summary import Policy, PolicySummary, Winner
 from tril.analysis.verdict import NextStep, Tone
 from tril.stages import Stage
-from tril.store.models import RunStatus
+from tril.store.models import RunDevice, RunStatus
 from tril.store.training.evaluations import ActionSelection
 from tril.store.training.runs import MAX_NAME_LENGTH, MAX_NOTES_LENGTH
 
@@ -62,6 +62,7 @@ class RunNew(Schema):
     training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
     go_on_anyway: StrictBool = False
     example: StrictBool = False
+    device: RunDevice = RunDevice.ANY
     parent_run_id: UUID | None = None
     cancel_parent: StrictBool = False
 
@@ -95,6 +96,7 @@ class Run(Schema):
     training_seed: int
     learning_rate: float
     go_on_anyway: bool
+    device: RunDevice
     ranking_revision: int | None
     n_ranked: int | None
     n_perfect: int | None

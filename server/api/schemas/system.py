@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from pydantic import Field
+
 from server.api.schemas.base import Schema
 
 
@@ -15,12 +17,39 @@ class Health(Schema):
 
 
 class ProcessStatus(Schema):
-    """``alive`` is false after 15 s without a heartbeat."""
+    """``alive`` is false after 15 s without a heartbeat.
+
+    ``host``, ``cores`` and ``gpu`` say where a worker learns; ``gpu`` is null if not on one.
+    """
 
     name: str
     kind: Literal["server", "worker", "inference"]
     alive: bool
     details: dict[str, Any]
+    host: str | None
+    cores: int | None
+    gpu: str | None
+
+
+class WorkerJoining(Schema):
+    """A worker of another machine: its version of Tril and of the database's schema."""
+
+    version: str = Field(max_length=40)
+    revision: str = Field(max_length=40)
+
+
+class SharedPlaces(Schema):
+    """Where a worker finds the data, credentials included.
+
+    The file ``probe_path`` in the artifact store contains ``probe``: so a worker knows that what it
+    finds at ``artifacts_url`` is the same store.
+    """
+
+    database_url: str
+    jobs_database_url: str
+    artifacts_url: str
+    probe_path: str
+    probe: str
 
 
 class Storage(Schema):

@@ -14,11 +14,13 @@ from starlette.websockets import WebSocketDisconnect
 
 from server.play.rules import PlayRules
 from server.web.permissions import check_all_declared
+from server.web.security import load_secrets
 from tests.server.clients import build_frontend, signed_in
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace, make_workplace
 from tril.game.episode import Start
 from tril.store import games, players, recordings
+from tril.store.access import credentials
 from tril.store.models import (
     ArtifactRow,
     GameRow,
@@ -66,6 +68,8 @@ OF_OWNER = {
     "revoke_invitation",
     "list_audit",
 }
+OF_WORKER = {"let_worker_in"}
+"""Operations that only a worker's key may do."""
 STREAM = "stream_events"
 
 
@@ -185,7 +189,9 @@ def _state(world: World) -> list[Any]:
 def test_the_description_names_every_operation_of_this_test(world: World) -> None:
     named = {name for name, _, _ in world.operations()}
     assert len(named) > 50
-    assert named >= OWN_GAMES_OF_BEHAVIOUR | OF_BEHAVIOUR | OF_ONESELF | OF_OWNER | {STREAM}
+    assert named >= OWN_GAMES_OF_BEHAVIOUR | OF_BEHAVIOUR | OF_ONESELF | OF_OWNER | OF_WORKER | {
+        STREAM
+    }
 
 
 def test_nobody_who_is_not_signed_in_gets_more_than_the_health(world: World) -> None:
@@ -266,13 +272,39 @@ def test_researchers_may_do_everything_but_say_who_gets_in(world: World, role: s
         if name in skipped or method == "delete":
             continue
         answer = world.ask(world.visitor(role), method, path, world.owners)
-        if name in OF_OWNER and role == "researcher":
+        if name in OF_WORKER or (name in OF_OWNER and role == "researcher"):
             assert answer.status_code == 403, name
         else:
             assert answer.status_code not in {401, 403}, (name, answer.text)
     if role == "researcher":
         for path in ("browsers", "keys", "invitations"):
             assert world.visitor(role).delete(f"/api/{path}/1").status_code == 403
+
+
+def test_a_workers_key_lets_a_worker_in_and_does_nothing_else(world: World) -> None:
+    with world.workplace.database.writing() as session:
+        _, secret = credentials.make_key(session, world.people["owner"], "Lab", Role.WORKER)
+    key = load_secrets(world.workplace.settings.token_file).signed(secret)
+    visitor = world.visitor("anonymous")
+    visitor.headers["Authorization"] = f"Bearer {key}"
+    before = _state(world)
+    for name, method, path in world.operations():
+        if name == "get_health":
+            continue
+        for ids in (world.owners, world.participants):
+            answer = world.ask(visitor, method, path, ids)
+            # What the test sends is no worker's request, but it is read.
+            assert answer.status_code == (422 if name in OF_WORKER else 403), name
+            assert MARK not in answer.text
+    assert _state(world) == before
+    for path in (f"games/{world.owners['game_id']}/stream", f"runs/{world.owners['run_id']}/watch"):
+        authority = str(world.client.base_url).removeprefix("http://").rstrip("/")
+        with (
+            pytest.raises(WebSocketDisconnect) as refused,
+            visitor.websocket_connect(f"ws://{authority}/api/{path}") as socket,
+        ):
+            socket.receive_text()
+        assert refused.value.code == 1008
 
 
 @pytest.mark.parametrize("role", ["anonymous", "participant", "elsewhere"])

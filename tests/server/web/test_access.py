@@ -16,8 +16,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
 from cli.main import app
-from server.web.access import browser_name
 from server.web.security import address_with_token, invitation_link
+from server.web.sign_in import browser_name
 from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
 from testsupport.visitors import cookie_of
 from testsupport.waiting import wait_until

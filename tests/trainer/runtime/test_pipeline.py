@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from tests.trainings import checked
+from testsupport.waiting import wait_until
 from testsupport.workplace import TINY, Workplace
 from trainer.policy.imitation import Snapshot
 from trainer.policy.networks import load_network
@@ -21,12 +22,13 @@ from trainer.runtime.pipeline import (
     Pipeline,
     RunStage,
     failure_message,
-    own_scratch_folder,
 )
 from trainer.runtime.run_data import RunData
+from trainer.runtime.scratch import own_scratch_folder
 from trainer.runtime.stages import STAGE_WORK, demonstrations, learning
 from trainer.runtime.stages.evaluation import starts_seen
 from trainer.runtime.stages.snapshots import keep_snapshot
+from trainer.runtime.worker import sweep_until
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
@@ -159,6 +161,26 @@ def test_scratch_folders_of_runs_that_are_done_or_deleted_are_swept(
     pipeline.sweep()
     left = {run_id for run_id, folder in folders.items() if folder.exists()}
     assert left == {cancelled, "of another database"}
+
+
+def test_the_folder_of_a_run_that_another_machine_has_finished_goes_while_the_worker_is_idle(
+    workplace: Workplace, pipeline: Pipeline
+) -> None:
+    run_id = workplace.make_run()
+    lease = workplace.lease(run_id, "worker-of-another-machine")
+    folder = workplace.settings.data / "runs" / run_id
+    (folder / "1").mkdir(parents=True)
+    stopping = threading.Event()
+    sweeping = threading.Thread(target=sweep_until, args=(stopping, pipeline, 0.01))
+    sweeping.start()
+    try:
+        with workplace.database.writing() as session:
+            assert folder.exists()
+            leases.end(session, lease, RunStatus.DONE)
+        wait_until(lambda: not folder.exists())
+    finally:
+        stopping.set()
+        sweeping.join()
 
 
 def test_failures_are_explained_with_what_to_do() -> None:

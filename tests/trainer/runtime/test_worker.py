@@ -5,26 +5,32 @@ from __future__ import annotations
 import itertools
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy import select
 from stable_baselines3 import PPO
 
 from testsupport.waiting import wait_until
 from testsupport.worker_zygote import WorkerProcess, Zygote
 from testsupport.workplace import TINY, Workplace
 from trainer.reward.model import RewardModel
-from trainer.runtime.pipeline import LEASE_LOST
+from trainer.runtime.pipeline import LEASE_LOST, LEFT
+from tril.cores import core_count
+from tril.files.artifact_store import ArtifactStore
 from tril.game.episode import Ending, EndReason
 from tril.jobs import Jobs, overall_progress
+from tril.jobs.delivery import LOST_AFTER_S
 from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
 from tril.stages import stages_of
 from tril.store import processes, recordings
-from tril.store.models import RunRow, RunStatus
+from tril.store.models import MetricRow, RunDevice, RunRow, RunStatus
 from tril.store.training import artifacts, evaluations, metrics
 
 SOON_S = 3.0
@@ -220,6 +226,46 @@ def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
         until(lambda: is_in(workplace, run_id, "imitator"), worker)
 
 
+@pytest.mark.lengthy
+@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM])
+def test_a_worker_with_another_data_folder_goes_on_from_the_last_checkpoint(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote, tmp_path: Path, ending: signal.Signals
+) -> None:
+    recipe = with_values(TINY, {"policy.snapshot_steps": (64,)})
+    run_id = workplace.make_run(recipe, steps=ENDLESS)
+    jobs.enqueue(run_id)
+    shared: dict[str, Any] = {
+        "database_url": workplace.settings.application_url,
+        "jobs_database_url": workplace.settings.queue_url,
+        "artifacts_url": str(tmp_path / "shared"),
+    }
+    store = ArtifactStore(shared["artifacts_url"])
+    saved = f"{workplace.settings.data}/runs/{run_id}/1/imitator/checkpoint.safetensors"
+
+    def points() -> list[int]:
+        with workplace.database.reading() as session:
+            query = select(MetricRow.id).order_by(MetricRow.id)
+            return list(
+                session.scalars(
+                    query.where(MetricRow.run_id == run_id, MetricRow.stage == "imitator")
+                )
+            )
+
+    with zygote.running(workplace.settings.data, LOST_AFTER_S, **shared) as worker:
+        until(Path(saved).exists, worker)
+        if ending is signal.SIGKILL:
+            until(lambda: bool(store.names(f"checkpoints/{run_id}")), worker)
+        worker.send(ending)
+    before = points()
+    (tmp_path / "other").mkdir()
+    with zygote.running(tmp_path / "other", lost_after_s=SOON_S, **shared) as other:
+        until(lambda: points()[-1:] > before[-1:], other)
+        assert "goes on from the checkpoints of another machine" in other.log.read_text()
+    # A stage that begins anew drops its points; these are still the first worker's.
+    assert points()[0] == before[0]
+    assert store.names(f"checkpoints/{run_id}") == ["1.tar"]
+
+
 def test_two_workers_never_take_the_same_run(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
@@ -234,6 +280,51 @@ def test_two_workers_never_take_the_same_run(
     # Every run was leased exactly once, and both workers had some.
     assert [row.epoch for row in rows] == [1] * 8
     assert len({row.worker for row in rows}) == 2
+
+
+@pytest.mark.lengthy
+def test_runs_for_a_gpu_wait_for_a_worker_that_has_one_which_takes_one_run_at_a_time(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    def make(device: RunDevice) -> str:
+        run_id = workplace.make_run(
+            CONFUSED, training_seed=WRONG, go_on_anyway=False, device=device
+        )
+        jobs.enqueue(run_id)
+        return run_id
+
+    for_gpu = [make(RunDevice.GPU) for _ in range(3)]
+    first = make(RunDevice.ANY)
+    with zygote.running(workplace.settings.data) as worker:
+        until_over(workplace, first, worker)
+        with workplace.database.reading() as session:
+            (status,) = processes.statuses(session)
+            assert not processes.is_gpu_worker_alive(session)
+        assert (status.details["gpu"], status.details["cores"]) == (None, core_count())
+        worker.send(signal.SIGTERM)
+    assert {workplace.run(run_id).status for run_id in for_gpu} == {RunStatus.QUEUED}
+
+    everything = [*for_gpu, *(make(RunDevice.ANY) for _ in range(3))]
+    command = [sys.executable, "-m", "tests.trainer.runtime.gpu_worker"]
+    log = workplace.settings.data / "gpu-worker.log"
+    with (
+        log.open("w") as output,
+        subprocess.Popen([*command, str(workplace.settings.data)], stdout=output) as process,
+    ):
+        try:
+            until(lambda: process.poll() is not None)
+        finally:
+            process.kill()
+    assert process.returncode == 0
+    # Only by chance does it ask both queues at once; it does not while it has a run.
+    assert log.read_text().count(LEFT) <= 2
+    rows = [workplace.run(run_id) for run_id in everything]
+    assert {(row.status, row.epoch) for row in rows} == {(RunStatus.STOPPED, 1)}
+    times = sorted((row.started_at, row.finished_at) for row in rows)
+    for (_, ended), (begun, _) in itertools.pairwise(times):
+        assert ended is not None
+        assert begun is not None
+        assert ended <= begun
 
 
 def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to_go_on(

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.tril.exchange.samples import MODEL, finished_run
 from testsupport.databases import CHOICE
 from testsupport.postgres import cluster, find_or_install
 from testsupport.workplace import Workplace, make_workplace
@@ -21,12 +22,10 @@ from tril.settings import Settings
 from tril.store import behaviours, rankings
 from tril.store.copies import CopyFailed
 from tril.store.database import create_database
-from tril.store.models import RunRow, RunStatus
 from tril.store.schema import check_schema
 from tril.store.training import artifacts, runs
 
 ROOT = Path(__file__).parents[3]
-MODEL = b"weights" * 1000
 
 
 @pytest.fixture
@@ -37,16 +36,6 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Workp
     made = make_workplace(tmp_path / "data")
     yield made
     made.database.close()
-
-
-def finished_run(workplace: Workplace) -> str:
-    run_id = workplace.make_run()
-    store = ArtifactStore(workplace.settings.artifact_root)
-    size = store.put(artifacts.path_of(run_id, "model.bin"), MODEL)
-    with workplace.database.writing() as session:
-        session.get_one(RunRow, run_id).status = RunStatus.DONE
-        artifacts.save(session, run_id, "model", "model.bin", "application/octet-stream", size)
-    return run_id
 
 
 def documented_restore() -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from dbos import DBOS
 
 from testsupport.databases import settings_on
-from tril.jobs import QUEUE, WORKFLOW, executor_config
+from tril.jobs import QUEUES, WORKFLOW, executor_config
 from tril.store import processes
 from tril.store.database import create_database
 from tril.store.training import leases
@@ -34,7 +34,7 @@ def main(folder: str, name: str) -> None:
             time.sleep(1)
 
     DBOS(config=executor_config(settings, name))
-    DBOS.listen_queues([QUEUE])
+    DBOS.listen_queues(list(QUEUES.values()))
     DBOS.launch()
     while True:
         time.sleep(1)

@@ -17,10 +17,10 @@ from testsupport.workplace import Workplace
 from tril.errors import Conflict
 from tril.jobs import Jobs
 from tril.jobs.delivery import GIVEN_UP
-from tril.jobs.queue import open_client
+from tril.jobs.queue import QUEUES, open_client
 from tril.settings import Settings
 from tril.store.database import create_database
-from tril.store.models import RunStatus
+from tril.store.models import RunDevice, RunStatus
 from tril.store.training import leases, runs
 
 LOST_AFTER_S = 1.0
@@ -91,6 +91,18 @@ def test_a_run_is_enqueued_once_under_its_own_id(
     (job,) = queue.list_workflows()
     assert (job.workflow_id, job.status) == (run_id, "ENQUEUED")
     assert job.input == {"args": (run_id,), "kwargs": {}}
+
+
+def test_a_run_for_a_gpu_has_a_queue_of_its_own_also_when_it_is_resumed(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run(device=RunDevice.GPU)
+    jobs.enqueue(run_id)
+    assert queue.list_workflows()[0].queue_name == QUEUES[RunDevice.GPU]
+    jobs.cancel(run_id)
+    jobs.resume(run_id)
+    (job,) = queue.list_workflows()
+    assert (job.status, job.queue_name) == ("ENQUEUED", QUEUES[RunDevice.GPU])
 
 
 def test_a_crash_between_the_row_and_its_job_is_repaired(
@@ -225,10 +237,10 @@ def test_an_error_in_the_repair_of_one_run_does_not_stop_the_others(
     broken, waiting = workplace.make_run(), workplace.make_run()
     deliver = Jobs._deliver
 
-    def fail_at_one(self: Jobs, run_id: str) -> None:
+    def fail_at_one(self: Jobs, run_id: str, device: RunDevice) -> None:
         if run_id == broken:
             raise RuntimeError("unexpected")
-        deliver(self, run_id)
+        deliver(self, run_id, device)
 
     monkeypatch.setattr(Jobs, "_deliver", fail_at_one)
     jobs = Jobs(workplace.database, workplace.settings)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
@@ -12,14 +11,15 @@ import pytest
 from sqlalchemy import func, select, text
 from sqlalchemy.exc import DBAPIError, OperationalError
 
+from testsupport.databases import upgrade_at_once
 from testsupport.postgres import Cluster, cluster, find_or_install
 from testsupport.waiting import wait_until
 from tril.recipes import FAST
 from tril.store import behaviours, players, processes
 from tril.store.changes import ChangeReader, note_change
 from tril.store.database import Database, create_database, database_now
-from tril.store.models import BehaviourRow, ChangeRow
-from tril.store.schema import check_schema, upgrade
+from tril.store.models import ChangeRow
+from tril.store.schema import upgrade
 from tril.store.training import leases, runs
 
 TEMPLATE = "tril_migrated"
@@ -96,7 +96,6 @@ def test_no_change_is_skipped_while_many_write(database: Database) -> None:
             with database.writing() as session:
                 note_change(session, "run", f"{writer}-{number}")
                 session.flush()
-                time.sleep(0.001 * (writer + number) % 0.003)
 
     seen: list[int] = []
     keys: set[str] = set()
@@ -218,20 +217,5 @@ def test_the_clock_goes_on_within_a_transaction(database: Database) -> None:
 def test_services_that_start_together_upgrade_one_after_the_other(server: Cluster) -> None:
     server.drop("tril_fresh")
     server.create("tril_fresh")
-    url = server.url("tril_fresh")
-    barrier = threading.Barrier(3)
-
-    def run(_: int) -> None:
-        database = create_database(url)
-        barrier.wait()
-        upgrade(database)
-        database.close()
-
-    with ThreadPoolExecutor(3) as threads:
-        list(threads.map(run, range(3)))
-    database = create_database(url)
-    check_schema(database)
-    with database.reading() as session:
-        assert session.scalar(select(func.count(BehaviourRow.id))) == 7
-    database.close()
+    upgrade_at_once(lambda: create_database(server.url("tril_fresh")))
     server.drop("tril_fresh")

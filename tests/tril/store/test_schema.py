@@ -13,6 +13,7 @@ import pytest
 from alembic import command
 from sqlalchemy import inspect, select, text
 
+from testsupport.databases import upgrade_at_once
 from tril.demonstrator import play_varied
 from tril.errors import Unavailable
 from tril.recipes import FAST
@@ -50,21 +51,7 @@ def test_an_upgrade_makes_every_table_and_adds_what_is_built_in(database: Databa
 
 
 def test_processes_that_upgrade_at_once_do_not_get_into_each_others_way(tmp_path: Path) -> None:
-    barrier = threading.Barrier(3)
-
-    def run(_: int) -> None:
-        database = open_database(tmp_path)
-        barrier.wait()
-        upgrade(database)
-        database.close()
-
-    with ThreadPoolExecutor(3) as threads:
-        list(threads.map(run, range(3)))
-    database = open_database(tmp_path)
-    check_schema(database)
-    with database.reading() as session:
-        assert len(behaviours.listing(session)) == 7
-    database.close()
+    upgrade_at_once(lambda: open_database(tmp_path))
 
 
 def test_a_fresh_file_can_be_switched_to_wal_while_others_do_the_same(tmp_path: Path) -> None:

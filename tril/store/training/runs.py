@@ -15,7 +15,7 @@ from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
 from tril.store import audit, behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.database import database_now
-from tril.store.models import NOT_OVER, RunRow, RunStatus, now
+from tril.store.models import NOT_OVER, RunDevice, RunRow, RunStatus, now
 from tril.store.training import artifacts
 
 MAX_NAME_LENGTH = 80
@@ -37,6 +37,7 @@ def create(
     parent_run_id: str | None = None,
     max_queued: int | None = None,
     max_queued_of_player: int | None = None,
+    device: RunDevice = RunDevice.ANY,
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
 
@@ -56,6 +57,7 @@ def create(
         parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
         max_queued: Most runs that may wait in the queue; None for any number.
         max_queued_of_player: Most of those that may be this person's.
+        device: Which workers may take it.
 
     Raises:
         NotFound: No such behaviour or parent.
@@ -105,6 +107,7 @@ def create(
         steps=steps,
         go_on_anyway=go_on_anyway,
         snapshot=None if example else snapshot(session, behaviour_id),
+        device=device,
         status=RunStatus.QUEUED,
     )
     session.add(row)
@@ -357,7 +360,7 @@ def delete(session: Session, run_id: str, player_id: int | None = None) -> None:
     note_change(session, "run", run_id)
 
 
-def restore(session: Session, run_id: str) -> RunRow:
+def restore(session: Session, run_id: str, player_id: int | None = None) -> RunRow:
     """Bring a deleted run back, with everything it had.
 
     Raises:
@@ -368,5 +371,6 @@ def restore(session: Session, run_id: str) -> RunRow:
         raise NotFound("There is no such training.")
     if row.deleted_at is not None:
         row.deleted_at = None
+        audit.note(session, audit.Action.RESTORED, player_id, f"run {run_id}")
         note_change(session, "run", run_id)
     return row

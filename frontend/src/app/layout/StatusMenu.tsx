@@ -1,4 +1,4 @@
-import { t } from "@lingui/core/macro";
+import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
@@ -54,16 +54,26 @@ function Processes({ system }: { system: System }) {
       </h3>
       <table className={styles.facts}>
         <tbody>
-          {system.processes.map(({ name, kind, alive }) => (
-            <tr key={name}>
-              <th scope="row">{kindNames()[kind]}</th>
-              <td>{alive ? t`running` : t`not responding`}</td>
+          {system.processes.map((process) => (
+            <tr key={process.name}>
+              <th scope="row">
+                {kindNames()[process.kind]}
+                <small className={styles.device}>{deviceOf(process)}</small>
+              </th>
+              <td>{process.alive ? t`running` : t`not responding`}</td>
             </tr>
           ))}
         </tbody>
       </table>
     </section>
   );
+}
+
+/** Where a worker learns: its machine, and its GPU or how many cores it has. */
+function deviceOf({ host, gpu, cores }: System["processes"][number]): string {
+  const device =
+    gpu ?? (cores === null ? null : plural(cores, { one: "# core", other: "# cores" }));
+  return [host, device].filter((part) => part !== null).join(", ");
 }
 
 function Disk({ system }: { system: System }) {

@@ -45,6 +45,7 @@ export function ExampleButton({
           training_seed: 0,
           // The user has no ranking of their own to improve first.
           go_on_anyway: true,
+          device: "any",
           example: true,
           cancel_parent: false,
         });

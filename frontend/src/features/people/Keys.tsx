@@ -5,11 +5,13 @@ import { useState } from "react";
 
 import { messageOf } from "@/api/client";
 import { createKey, keysQuery, revokeKey } from "@/api/people";
+import type { KeyNew } from "@/api/types";
 import { Button } from "@/components/controls/Button";
-import { Checkbox, Field } from "@/components/controls/Field";
-import { Failed, Loading } from "@/components/feedback/States";
+import { Field } from "@/components/controls/Field";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { moment } from "@/lib/format";
 
+import { Credential } from "./Credential";
 import styles from "./PeoplePage.module.css";
 import { Secret } from "./Secret";
 import { roleName } from "./words";
@@ -19,7 +21,7 @@ export function Keys() {
   const { data: keys, error, refetch } = useQuery(keysQuery);
   const revoke = useMutation({ mutationFn: revokeKey, onSettled: () => void refetch() });
   const [name, setName] = useState("");
-  const [owner, setOwner] = useState(false);
+  const [role, setRole] = useState<KeyNew["role"]>("researcher");
   const make = useMutation({
     mutationFn: createKey,
     onSuccess: () => {
@@ -33,30 +35,33 @@ export function Keys() {
   if (!keys) return <Loading what={t`the keys`} rows={1} height="3rem" />;
   return (
     <>
+      {revoke.error && (
+        <Notice tone="bad" live>
+          {messageOf(revoke.error)}
+        </Notice>
+      )}
       <ul className={styles.rows}>
-        {keys.map(({ id, name: what, role, seen_at: seen }) => (
-          <li key={id}>
-            <span className={styles.what}>
-              <strong>{what}</strong> ({roleName(role)})
-              <small>{seen ? t`Last used ${moment(seen)}` : t`Not used yet`}</small>
-            </span>
-            <Button
-              aria-label={t`Revoke the key ${what}`}
-              disabled={revoke.isPending}
-              onClick={() => revoke.mutate(id)}
-            >
-              <Trans>Revoke</Trans>
-            </Button>
-          </li>
+        {keys.map(({ id, name: what, role: rights, seen_at: seen }) => (
+          <Credential
+            key={id}
+            note={seen ? t`Last used ${moment(seen)}` : t`Not used yet`}
+            end={{
+              label: t`Revoke`,
+              name: t`Revoke the key ${what}`,
+              disabled: revoke.isPending,
+              onClick: () => revoke.mutate(id),
+            }}
+          >
+            <strong>{what}</strong> ({roleName(rights)})
+          </Credential>
         ))}
       </ul>
-      {revoke.error && <p role="alert">{messageOf(revoke.error)}</p>}
       <form
         className={styles.form}
         onSubmit={(event) => {
           event.preventDefault();
           if (!name.trim()) return;
-          make.mutate({ name: name.trim(), role: owner ? "owner" : "researcher" });
+          make.mutate({ name: name.trim(), role });
         }}
       >
         <Field label={t`What the key is for`} error={make.error ? messageOf(make.error) : null}>
@@ -70,12 +75,19 @@ export function Keys() {
             />
           )}
         </Field>
-        <Checkbox
-          label={t`It may do everything, as you may`}
-          hint={t`Otherwise it may do what researchers may.`}
-          checked={owner}
-          onChange={setOwner}
-        />
+        <Field label={t`What it may do`}>
+          {(control) => (
+            <select
+              {...control}
+              value={role}
+              onChange={(event) => setRole(event.currentTarget.value as KeyNew["role"])}
+            >
+              <option value="researcher">{t`What researchers may`}</option>
+              <option value="owner">{t`Everything, as you may`}</option>
+              <option value="worker">{t`Start workers on other machines, and nothing else`}</option>
+            </select>
+          )}
+        </Field>
         <Button kind="primary" type="submit" disabled={!name.trim() || make.isPending}>
           <Trans>Make a key</Trans>
         </Button>

@@ -4,7 +4,12 @@ import { t } from "@lingui/core/macro";
 import type { AuditEntry, Player } from "@/api/types";
 
 export function roleName(role: Player["role"]): string {
-  return { owner: t`Owner`, researcher: t`Researcher`, participant: t`Player` }[role];
+  return {
+    owner: t`Owner`,
+    researcher: t`Researcher`,
+    participant: t`Player`,
+    worker: t`Worker`,
+  }[role];
 }
 
 /** Says what somebody did, with what it was done to. */
@@ -18,6 +23,7 @@ export function actionOf({ action, subject }: Pick<AuditEntry, "action" | "subje
     "revoked an invitation": t`revoked ${subject}`,
     "made a key": t`made ${subject}`,
     "revoked a key": t`revoked ${subject}`,
+    "let a worker in": t`let a worker in by ${subject}`,
     deleted: t`deleted ${subject}`,
     restored: t`restored ${subject}`,
     imported: t`imported ${subject}`,

@@ -18,7 +18,7 @@ interface MoreSettingsProps {
   onChange: (part: Partial<FormValues>) => void;
 }
 
-/** Learning rate, training seed and whether to ignore the check. */
+/** Learning rate, training seed, whether to ignore the check, and where the run may learn. */
 export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSettingsProps) {
   return (
     <details className={styles.more} open={open}>
@@ -59,6 +59,12 @@ export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSet
           hint={t`A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same.`}
           checked={values.goOnAnyway}
           onChange={(goOnAnyway) => onChange({ goOnAnyway })}
+        />
+        <Checkbox
+          label={t`Only on a GPU`}
+          hint={t`The run waits for a worker that has one. Otherwise it learns on whatever the next free worker has.`}
+          checked={values.onGpu}
+          onChange={(onGpu) => onChange({ onGpu })}
         />
         <details className={styles.more}>
           <summary>

@@ -12,6 +12,8 @@ export interface FormValues {
   readonly learningRate: string;
   readonly trainingSeed: string;
   readonly goOnAnyway: boolean;
+  /** Whether only a worker with a GPU may take the run. */
+  readonly onGpu: boolean;
 }
 
 export interface FormErrors {
@@ -31,6 +33,7 @@ export function defaultsOf(recipe: Recipe): FormValues {
     learningRate: String(recipe.learning_rate).replace(".", decimalSign()),
     trainingSeed: "0",
     goOnAnyway: false,
+    onGpu: false,
   };
 }
 
@@ -44,6 +47,7 @@ export function editsFrom(search: URLSearchParams): Partial<FormValues> {
     ...(rate === null ? {} : { learningRate: rate }),
     ...(seed === null ? {} : { trainingSeed: seed }),
     ...(search.has("anyway") ? { goOnAnyway: true } : {}),
+    ...(search.has("gpu") ? { onGpu: true } : {}),
   };
 }
 
@@ -95,6 +99,7 @@ export function runOf(
     learning_rate: readRate(values.learningRate),
     training_seed: readWhole(values.trainingSeed),
     go_on_anyway: values.goOnAnyway,
+    device: values.onGpu ? "gpu" : "any",
     example,
     parent_run_id: parentId,
     cancel_parent: cancelParent,

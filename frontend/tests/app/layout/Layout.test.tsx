@@ -112,7 +112,7 @@ describe("every page", () => {
     const dialog = within(screen.getByRole("dialog", { name: "Processes and disk" }));
     const rows = dialog.getAllByRole("row").map((row) => row.textContent);
     expect(rows).toEqual([
-      "Workerrunning",
+      "Workerlab-3, 8 coresrunning",
       "Recordings, rankings and curves200 kB",
       "Files of runs500 kB",
       "Cache of frames and clips300 kB, at most 500 MB",

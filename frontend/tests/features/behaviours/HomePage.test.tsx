@@ -48,6 +48,7 @@ describe("the first page", () => {
       behaviour_id: 1,
       example: true,
       go_on_anyway: true,
+      device: "any",
       steps: 300_000,
     });
   });

@@ -88,6 +88,34 @@ describe("the page of people", () => {
     expect(wishes).toEqual([{ name: "5b", role: "participant", behaviour_id: 1 }]);
   });
 
+  it("makes a key that starts workers and does nothing else", async () => {
+    const wishes: unknown[] = [];
+    serve({
+      ...PEOPLE,
+      "POST /api/keys": ({ body }) => {
+        wishes.push(body);
+        return {
+          id: 1,
+          name: "Lab",
+          player: "Ada",
+          role: "worker",
+          created_at: "2026-01-01T10:00:00Z",
+          seen_at: null,
+          key: "secret.signature",
+        };
+      },
+    });
+    show(<PeoplePage />);
+    await userEvent.type(await screen.findByLabelText("What the key is for"), "Lab");
+    await userEvent.selectOptions(
+      screen.getByLabelText("What it may do"),
+      "Start workers on other machines, and nothing else",
+    );
+    await userEvent.click(screen.getByRole("button", { name: "Make a key" }));
+    expect(await screen.findByText("secret.signature")).toBeVisible();
+    expect(wishes).toEqual([{ name: "Lab", role: "worker" }]);
+  });
+
   it("is for the owner only", async () => {
     serve({ ...PEOPLE, "GET /api/player": () => ({ id: 2, name: "Ria", role: "researcher" }) });
     show(<PeoplePage />);

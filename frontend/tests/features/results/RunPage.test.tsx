@@ -2,7 +2,8 @@ import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
-import type { PolicySummary, Recording, Run, RunResults } from "@/api/types";
+import { hasGpu } from "@/api/system";
+import type { PolicySummary, Recording, Run, RunResults, System } from "@/api/types";
 import { RunPage } from "@/features/results/RunPage";
 import { RunsPage } from "@/features/results/RunsPage";
 
@@ -39,6 +40,24 @@ function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeo
   show(<RunPage run={one} behaviour={behaviour()} />);
   return asked;
 }
+
+describe("a run for a GPU", () => {
+  it("says that it waits for a worker that has one", async () => {
+    open(run({ id: "r1", status: "queued", device: "gpu", worker_alive: false }));
+    expect(
+      await screen.findByText("This run waits for a worker with a GPU; none is running."),
+    ).toBeVisible();
+  });
+
+  it("counts only workers that are alive and learn on one", () => {
+    const withGpu = (alive: boolean): System => ({
+      ...system(true),
+      processes: system(true).processes.map((one) => ({ ...one, alive, gpu: "NVIDIA T4" })),
+    });
+    expect(hasGpu(undefined)).toBeNull();
+    expect([system(true), withGpu(false), withGpu(true)].map(hasGpu)).toEqual([false, false, true]);
+  });
+});
 
 describe("a run that is over", () => {
   it("opens with its verdict and leads to what to do next", async () => {

@@ -51,6 +51,7 @@ describe("training", () => {
     await userEvent.click(screen.getByText("More settings"));
     await userEvent.clear(screen.getByLabelText("Training seed"));
     await userEvent.type(screen.getByLabelText("Training seed"), "7");
+    await userEvent.click(screen.getByLabelText("Only on a GPU"));
     await userEvent.click(screen.getByRole("button", { name: "Train" }));
     expect(await screen.findByRole("alert")).toHaveTextContent("Recording 4 isn't verified.");
     refused = false;
@@ -61,6 +62,7 @@ describe("training", () => {
       steps: 20_000,
       training_seed: 7,
       go_on_anyway: false,
+      device: "gpu",
       example: false,
     });
   });
@@ -144,6 +146,7 @@ describe("training", () => {
       training_seed: 3,
       learning_rate: 0.001,
       go_on_anyway: true,
+      device: "any",
     });
   });
 

@@ -32,6 +32,7 @@ describe("the training form", () => {
       learning_rate: 0.0003,
       training_seed: 0,
       go_on_anyway: false,
+      device: "any",
       example: false,
       parent_run_id: null,
       cancel_parent: false,

@@ -1,7 +1,7 @@
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 
-import { isAlive, systemQuery } from "@/api/system";
+import { hasGpu, isAlive, systemQuery } from "@/api/system";
 import type { Run } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { isActive } from "@/lib/runs";
@@ -9,7 +9,9 @@ import { isActive } from "@/lib/runs";
 /** Notices about a run: an example, a missing worker, a message. */
 export function RunNotices({ run }: { run: Run }) {
   const { data: system } = useQuery(systemQuery);
-  const waiting = isActive(run) && !run.worker_alive && isAlive(system, "worker") === false;
+  const waitsForGpu = run.status === "queued" && run.device === "gpu" && hasGpu(system) === false;
+  const waiting =
+    !waitsForGpu && isActive(run) && !run.worker_alive && isAlive(system, "worker") === false;
   return (
     <>
       {run.example && (
@@ -32,6 +34,13 @@ export function RunNotices({ run }: { run: Run }) {
         <Notice tone="calm" icon="eye">
           <p>
             <Trans>This run was imported: it was trained elsewhere.</Trans>
+          </p>
+        </Notice>
+      )}
+      {waitsForGpu && (
+        <Notice live>
+          <p>
+            <Trans>This run waits for a worker with a GPU; none is running.</Trans>
           </p>
         </Notice>
       )}

@@ -9,6 +9,7 @@ export function againPath(run: Run): string {
     rate: String(run.learning_rate),
   });
   if (run.go_on_anyway) search.set("anyway", "1");
+  if (run.device === "gpu") search.set("gpu", "1");
   if (run.parent_run_id !== null) search.set("continue", run.parent_run_id);
   return `/behaviours/${run.behaviour_id}/train?${search.toString()}`;
 }
