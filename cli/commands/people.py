@@ -14,7 +14,7 @@ from server.web.security import invitation_link, load_secrets
 from tril.errors import Invalid
 from tril.store import audit as log
 from tril.store import players
-from tril.store.access import credentials, invitations
+from tril.store.access import credentials, invitations, roles
 from tril.store.models import AuditRow, CredentialKind, Role
 
 app = typer.Typer(help="Say who gets in.", no_args_is_help=True)
@@ -42,10 +42,14 @@ def invite(
 
 @app.command("list")
 def list_access(as_json: JsonOption = False) -> None:
-    """List the browsers that are signed in, the invitations and the keys."""
+    """List the people who were let in, their browsers, the invitations and the keys."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         names = players.names(session)
-        rows = [
+        rows: list[dict[str, object]] = [
+            {"what": "person", "id": one.id, "name": one.name, "role": str(one.role)}
+            for one in roles.people(session)
+        ]
+        rows += [
             {
                 "what": str(kind),
                 "id": row.id,
@@ -81,6 +85,23 @@ def revoke(
             credentials.end(session, CredentialKind(what), number, by_player_id=None)
         else:
             raise Invalid(f"Say browser, invitation or key, not {what}.")
+
+
+@app.command()
+def role(
+    person: Annotated[int, typer.Argument(help="Their id, as `tril people list` prints it.")],
+    role: Annotated[str, typer.Argument(help="researcher or participant")],
+    behaviour: Annotated[
+        str | None,
+        typer.Option(help="What a participant may play besides: a behaviour's short name or id."),
+    ] = None,
+) -> None:
+    """Make somebody a researcher or a participant; it takes effect within seconds."""
+    if role not in {Role.RESEARCHER, Role.PARTICIPANT}:
+        raise typer.BadParameter(f"Say researcher or participant, not {role}.")
+    with open_workspace() as workspace, workspace.database.writing() as session:
+        behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
+        roles.change(session, person, Role(role), behaviour_id, by_player_id=None)
 
 
 @app.command()

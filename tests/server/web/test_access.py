@@ -22,8 +22,9 @@ from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
 from testsupport.visitors import cookie_of
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
+from tril.errors import Conflict
 from tril.store import audit, players, recordings
-from tril.store.access import credentials, invitations
+from tril.store.access import credentials, invitations, roles
 from tril.store.models import AuditRow, CredentialKind, CredentialRow, Role
 
 
@@ -219,6 +220,88 @@ def _saved_seen(live: LiveServer, credential_id: int) -> bool:
         return session.get_one(CredentialRow, credential_id).seen_at is not None
 
 
+def _role(live: LiveServer, player_id: int, **update: Any) -> httpx2.Response:
+    return live.http.put(f"/api/people/{player_id}/role", json=update)
+
+
+def test_a_change_of_role_takes_effect_within_seconds_and_ends_what_was_open(
+    live: LiveServer,
+) -> None:
+    with live.database.writing() as session:
+        person = players.add(session, "Ria", Role.RESEARCHER).id
+    name, value = cookie_of(live.settings, person)
+    with _visitor(live, cookies={name: value}) as ria:
+        assert ria.get("/api/runs").status_code == 200
+        listed = {one["id"]: one for one in live.http.get("/api/people").json()}
+        assert listed[person] == {
+            "id": person, "name": "Ria", "role": "researcher", "behaviour_ids": []
+        }  # fmt: skip
+        game = live.new_game()
+        with (
+            ria.stream("GET", "/api/events") as events,
+            connect_to(live.settings, game["stream_path"], f"{name}={value}") as socket,
+        ):
+            lines = events.iter_lines()
+            next(line for line in lines if line.startswith(": listening"))
+            socket.recv()
+            unplayable = _role(live, person, role="participant")
+            assert unplayable.status_code == 422
+            assert "behaviour" in unplayable.json()["detail"]
+            assert _role(live, person, role="participant", behaviour_id=2).status_code == 204
+            for _ in lines:
+                pass
+            assert _code_at_end(socket) == 1013
+        wait_until(lambda: ria.get("/api/runs").status_code == 403)
+        assert ria.get("/api/player").json()["role"] == "participant"
+        assert [one["id"] for one in ria.get("/api/behaviours").json()] == [2]
+        assert _role(live, person, role="researcher").status_code == 204
+        wait_until(lambda: ria.get("/api/runs").status_code == 200)
+        # What could be played before can be played again.
+        assert _role(live, person, role="participant").status_code == 204
+        wait_until(lambda: ria.get("/api/runs").status_code == 403)
+    newest = live.http.get("/api/audit", params={"limit": 1}).json()[0]
+    assert (newest["action"], newest["subject"]) == ("changed a role", f"player {person}")
+    assert newest["details"] == {"name": "Ria", "before": "researcher", "role": "participant"}
+
+
+def test_the_last_owner_stays_the_owner(live: LiveServer) -> None:
+    me = live.http.get("/api/player").json()["id"]
+    refused = _role(live, me, role="researcher")
+    assert refused.status_code == 409
+    assert "last owner" in refused.json()["detail"]
+    assert live.http.get("/api/player").json()["role"] == "owner"
+
+
+def test_an_owner_beside_another_loses_the_keys_with_the_role(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        second = players.add(session, "Oda", Role.OWNER).id
+        credentials.make_key(session, second, "everything", Role.OWNER)
+        roles.change(session, second, Role.RESEARCHER, None, by_player_id=None)
+        assert not credentials.listing(session, CredentialKind.KEY)
+        with pytest.raises(Conflict, match="last owner"):
+            roles.change(session, players.owner(session).id, Role.RESEARCHER, None, None)
+
+
+@pytest.mark.parametrize(
+    ("update", "status"),
+    [
+        ({"role": "owner"}, 422),
+        ({"role": "worker"}, 422),
+        ({"role": "researcher", "behaviour_id": 1}, 422),
+        ({"role": "participant", "behaviour_id": 9999}, 404),
+    ],
+)
+def test_roles_that_make_no_sense_are_refused(
+    live: LiveServer, update: dict[str, Any], status: int
+) -> None:
+    with live.database.writing() as session:
+        person = players.add(session, "Kim", Role.RESEARCHER).id
+    assert _role(live, person, **update).status_code == status
+    assert _role(live, 9999, role="researcher").status_code == 404
+    with live.database.reading() as session:
+        assert players.get(session, person).role == Role.RESEARCHER
+
+
 def test_no_secret_is_stored(live: LiveServer) -> None:
     made = _made(live.http.post("/api/keys", json={"name": "hidden"}))
     secret = made["key"].partition(".")[0]
@@ -300,7 +383,16 @@ def test_commands_say_who_gets_in(workplace: Workplace, monkeypatch: pytest.Monk
         (row,) = credentials.listing(session, CredentialKind.KEY)
         assert row.role == Role.RESEARCHER
     tril("people", "revoke", "key", str(row.id))
-    log = tril("audit")
+    with workplace.database.writing() as session:
+        person = players.add(session, "Ria", Role.RESEARCHER)
+        credentials.sign_in(session, person.id, "Test")
+        ria = person.id
+    assert f"id {ria}, name Ria, role researcher" in tril("people", "list")
+    tril("people", "role", str(ria), "participant", "--behaviour", "column-1")
+    assert f"id {ria}, name Ria, role participant" in tril("people", "list")
+    assert CliRunner().invoke(app, ["people", "role", str(ria), "owner"]).exit_code != 0
+    assert tril("audit").splitlines()[0].endswith("role participant, behaviour 1")
+    log = "\n".join(tril("audit").splitlines()[2:])
     assert log.splitlines()[0].endswith("terminal revoked a key key 1 name nightly")
     assert CliRunner().invoke(app, ["people", "invite", "x"]).exit_code != 0
     assert invitation_link(workplace.settings, "http://x/", "s").startswith("http://x/join?")
