@@ -34,7 +34,9 @@ async def stream_events(request: Request, who: Who) -> StreamingResponse:
         own = {("player", str(who.player_id)), *(("behaviour", str(k)) for k in who.behaviour_ids)}
         if played:
             ids = await services.access.ask(
-                lambda session: recordings.own_ids(session, who.player_id, played)
+                lambda session: recordings.own_ids(
+                    session, who.player_id, who.behaviour_ids, played
+                )
             )
             own |= {("recording", str(key)) for key in ids}
         return [change for change in changes if change in own]
