@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from typing import Annotated
+from urllib.parse import urlsplit
 
 import typer
 from rich.markup import escape
 
-from cli.commands.services import server_url
-from cli.output import JsonOption, console, print_json
+from cli.commands.services import page_url
+from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
 from server.web.security import invitation_link, load_secrets
+from tril.addresses import is_loopback
 from tril.errors import Invalid
 from tril.store import audit as log
 from tril.store import players
@@ -27,17 +29,40 @@ def invite(
         str | None, typer.Option(help="What they may play: a behaviour's short name or id.")
     ] = None,
     researcher: Annotated[bool, typer.Option(help="Let them in as researchers instead.")] = False,
+    address: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL",
+            help="Where others reach the server, such as https://tril.example, if that is not the"
+            " address that `tril address` prints.",
+        ),
+    ] = None,
 ) -> None:
     """Make a link that lets people in, and print it; it is not shown again."""
     if researcher == (behaviour is not None):
         raise typer.BadParameter("Give either --behaviour or --researcher.")
+    if address is not None:
+        address = _checked(address)
     role = Role.RESEARCHER if researcher else Role.PARTICIPANT
     with open_workspace() as workspace:
         with workspace.database.writing() as session:
             behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
             _, secret = invitations.make(session, name, role, behaviour_id, by_player_id=None)
         settings = workspace.settings
-        typer.echo(invitation_link(settings, server_url(settings), secret))
+        url = address or page_url(settings)
+        typer.echo(invitation_link(settings, url, secret))
+    if is_loopback(urlsplit(url).hostname or ""):
+        errors.print(
+            "This link works on this machine alone. Where others reach the server by another"
+            " address, put that in its place, or give it with --address."
+        )
+
+
+def _checked(address: str) -> str:
+    parts = urlsplit(address)
+    if parts.scheme not in {"http", "https"} or not parts.hostname or parts.query or parts.fragment:
+        raise typer.BadParameter("Expected an address such as https://tril.example.")
+    return address
 
 
 @app.command("list")

@@ -169,14 +169,15 @@ def server_url(settings: Settings) -> str:
 def page_url(settings: Settings) -> str:
     """Return the URL under which the page is opened.
 
-    With TLS or a proxy that is under the first of the allowed host names, if there is one; a proxy
-    is taken to serve it on HTTPS's own port.
+    It has the first of the allowed host names with TLS, with a proxy, which is taken to serve it on
+    HTTPS's own port, and where the server is open to other machines; else this machine's.
     """
     names = settings.further_host_names
-    if names and settings.uses_tls:
-        return f"https://{names[0]}:{settings.port}"
-    if names and settings.proxies:
+    if names and settings.proxies and not settings.uses_tls:
         return f"https://{names[0]}"
+    if names and (settings.uses_tls or not settings.is_local):
+        scheme = "https" if settings.uses_tls else "http"
+        return f"{scheme}://{names[0]}:{settings.port}"
     return server_url(settings)
 
 

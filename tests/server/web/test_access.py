@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx2
 import pytest
+from click.testing import Result
 from sqlalchemy import delete, event, select, update
 from sqlalchemy.exc import DatabaseError
 from typer.testing import CliRunner
@@ -360,6 +361,31 @@ def test_a_person_stores_and_queues_only_so_much(workplace: Workplace) -> None:
         refused = live.http.post("/api/runs", json=run)
         assert refused.status_code == 409
         assert "TRIL_MAX_QUEUED_RUNS_PER_PLAYER" in refused.json()["detail"]
+
+
+def test_links_name_the_address_that_others_reach(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+
+    def invite(*more: str, status: int = 0) -> Result:
+        result = CliRunner().invoke(app, ["people", "invite", "x", "--researcher", *more])
+        assert result.exit_code == status, result.output
+        return result
+
+    here = invite()
+    assert here.stdout.startswith("http://127.0.0.1:8000/join?invitation=")
+    assert "--address" in here.stderr
+    given = invite("--address", "http://lab.example:81/")
+    assert given.stdout.startswith("http://lab.example:81/join?invitation=")
+    assert not given.stderr
+    for wrong in ("lab.example", "ftp://lab.example", "http://lab.example/?x=1"):
+        invite("--address", wrong, status=2)
+    monkeypatch.setenv("TRIL_ALLOWED_HOSTS", "tril.example")
+    monkeypatch.setenv("TRIL_TRUSTED_PROXIES", "127.0.0.1")
+    proxied = invite()
+    assert proxied.stdout.startswith("https://tril.example/join?invitation=")
+    assert not proxied.stderr
 
 
 def test_commands_say_who_gets_in(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> None:
