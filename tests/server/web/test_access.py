@@ -19,6 +19,7 @@ from websockets.sync.client import ClientConnection
 from cli.main import app
 from server.web.security import address_with_token, invitation_link
 from server.web.sign_in import browser_name
+from server.web.small_pages import language_of
 from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
 from testsupport.visitors import cookie_of
 from testsupport.waiting import wait_until
@@ -163,6 +164,7 @@ def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: Li
         (signed,) = re.findall(r'name="invitation" value="([^"]+)"', page.text)
         unnamed = guest.post("/join", data={"invitation": signed, "name": "  "})
         assert "What is your name?" in unnamed.text
+        assert 'aria-invalid="true"' in unnamed.text
         joined = guest.post("/join", data={"invitation": signed, "name": "Ada <b>"})
         assert joined.status_code == 303
         assert joined.headers["location"] == "/behaviours/2/play"
@@ -179,6 +181,53 @@ def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: Li
         # Who came by it stays.
         assert guest.get("/api/player").status_code == 200
     assert made["id"] not in {one["id"] for one in live.http.get("/api/invitations").json()}
+
+
+@pytest.mark.parametrize(
+    ("accepted", "language"),
+    [
+        ("", "en"),
+        ("de-AT, en;q=0.5", "de"),
+        ("en-GB,de;q=0.9", "en"),
+        ("fr, de;q=0.3, en;q=0.2", "de"),
+        ("de;q=x, *", "en"),
+        ("de;q=0", "en"),
+    ],
+)
+def test_small_pages_follow_the_browsers_languages(accepted: str, language: str) -> None:
+    assert language_of(accepted) == language
+
+
+def test_a_link_says_in_both_languages_what_it_is_for_or_why_it_lets_nobody_in(
+    live: LiveServer, browser: httpx2.Client
+) -> None:
+    wish = {"name": "5b", "role": "participant", "behaviour_id": 2}
+    made = _made(live.http.post("/api/invitations", json=wish))
+    said = {
+        "en": ("Welcome to Tril", "What is your name?", "was revoked", "is not complete"),
+        "de": ("Willkommen bei Tril", "Wie heißt du?", "zurückgezogen", "nicht vollständig"),
+    }
+    for language, (welcome, question, _, incomplete) in said.items():
+        with _visitor(live, headers={"Accept-Language": language}) as guest:
+            page = guest.get(made["path"])
+            assert page.status_code == 200
+            assert f'<html lang="{language}">' in page.text
+            assert welcome in page.text
+            assert question in page.text
+            # What it is made of is what the policy allows: scripts from files only.
+            assert re.findall(r"<script[^>]*>[^<]", page.text) == []
+            assert "onclick" not in page.text
+            broken = guest.get(made["path"][:-3])
+            assert (broken.status_code, incomplete in broken.text) == (404, True)
+            assert 'href="/"' not in broken.text
+    assert "is signed in as" in browser.get(made["path"]).text
+    assert live.http.delete(f"/api/invitations/{made['id']}").status_code == 204
+    for language, (*_, revoked, _) in said.items():
+        with _visitor(live, headers={"Accept-Language": language}) as guest:
+            page = guest.get(made["path"])
+            assert (page.status_code, revoked in page.text) == (404, True)
+    # Somebody who is in is shown the way.
+    assert 'href="/"' in browser.get(made["path"]).text
 
 
 @pytest.mark.parametrize(
