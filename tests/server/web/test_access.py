@@ -9,10 +9,9 @@ from typing import Any
 
 import httpx2
 import pytest
-from click.testing import Result
 from sqlalchemy import delete, event, select, update
 from sqlalchemy.exc import DatabaseError
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 

@@ -9,8 +9,10 @@ import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from pydantic import SecretStr
 from typer.testing import CliRunner
@@ -43,7 +45,7 @@ def free_port() -> int:
 @pytest.fixture(params=["tcp", "tls"])
 def over_tcp(request: pytest.FixtureRequest, workplace: Workplace, tmp_path: Path) -> Settings:
     """Return the workplace's settings, with an address for the inference process."""
-    more = {"inference_address": f"{request.param}://127.0.0.1:{free_port()}"}
+    more: dict[str, Any] = {"inference_address": f"{request.param}://127.0.0.1:{free_port()}"}
     if request.param == "tls":
         if not has_openssl():
             pytest.skip("needs the openssl program")
@@ -70,24 +72,24 @@ def test_answers_are_those_over_the_socket(workplace: Workplace, over_tcp: Setti
     run_id = finished_run(workplace, TINY)
     clients = [InferenceClient(endpoint_of(one)) for one in (workplace.settings, over_tcp)]
     with serving(workplace, workplace.settings), serving(workplace, over_tcp):
-        local, remote = (client.scale(run_id) for client in clients)
-        assert local == remote
-        local, remote = (client.judge(run_id, observations()).rewards for client in clients)
-        np.testing.assert_array_equal(local, remote)
-        local, remote = (
+        scales = [client.scale(run_id) for client in clients]
+        assert scales[0] == scales[1]
+        rewards = [client.judge(run_id, observations()).rewards for client in clients]
+        np.testing.assert_array_equal(*rewards)
+        maps = [
             client.attention(run_id, observations()[0], "imitator", "gradient", lambda: False)
             for client in clients
-        )
-        np.testing.assert_array_equal(local.values, remote.values)
-        assert local.action == remote.action
-        local, remote = (
+        ]
+        np.testing.assert_array_equal(maps[0].values, maps[1].values)
+        assert maps[0].action == maps[1].action
+        actions = [
             asyncio.run(_act(PolicyClient(endpoint_of(one), run_id)))
             for one in (workplace.settings, over_tcp)
-        )
-        np.testing.assert_array_equal(local, remote)
+        ]
+        np.testing.assert_array_equal(*actions)
 
 
-async def _act(client: PolicyClient) -> object:
+async def _act(client: PolicyClient) -> npt.NDArray[np.float32]:
     try:
         await client.act(["clone"] * 3, observations())
         return await client.act(["clone"] * 3, observations())
@@ -261,7 +263,7 @@ def test_another_machines_address_can_not_be_listened_at(
     ],
 )
 def test_an_address_that_is_open_to_anybody_is_refused(
-    address: str, key: str, more: dict[str, bool], reason: str
+    address: str, key: str, more: dict[str, Any], reason: str
 ) -> None:
     with pytest.raises(Invalid, match=reason):
         endpoint_of(Settings(inference_address=address, inference_key=SecretStr(key), **more))
