@@ -75,7 +75,7 @@ def test_answers_are_those_over_the_socket(workplace: Workplace, over_tcp: Setti
         scales = [client.scale(run_id) for client in clients]
         assert scales[0] == scales[1]
         rewards = [client.judge(run_id, observations()).rewards for client in clients]
-        np.testing.assert_array_equal(*rewards)
+        np.testing.assert_array_equal(rewards[0], rewards[1])
         maps = [
             client.attention(run_id, observations()[0], "imitator", "gradient", lambda: False)
             for client in clients
@@ -86,7 +86,7 @@ def test_answers_are_those_over_the_socket(workplace: Workplace, over_tcp: Setti
             asyncio.run(_act(PolicyClient(endpoint_of(one), run_id)))
             for one in (workplace.settings, over_tcp)
         ]
-        np.testing.assert_array_equal(*actions)
+        np.testing.assert_array_equal(actions[0], actions[1])
 
 
 async def _act(client: PolicyClient) -> npt.NDArray[np.float32]:
