@@ -20,10 +20,10 @@ from sqlalchemy.exc import NoSuchModuleError, OperationalError
 
 from cli.workspace import create_data_folder
 from tril import __version__
-from tril.addresses import parse_address
+from tril.addresses import is_loopback
 from tril.errors import Forbidden, Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.settings import Settings
+from tril.settings import Settings, checked_key
 from tril.store.access import credentials
 from tril.store.database import Database, create_database
 from tril.store.schema import check_schema, schema_revision
@@ -74,9 +74,7 @@ def _checked_address(address: str, settings: Settings) -> str:
             " are visible to everybody on this machine. The key comes from TRIL_WORKER_KEY or a"
             " file that TRIL_WORKER_KEY_FILE names."
         )
-    host = parse_address(parts.hostname)
-    is_here = parts.hostname == "localhost" if host is None else host.is_loopback
-    if parts.scheme == "http" and not is_here and not settings.plain_http:
+    if parts.scheme == "http" and not is_loopback(parts.hostname) and not settings.plain_http:
         raise Invalid(
             f"Without encryption whoever is on the way to {parts.hostname} can read the key and the"
             " database's password. Use an address that begins with https://. Where nobody else can"
@@ -86,26 +84,15 @@ def _checked_address(address: str, settings: Settings) -> str:
 
 
 def _read_key(settings: Settings) -> str:
-    key = settings.worker_key.get_secret_value()
-    if not key and settings.worker_key_file is not None:
-        try:
-            key = settings.worker_key_file.expanduser().read_text()
-        except (OSError, UnicodeDecodeError) as error:
-            raise Invalid(
-                f"The key in {settings.worker_key_file} (TRIL_WORKER_KEY_FILE) can't be read:"
-                f" {error}."
-            ) from error
+    key = settings.secret("worker_key")
     if not key and sys.stdin.isatty():
-        key = getpass.getpass("Key of the worker: ")
-    key = key.strip()
+        key = checked_key(getpass.getpass("Key of the worker: "))
     if not key:
         raise Invalid(
             "Which key? Make one on the page People, or by `tril people key NAME --worker` on the"
             " server's machine, and give it in TRIL_WORKER_KEY or in a file that"
             " TRIL_WORKER_KEY_FILE names."
         )
-    if not key.isascii() or not key.isprintable() or " " in key:
-        raise Invalid("The key has characters that no key has; copy it again.")
     return key
 
 

@@ -20,13 +20,14 @@ from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
 from server.web.connections import Connections
-from server.web.exposure import check_exposure, is_proxy, may_connect, tls_context
+from server.web.exposure import check_exposure, is_proxy, may_connect
 from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol, ServerConfig
 from server.web.security import MaskToken
 from tril.errors import Unavailable
 from tril.settings import Settings
 from tril.store.database import create_database
 from tril.store.schema import check_schema
+from tril.tls import tls_context
 
 GRACEFUL_SHUTDOWN_S = 5
 

@@ -25,7 +25,7 @@ from server.web.access import SEEN_EVERY_S, Access
 from tril.files.artifact_store import ArtifactStore
 from tril.files.cache import Cache
 from tril.heartbeat import Heartbeat
-from tril.inference import InferenceClient
+from tril.inference import InferenceClient, endpoint_of
 from tril.jobs import Jobs
 from tril.settings import Settings
 from tril.store.access import credentials
@@ -102,7 +102,9 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
 
     Raises:
         Unavailable: The database is of another version, or the access token can't be read.
+        Invalid: The settings don't say how to ask the inference process.
     """
+    inference = endpoint_of(settings)
     settings.data.mkdir(parents=True, exist_ok=True)
     database = create_database(settings.application_url)
     check_schema(database)
@@ -125,14 +127,14 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         access=access,
         artifacts=ArtifactStore(settings.artifact_root),
         jobs=jobs,
-        inference=InferenceClient(settings.inference_socket),
+        inference=InferenceClient(inference),
         consoles=consoles,
         replays=replays,
         replay_cache=ReplayCache(cache, replays),
         archives=ArchiveMaker(settings, cache),
         limits=limits,
         games=play,
-        watching=WatchHub(database, consoles, play, settings.inference_socket, rules, limits),
+        watching=WatchHub(database, consoles, play, inference, rules, limits),
         changes=ChangeStream(database, on_change),
         storage=StorageMeter(settings),
     )

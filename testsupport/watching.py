@@ -23,7 +23,8 @@ from testsupport.live import TIMEOUT_S, connect_to
 from testsupport.workplace import TINY, Workplace
 from trainer.policy.networks import new_policy, save_policy
 from trainer.reward.model import RewardModel, new_network
-from trainer.runtime.inference import InferenceServer, Models
+from trainer.runtime.answers import Models
+from trainer.runtime.inference import LocalServer, TcpServer, new_server
 from tril.files.artifact_store import ArtifactStore
 from tril.recipes import Recipe
 from tril.settings import Settings
@@ -67,11 +68,11 @@ def finished_run(
 @contextmanager
 def running_inference(
     workplace: Workplace, models: Callable[..., Models] = Models
-) -> Iterator[InferenceServer]:
+) -> Iterator[LocalServer | TcpServer]:
     """Run the inference server in a thread of this process."""
     store = ArtifactStore(workplace.settings.artifact_root)
     networks = models(workplace.database, store)
-    with InferenceServer(workplace.settings.inference_socket, networks) as server:
+    with new_server(workplace.settings, networks) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
         thread.start()
         try:

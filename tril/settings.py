@@ -10,7 +10,14 @@ from typing import Any, Literal, Self
 from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from tril.addresses import Network, parse_address, parse_networks
+from tril.addresses import (
+    Network,
+    TcpAddress,
+    is_loopback,
+    parse_networks,
+    parse_tcp_address,
+)
+from tril.errors import Invalid
 
 PREFIX = "TRIL_"
 _INTERNAL = frozenset({"TRIL_PARENT_PID"})
@@ -31,8 +38,8 @@ class Settings(BaseSettings):
         tls_key: PEM file of the certificate's key, without a password.
         trusted_proxies: Addresses and networks of proxies, comma-separated, whose forwarded headers
             are believed.
-        plain_http: Whether an address that is open to other machines may be served, and a server of
-            another machine joined, without TLS.
+        plain_http: Whether an address that is open to other machines may be served, and a server or
+            an inference process of another machine asked, without TLS.
         database_url: SQLAlchemy URL of the application's database; SQLite in ``data`` if empty.
         jobs_database_url: URL of the job queue's database. If empty, the queue is in the
             application's database where that is PostgreSQL, else SQLite in ``data``.
@@ -50,6 +57,10 @@ class Settings(BaseSettings):
         max_queued_runs_per_player: Maximum number of those per person.
         worker_key: Key with which ``tril worker --join`` asks a server of another machine.
         worker_key_file: File that has this key.
+        inference_address: Address at which the inference process answers instead of on a socket in
+            ``data``: ``tls://HOST:PORT``, or ``tcp://HOST:PORT`` without encryption.
+        inference_key: Key that the inference process and the servers prove to each other there.
+        inference_key_file: File that has this key.
         learning_threads: Threads for training; 0 means all cores.
         learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
             bfloat16 where the device supports its multiplication.
@@ -81,6 +92,9 @@ class Settings(BaseSettings):
     max_queued_runs_per_player: int = Field(default=50, ge=1)
     worker_key: SecretStr = SecretStr("")
     worker_key_file: Path | None = None
+    inference_address: str = ""
+    inference_key: SecretStr = SecretStr("")
+    inference_key_file: Path | None = None
     learning_threads: int = Field(default=0, ge=0)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
     learning_device: Literal["auto", "cpu", "cuda"] = "auto"
@@ -90,7 +104,9 @@ class Settings(BaseSettings):
     def _absolute(cls, value: Path) -> Path:
         return value.expanduser().resolve()
 
-    @field_validator("tls_certificate", "tls_key", "worker_key_file", mode="before")
+    @field_validator(
+        "tls_certificate", "tls_key", "worker_key_file", "inference_key_file", mode="before"
+    )
     @classmethod
     def _none_if_empty(cls, value: Any) -> Any:
         return None if value == "" else value
@@ -99,6 +115,13 @@ class Settings(BaseSettings):
     @classmethod
     def _are_networks(cls, value: str) -> str:
         parse_networks(value)
+        return value
+
+    @field_validator("inference_address")
+    @classmethod
+    def _is_address(cls, value: str) -> str:
+        if value:
+            parse_tcp_address(value)
         return value
 
     @model_validator(mode="after")
@@ -115,8 +138,7 @@ class Settings(BaseSettings):
     @property
     def is_local(self) -> bool:
         """Whether only this machine can reach the server."""
-        address = parse_address(self.host)
-        return self.host == "localhost" if address is None else address.is_loopback
+        return is_loopback(self.host)
 
     @property
     def proxies(self) -> tuple[Network, ...]:
@@ -158,6 +180,28 @@ class Settings(BaseSettings):
         return self.data / "inference.sock"
 
     @property
+    def inference_tcp_address(self) -> TcpAddress | None:
+        """Address of the inference process; None if it answers on the local socket."""
+        return parse_tcp_address(self.inference_address) if self.inference_address else None
+
+    def secret(self, name: Literal["worker_key", "inference_key"]) -> str:
+        """Return a key from its setting, else from the file that is named; empty without both.
+
+        Raises:
+            Invalid: The file can't be read, or the key has characters that no key has.
+        """
+        key: str = getattr(self, name).get_secret_value()
+        path: Path | None = getattr(self, f"{name}_file")
+        if not key and path is not None:
+            try:
+                key = path.expanduser().read_text()
+            except (OSError, UnicodeDecodeError) as error:
+                raise Invalid(
+                    f"The key in {path} ({PREFIX}{name.upper()}_FILE) can't be read: {error}."
+                ) from error
+        return checked_key(key)
+
+    @property
     def token_file(self) -> Path:
         """File (mode 0600) that holds the access token and the cookie secret."""
         return self.data / "secrets.json"
@@ -172,6 +216,14 @@ class Settings(BaseSettings):
         """The names in ``allowed_hosts``, lower case."""
         names = (name.strip().lower() for name in self.allowed_hosts.split(","))
         return [name for name in names if name]
+
+
+def checked_key(key: str) -> str:
+    """Return a key without what surrounds it; raises Invalid if it has what no key has."""
+    key = key.strip()
+    if not key.isascii() or not key.isprintable() or " " in key:
+        raise Invalid("The key has characters that no key has; copy it again.")
+    return key
 
 
 def unknown_settings(names: Iterable[str]) -> dict[str, str | None]:

@@ -38,7 +38,7 @@ from trainer.reward.model import RewardModel
 from trainer.reward.pretraining import pretrained_network
 from trainer.runtime.priority import lower_priority
 from tril.cores import core_count
-from tril.inference import InferenceClient
+from tril.inference import InferenceClient, endpoint_of
 
 NETWORKS = ("reward", "imitator")
 
@@ -102,7 +102,7 @@ def main() -> None:
             nullcontext() if arguments.alone else training(),
         ):
             wait_until(fleet.settings.inference_socket.exists, START_TIMEOUT_S)
-            client = InferenceClient(fleet.settings.inference_socket)
+            client = InferenceClient(endpoint_of(fleet.settings))
             http = httpx2.Client(
                 base_url=f"http://127.0.0.1:{fleet.settings.port}",
                 headers={"Cookie": cookie(fleet.settings)},

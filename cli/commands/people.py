@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from typing import Annotated
+from urllib.parse import urlsplit
 
 import typer
 from rich.markup import escape
 
-from cli.commands.services import server_url
-from cli.output import JsonOption, console, print_json
+from cli.commands.services import page_url
+from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
 from server.web.security import invitation_link, load_secrets
+from tril.addresses import is_loopback
 from tril.errors import Invalid
 from tril.store import audit as log
 from tril.store import players
-from tril.store.access import credentials, invitations
+from tril.store.access import credentials, invitations, roles
 from tril.store.models import AuditRow, CredentialKind, Role
 
 app = typer.Typer(help="Say who gets in.", no_args_is_help=True)
@@ -27,25 +29,52 @@ def invite(
         str | None, typer.Option(help="What they may play: a behaviour's short name or id.")
     ] = None,
     researcher: Annotated[bool, typer.Option(help="Let them in as researchers instead.")] = False,
+    address: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL",
+            help="Where others reach the server, such as https://tril.example, if that is not the"
+            " address that `tril address` prints.",
+        ),
+    ] = None,
 ) -> None:
     """Make a link that lets people in, and print it; it is not shown again."""
     if researcher == (behaviour is not None):
         raise typer.BadParameter("Give either --behaviour or --researcher.")
+    if address is not None:
+        address = _checked(address)
     role = Role.RESEARCHER if researcher else Role.PARTICIPANT
     with open_workspace() as workspace:
         with workspace.database.writing() as session:
             behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
             _, secret = invitations.make(session, name, role, behaviour_id, by_player_id=None)
         settings = workspace.settings
-        typer.echo(invitation_link(settings, server_url(settings), secret))
+        url = address or page_url(settings)
+        typer.echo(invitation_link(settings, url, secret))
+    if is_loopback(urlsplit(url).hostname or ""):
+        errors.print(
+            "This link works on this machine alone. Where others reach the server by another"
+            " address, put that in its place, or give it with --address."
+        )
+
+
+def _checked(address: str) -> str:
+    parts = urlsplit(address)
+    if parts.scheme not in {"http", "https"} or not parts.hostname or parts.query or parts.fragment:
+        raise typer.BadParameter("Expected an address such as https://tril.example.")
+    return address
 
 
 @app.command("list")
 def list_access(as_json: JsonOption = False) -> None:
-    """List the browsers that are signed in, the invitations and the keys."""
+    """List the people who were let in, their browsers, the invitations and the keys."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         names = players.names(session)
-        rows = [
+        rows: list[dict[str, object]] = [
+            {"what": "person", "id": one.id, "name": one.name, "role": str(one.role)}
+            for one in roles.people(session)
+        ]
+        rows += [
             {
                 "what": str(kind),
                 "id": row.id,
@@ -81,6 +110,23 @@ def revoke(
             credentials.end(session, CredentialKind(what), number, by_player_id=None)
         else:
             raise Invalid(f"Say browser, invitation or key, not {what}.")
+
+
+@app.command()
+def role(
+    person: Annotated[int, typer.Argument(help="Their id, as `tril people list` prints it.")],
+    role: Annotated[str, typer.Argument(help="researcher or participant")],
+    behaviour: Annotated[
+        str | None,
+        typer.Option(help="What a participant may play besides: a behaviour's short name or id."),
+    ] = None,
+) -> None:
+    """Make somebody a researcher or a participant; it takes effect within seconds."""
+    if role not in {Role.RESEARCHER, Role.PARTICIPANT}:
+        raise typer.BadParameter(f"Say researcher or participant, not {role}.")
+    with open_workspace() as workspace, workspace.database.writing() as session:
+        behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
+        roles.change(session, person, Role(role), behaviour_id, by_player_id=None)
 
 
 @app.command()

@@ -42,10 +42,12 @@ def serve(
     """Run only the web server (``tril up`` runs everything)."""
     from server.main import run_server
     from server.web.exposure import check_exposure
+    from tril.inference import endpoint_of
 
     with readable_errors():
         settings = read_settings()
         check_exposure(settings)
+        endpoint_of(settings)
         if servers is not None:
             settings = settings.model_copy(update={"server_processes": servers})
         if share_port or settings.server_processes == 1:
@@ -54,15 +56,19 @@ def serve(
             supervise_servers(settings)
 
 
+JoinOption = Annotated[
+    str | None,
+    typer.Option(
+        "--join",
+        metavar="ADDRESS",
+        help="Work for the server of another machine; the key is TRIL_WORKER_KEY, or in a file"
+        " named by TRIL_WORKER_KEY_FILE.",
+    ),
+]
+
+
 def worker(
-    join: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Work for the server of another machine; the key is TRIL_WORKER_KEY, or in a file"
-            " named by TRIL_WORKER_KEY_FILE.",
-        ),
-    ] = None,
+    join: JoinOption = None,
     until_empty: Annotated[
         bool, typer.Option(help="End once no run that this worker could do waits or runs.")
     ] = False,
@@ -77,12 +83,15 @@ def worker(
         run_worker(settings, until_empty=until_empty)
 
 
-def inference() -> None:
-    """Run the inference process, which evaluates trained networks."""
+def inference(join: JoinOption = None) -> None:
+    """Run the inference process, which evaluates trained networks for the server."""
     from trainer.runtime.inference import run_inference
 
     with readable_errors():
-        run_inference(read_settings())
+        settings = read_settings()
+        if join is not None:
+            settings = join_server(settings, join)
+        run_inference(settings)
 
 
 def migrate(
@@ -160,14 +169,15 @@ def server_url(settings: Settings) -> str:
 def page_url(settings: Settings) -> str:
     """Return the URL under which the page is opened.
 
-    With TLS or a proxy that is under the first of the allowed host names, if there is one; a proxy
-    is taken to serve it on HTTPS's own port.
+    It has the first of the allowed host names with TLS, with a proxy, which is taken to serve it on
+    HTTPS's own port, and where the server is open to other machines; else this machine's.
     """
     names = settings.further_host_names
-    if names and settings.uses_tls:
-        return f"https://{names[0]}:{settings.port}"
-    if names and settings.proxies:
+    if names and settings.proxies and not settings.uses_tls:
         return f"https://{names[0]}"
+    if names and (settings.uses_tls or not settings.is_local):
+        scheme = "https" if settings.uses_tls else "http"
+        return f"{scheme}://{names[0]}:{settings.port}"
     return server_url(settings)
 
 
@@ -195,9 +205,9 @@ def _any_certificate() -> ssl.SSLContext:
 
 def ask_inference(settings: Settings) -> None:
     """Raise Unavailable unless the inference process answers."""
-    from tril.inference import InferenceClient
+    from tril.inference import InferenceClient, endpoint_of
 
-    InferenceClient(settings.inference_socket).ping()
+    InferenceClient(endpoint_of(settings)).ping()
 
 
 def ask_worker(settings: Settings) -> None:

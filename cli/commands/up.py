@@ -37,6 +37,9 @@ def up(
         int | None,
         typer.Option(min=1, max=64, help="Server processes. Default: TRIL_SERVER_PROCESSES."),
     ] = None,
+    inference: Annotated[
+        bool, typer.Option(help="Run the inference process here, not on another machine.")
+    ] = True,
     port: Annotated[
         int | None, typer.Option(min=0, max=65535, help="Port; 0 takes a free one.")
     ] = None,
@@ -46,6 +49,7 @@ def up(
     from server.web.exposure import check_exposure
     from server.web.pages import check_frontend
     from server.web.security import address_with_token
+    from tril.inference import endpoint_of
 
     chosen = {"port": port, "server_processes": servers}
     with readable_errors():
@@ -55,6 +59,7 @@ def up(
         if settings.port == 0:
             settings = settings.model_copy(update={"port": _free_port(settings.host)})
         check_exposure(settings)
+        endpoint_of(settings)
         _warn_of_unknown_settings()
         create_data_folder(settings)
         with lock_data_folder(settings.data, server_url(settings)):
@@ -63,20 +68,25 @@ def up(
             migrate_databases(settings)
             url = address_with_token(settings, page_url(settings))
             check_frontend()
-            _supervise(settings, workers, url, browser)
+            _supervise(settings, workers, inference, url, browser)
 
 
-def _supervise(settings: Settings, workers: int, url: str, browser: bool) -> None:
+def _supervise(settings: Settings, workers: int, inference: bool, url: str, browser: bool) -> None:
     children = [
         *server_children(settings.server_processes),
-        Child("inference", tril_command("inference")),
+        *([Child("inference", tril_command("inference"))] if inference else []),
         *(Child(name, tril_command("worker")) for name in numbered("worker", workers)),
     ]
+    checks: list[Callable[[], None]] = [lambda: ask_server(settings, timeout_s=1.0)]
+    if inference:
+        checks.append(lambda: ask_inference(settings))
+    if workers:
+        checks.append(lambda: ask_worker(settings))
     supervisor = Supervisor(children, print_process_line, server_environment(settings))
     with reserved_port(settings), running(supervisor):
         threading.Thread(
             target=_announce_when_ready,
-            args=(settings, supervisor, workers, url, browser),
+            args=(supervisor, checks, url, browser),
             daemon=True,
         ).start()
         supervisor.watch()
@@ -85,15 +95,9 @@ def _supervise(settings: Settings, workers: int, url: str, browser: bool) -> Non
 
 
 def _announce_when_ready(
-    settings: Settings, supervisor: Supervisor, workers: int, url: str, browser: bool
+    supervisor: Supervisor, checks: list[Callable[[], None]], url: str, browser: bool
 ) -> None:
     deadline = time.monotonic() + READY_TIMEOUT_S
-    checks: list[Callable[[], None]] = [
-        lambda: ask_server(settings, timeout_s=1.0),
-        lambda: ask_inference(settings),
-    ]
-    if workers:
-        checks.append(lambda: ask_worker(settings))
     while checks and not supervisor.stop_requested:
         try:
             checks[0]()

@@ -26,7 +26,7 @@ router = APIRouter(tags=["events"])
     },
 )
 async def stream_events(request: Request, who: Who) -> StreamingResponse:
-    """Stream changes from now on, until who listens is signed out."""
+    """Stream changes from now on, until who listens is signed out or may do something else."""
     services = services_of(request)
 
     async def of_participant(changes: Collection[Change]) -> Collection[Change]:
@@ -34,7 +34,9 @@ async def stream_events(request: Request, who: Who) -> StreamingResponse:
         own = {("player", str(who.player_id)), *(("behaviour", str(k)) for k in who.behaviour_ids)}
         if played:
             ids = await services.access.ask(
-                lambda session: recordings.own_ids(session, who.player_id, played)
+                lambda session: recordings.own_ids(
+                    session, who.player_id, who.behaviour_ids, played
+                )
             )
             own |= {("recording", str(key)) for key in ids}
         return [change for change in changes if change in own]
@@ -42,7 +44,8 @@ async def stream_events(request: Request, who: Who) -> StreamingResponse:
     return StreamingResponse(
         services.changes.stream(
             of_participant if who.is_participant else None,
-            lambda end: services.access.while_open(who, end),
+            # A page listens again at once, with the rights that it has then.
+            lambda end: services.access.while_open(who, lambda _may_return: end()),
         ),
         media_type="text/event-stream",
         headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},

@@ -15,13 +15,15 @@ from server.api.schemas.people import (
     KeyNew,
     NewInvitation,
     NewKey,
+    Person,
     Player,
     PlayerUpdate,
+    RoleUpdate,
 )
 from server.dependencies import MAX_ID, ReadSession, Who, WriteSession, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.store import audit, players
-from tril.store.access import credentials, invitations
+from tril.store.access import credentials, invitations, roles
 from tril.store.models import CredentialKind
 
 router = APIRouter(tags=["people"])
@@ -48,6 +50,18 @@ def sign_out(request: Request, response: Response, session: WriteSession, who: W
     """Sign this browser out. A key can't sign out; it is revoked."""
     credentials.end(session, CredentialKind.BROWSER, who.credential_id, who.player_id)
     response.delete_cookie(services_of(request).access.cookie_name, path="/", samesite="strict")
+
+
+@router.get("/people")
+def list_people(session: ReadSession) -> list[Person]:
+    """Return everybody who has been let in, and the owner."""
+    return [Person.of(person) for person in roles.people(session)]
+
+
+@router.put("/people/{player_id}/role", status_code=204, responses={**NOT_FOUND, **CONFLICT})
+def change_role(session: WriteSession, who: Who, player_id: PersonsId, update: RoleUpdate) -> None:
+    """Make somebody a researcher or a participant, which takes effect within seconds."""
+    roles.change(session, player_id, update.role, update.behaviour_id, who.player_id)
 
 
 @router.get("/browsers")

@@ -32,6 +32,9 @@ SEEN_EVERY_S = 60.0
 
 Answer = TypeVar("Answer")
 
+End = Callable[[bool], None]
+"""Ends what somebody has open; tells whether they may come in again, with other rights."""
+
 
 class Access:
     """Tells who makes a request, by its cookie or its key.
@@ -55,7 +58,7 @@ class Access:
         self._lookups: dict[str, asyncio.Task[Identity | None]] = {}
         self._thread = ThreadPoolExecutor(1, "access")
         self._seen: set[int] = set()
-        self._open: defaultdict[str, set[Callable[[], None]]] = defaultdict(set)
+        self._open: defaultdict[str, set[tuple[Identity, End]]] = defaultdict(set)
         self._checks: set[asyncio.Task[None]] = set()
 
     async def stop(self) -> None:
@@ -99,23 +102,23 @@ class Access:
         return await asyncio.get_running_loop().run_in_executor(self._thread, read)
 
     def forget(self) -> None:
-        """Look everybody up again, and end what is open for those who may not come in any more."""
+        """Look everybody up again, and end what is open for those whose rights have changed."""
         self._remembered.clear()
         self._n_forgotten += 1
         if self._open:
-            check = asyncio.get_running_loop().create_task(self._end_refused())
+            check = asyncio.get_running_loop().create_task(self._end_changed())
             self._checks.add(check)
             check.add_done_callback(self._checks.discard)
 
     @contextmanager
-    def while_open(self, identity: Identity, end: Callable[[], None]) -> Iterator[None]:
-        """Have ``end`` called, in the event loop, if somebody is signed out within the block."""
+    def while_open(self, identity: Identity, end: End) -> Iterator[None]:
+        """Have ``end`` called, in the event loop, if somebody's rights change within the block."""
         ends = self._open[identity.secret_hash]
-        ends.add(end)
+        ends.add((identity, end))
         try:
             yield
         finally:
-            ends.discard(end)
+            ends.discard((identity, end))
             if not ends:
                 self._open.pop(identity.secret_hash, None)
 
@@ -139,11 +142,12 @@ class Access:
                 self._remembered.popitem(last=False)
         return found
 
-    async def _end_refused(self) -> None:
+    async def _end_changed(self) -> None:
         for secret_hash in list(self._open):
-            if await self._look_up(secret_hash) is None:
-                for end in list(self._open.get(secret_hash, ())):
-                    end()
+            found = await self._look_up(secret_hash)
+            for identity, end in list(self._open.get(secret_hash, ())):
+                if found != identity:
+                    end(found is not None)
 
     async def save_seen(self) -> None:
         """Save that browsers and keys were used since the last time."""

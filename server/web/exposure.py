@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ssl
 from collections.abc import Callable
 
 from starlette.datastructures import Headers
@@ -12,6 +11,7 @@ from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 from tril.addresses import parse_address
 from tril.errors import Unavailable
 from tril.settings import Settings
+from tril.tls import tls_context
 
 _FORWARDED_HOST = "x-forwarded-host"
 
@@ -32,27 +32,6 @@ def check_exposure(settings: Settings) -> None:
         "proxy in front and name its address in TRIL_TRUSTED_PROXIES (docs/operating.md). Where "
         "nobody else can listen, TRIL_PLAIN_HTTP=1 allows it."
     )
-
-
-def tls_context(settings: Settings) -> ssl.SSLContext | None:
-    """Return the server's certificate and key, None without TLS.
-
-    Raises:
-        Unavailable: They can't be used.
-    """
-    if not settings.uses_tls:
-        return None
-    assert settings.tls_certificate is not None
-    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-    try:
-        context.load_cert_chain(settings.tls_certificate, settings.tls_key, password="")
-    except (OSError, ValueError) as error:
-        raise Unavailable(
-            f"The certificate {settings.tls_certificate} and its key {settings.tls_key} can't be "
-            f"used: {error}. They have to be PEM files that belong together and that this user may "
-            "read, the key without a password."
-        ) from error
-    return context
 
 
 def is_proxy(settings: Settings) -> Callable[[str], bool]:

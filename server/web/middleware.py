@@ -106,16 +106,18 @@ class Authentication:
             await self._pass_on_while_signed_in(scope, receive, send)
 
     async def _pass_on_while_signed_in(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a WebSocket on; close it if its browser is signed out."""
+        """Pass a WebSocket on; close it if its browser is signed out or may do something else."""
         closing: asyncio.Task[None] | None = None
 
-        async def close() -> None:
-            why = "You have been signed out."
-            await send({"type": "websocket.close", "code": CLOSE_UNAUTHORISED, "reason": why})
+        async def close(may_return: bool) -> None:
+            code, why = CLOSE_UNAUTHORISED, "You have been signed out."
+            if may_return:
+                code, why = CLOSE_TRY_AGAIN_LATER, "What you may do has changed."
+            await send({"type": "websocket.close", "code": code, "reason": why})
 
-        def end() -> None:
+        def end(may_return: bool) -> None:
             nonlocal closing
-            closing = closing or asyncio.create_task(close())
+            closing = closing or asyncio.create_task(close(may_return))
 
         async def send_unless_closed(message: Message) -> None:
             if closing is None:

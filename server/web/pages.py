@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import mimetypes
+import re
 from pathlib import Path
 from urllib.parse import quote
 
@@ -14,7 +15,8 @@ from starlette.types import Receive, Scope, Send
 from server.dependencies import services_of
 from server.web.compression import accepts_gzip, compressed, is_compressible
 from server.web.problems import problem
-from server.web.sign_in import join, sign_in, small_page
+from server.web.sign_in import join, sign_in
+from server.web.small_pages import SmallPages
 from tril.errors import Unavailable
 from tril.store.access import invitations
 
@@ -64,6 +66,15 @@ class Frontend:
             self._built_at = built_at
         return self._files.get(path)
 
+    @property
+    def stylesheets(self) -> list[str]:
+        """Paths of the stylesheets that the application's page has; none without a build."""
+        try:
+            page = self.index.read_text()
+        except Unavailable:
+            return []
+        return re.findall(r'<link rel="stylesheet"[^>]* href="([^"]+)"', page)
+
     async def compressed(self, file: Path) -> bytes:
         """Return a file's content with gzip, compressed once per build."""
         if file not in self._compressed:
@@ -96,7 +107,7 @@ class Pages:
         if path == "/api" or path.startswith("/api/"):
             answer: Response = problem(404, f"There is nothing at {path}.")
         elif path == invitations.PATH:
-            answer = await join(request)
+            answer = await join(request, self._small(request))
         elif request.method not in {"GET", "HEAD"}:
             answer = problem(405, "Pages can only be read.")
             answer.headers["Allow"] = "GET, HEAD"
@@ -104,9 +115,12 @@ class Pages:
             answer = await self._page(request, path)
         await answer(scope, receive, send)
 
+    def _small(self, request: Request) -> SmallPages:
+        return SmallPages(request, self._frontend.stylesheets)
+
     async def _page(self, request: Request, path: str) -> Response:
         if path == "/" and "token" in request.query_params:
-            return await sign_in(request)
+            return await sign_in(request, self._small(request))
         file = self._frontend.find(path)
         if file is not None and file != self._frontend.index:
             media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
@@ -115,7 +129,7 @@ class Pages:
         if "." in path.rpartition("/")[2]:
             return PlainTextResponse("There is no such file.", 404)
         if await services_of(request).access.identify(request) is None:
-            return _not_signed_in(request)
+            return _not_signed_in(request, self._small(request))
         return await self._file(request, self._frontend.index, "text/html", "no-store")
 
     async def _file(
@@ -132,17 +146,11 @@ class Pages:
         return Response(content, media_type=media_type, headers=headers)
 
 
-def _not_signed_in(request: Request) -> Response:
+def _not_signed_in(request: Request, pages: SmallPages) -> Response:
     # Browsers withhold a SameSite=Strict cookie when a link on another site leads here. A reload
     # starts from this page and sends the cookie.
     again = request.headers.get("sec-fetch-site") in {"cross-site", "same-site"}
     # One leading slash and everything quoted, so that the address stays on this server.
     here = quote("/" + request.url.path.lstrip("/"))
     head = f'\n<meta http-equiv="refresh" content="0; url={here}">' * again
-    return small_page(
-        401,
-        "You are not signed in",
-        "Open the address that Tril printed when it started; it contains the key. "
-        "<code>tril address</code> in a terminal prints it again.",
-        head,
-    )
+    return pages.key_page(pages.texts.signed_out, pages.texts.signed_out_why, head)

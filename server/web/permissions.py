@@ -103,6 +103,8 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
         "watch",
     ),
     Need.OWNER: (
+        "list_people",
+        "change_role",
         "list_browsers",
         "sign_browser_out",
         "list_keys",

@@ -44,7 +44,7 @@ from testsupport.worker_kills import flaws
 from testsupport.workplace import Workplace, make_workplace
 from tril.errors import Unavailable
 from tril.game.console import Console
-from tril.inference import InferenceClient
+from tril.inference import InferenceClient, endpoint_of
 from tril.recording import RecordingRefused, verify
 from tril.settings import Settings
 from tril.store import rankings, recordings
@@ -358,7 +358,7 @@ class _Campaign:
 
         def judges() -> bool:
             try:
-                InferenceClient(self._settings.inference_socket).ping()
+                InferenceClient(endpoint_of(self._settings)).ping()
             except Unavailable:
                 return False
             return True

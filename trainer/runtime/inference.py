@@ -10,126 +10,92 @@ import select
 import signal
 import socket
 import socketserver
+import ssl
 import threading
-from collections import OrderedDict
-from collections.abc import Callable, Hashable
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 import torch
 from sqlalchemy.exc import SQLAlchemyError
 
-from trainer.explain.attention import attention_map
-from trainer.explain.gradient import gradient_map
-from trainer.explain.patches import patch_map
-from trainer.explain.subject import ActionOdds, Subject
-from trainer.policy.networks import Policy, load_policy
-from trainer.progress import CallbackProgress, Progress
-from trainer.reward.model import RewardModel
+from trainer.progress import CallbackProgress
+from trainer.runtime.answers import Answers, Models
 from trainer.runtime.logs import set_up_logging
 from trainer.runtime.priority import learning_threads
 from tril.errors import Invalid, NotFound, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import OBSERVATION_SHAPE, Observation, Observations
-from tril.game.space_invaders import Action
 from tril.heartbeat import Heartbeat
-from tril.inference import (
-    OBSERVATION_BYTES,
-    Disconnected,
-    address_of,
-    receive_message,
-    send_message,
+from tril.inference import LocalEndpoint, TcpEndpoint, endpoint_of
+from tril.inference.endpoint import CONNECT_TIMEOUT_S, address_of, tune
+from tril.inference.messages import Disconnected, receive_exactly, receive_message, send_message
+from tril.inference.proof import (
+    REFUSAL,
+    RESPONSE_BYTES,
+    Challenge,
+    NotProven,
+    certificate_hash,
 )
 from tril.settings import Settings
-from tril.store.database import Database, create_database
+from tril.store.database import create_database
 from tril.store.schema import check_schema
-from tril.store.training import artifacts
-from tril.store.training.evaluations import POLICIES
+from tril.tls import tls_context
 
 log = logging.getLogger(__name__)
-_Network = TypeVar("_Network")
-
-MAX_MODELS = 16
-"""Networks kept in memory; the least recently used one is dropped."""
 
 THREADS = 2
 MESSAGE_TIMEOUT_S = 30.0
 SOCKET_MODE = 0o600
+MAX_CONNECTIONS = 256
+"""Connections over TCP at the same time; each has a thread, before it has proven anything, too."""
 
 
 def run_inference(settings: Settings) -> None:
     """Run the inference process until it is told to stop (SIGTERM or Ctrl-C).
 
     Raises:
-        Unavailable: Another process serves this data folder, or the database is of another
-            version.
+        Invalid: The settings don't say who may ask it.
+        Unavailable: Another process serves this data folder or has the address, the certificate
+            can't be used, or the database is of another version.
     """
     set_up_logging()
     torch.set_num_threads(min(THREADS, learning_threads(0)))
+    endpoint = endpoint_of(settings)
     database = create_database(settings.application_url)
+    host = socket.gethostname()
     try:
         check_schema(database)
         models = Models(database, ArtifactStore(settings.artifact_root))
-        server = InferenceServer(settings.inference_socket, models)
+        server = new_server(settings, models)
         for number in (signal.SIGINT, signal.SIGTERM):
             # shutdown waits for the loop that this thread runs.
             signal.signal(number, lambda *_: threading.Thread(target=server.shutdown).start())
-        with server, Heartbeat(database, f"inference-{os.getpid()}", "inference"):
-            log.info("Inference answers on %s.", settings.inference_socket)
+        with (
+            server,
+            Heartbeat(
+                database,
+                f"inference-{host[:40]}-{os.getpid()}",
+                "inference",
+                lambda: {"host": host},
+            ),
+        ):
+            log.info("Inference answers on %s.", endpoint)
             server.serve_forever(poll_interval=0.2)
     finally:
         database.close()
 
 
-class Models:
-    """Trained reward models and policies, loaded from the artifact store at the first request.
+def new_server(settings: Settings, models: Models) -> LocalServer | TcpServer:
+    """Return a server that listens where settings say; raises as ``run_inference``."""
+    endpoint = endpoint_of(settings)
+    if isinstance(endpoint, LocalEndpoint):
+        return LocalServer(endpoint, models)
+    return TcpServer(endpoint, models, settings)
+
+
+class LocalServer(socketserver.ThreadingUnixStreamServer):
+    """Answers requests on a local socket that only its owner may use.
 
     Args:
-        database: The application's database.
-        store: The artifact store.
-        max_kept: Networks kept in memory.
-    """
-
-    def __init__(
-        self, database: Database, store: ArtifactStore, max_kept: int = MAX_MODELS
-    ) -> None:
-        self._database = database
-        self._store = store
-        self._max_kept = max_kept
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def reward_model(self, run_id: str) -> RewardModel:
-        """Return a run's reward model; raises NotFound if it has none."""
-        return self._get(run_id, "reward_model", RewardModel.load)
-
-    def policy(self, run_id: str, kind: str) -> Policy:
-        """Return a run's "imitator" or "clone"; raises NotFound if it has none."""
-        return self._get(run_id, kind, load_policy)
-
-    def _get(self, run_id: str, kind: str, load: Callable[[Path], _Network]) -> _Network:
-        with self._database.reading() as session:
-            row = artifacts.of_kind(session, run_id, kind)
-        # A resumed run may replace its file.
-        key = (row.id, row.created_at)
-        with self._lock:
-            if key not in self._kept:
-                with self._store.local(row.path) as path:
-                    self._kept[key] = load(path)
-                while len(self._kept) > self._max_kept:
-                    self._kept.popitem(last=False)
-            self._kept.move_to_end(key)
-            network: _Network = self._kept[key]
-            return network
-
-
-class InferenceServer(socketserver.ThreadingUnixStreamServer):
-    """Answers requests (see tril.inference) on a local socket that only its owner may use.
-
-    Args:
-        path: The socket; one that a dead process left is replaced.
+        endpoint: The socket; one that a dead process left is replaced.
         models: The models.
 
     Raises:
@@ -138,9 +104,9 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
 
     daemon_threads = True
 
-    def __init__(self, path: Path, models: Models) -> None:
+    def __init__(self, endpoint: LocalEndpoint, models: Models) -> None:
         self.models = models
-        self._path = path
+        self._path = path = endpoint.path
         path.parent.mkdir(parents=True, exist_ok=True)
         self._lock_file = path.with_suffix(".lock").open("a")
         try:
@@ -163,28 +129,131 @@ class InferenceServer(socketserver.ThreadingUnixStreamServer):
         self._path.unlink(missing_ok=True)
         self._lock_file.close()
 
+    def admit(self, request: socket.socket) -> socket.socket:
+        """Return the connection on which a client's requests come: whoever got here may ask."""
+        return request
+
+
+class TcpServer(socketserver.ThreadingTCPServer):
+    """Answers requests over TCP, of clients that prove that they have the key.
+
+    Args:
+        endpoint: Where it listens, and the key.
+        models: The models.
+        settings: Name the certificate, if the address is encrypted.
+
+    Raises:
+        Invalid: The address is encrypted and there is no certificate.
+        Unavailable: The certificate can't be used, or the address is taken or another machine's.
+    """
+
+    daemon_threads = True
+    allow_reuse_address = True
+    request_queue_size = 64
+
+    def __init__(self, endpoint: TcpEndpoint, models: Models, settings: Settings) -> None:
+        self.models = models
+        self._key = endpoint.key
+        self._tls = _server_context(settings) if endpoint.address.is_encrypted else None
+        self._certificate_hash = b""
+        if self._tls is not None and settings.tls_certificate is not None:
+            self._certificate_hash = certificate_hash(settings.tls_certificate)
+        self._places = threading.BoundedSemaphore(MAX_CONNECTIONS)
+        address = endpoint.address
+        try:
+            (family, *_, found), *_ = socket.getaddrinfo(
+                address.host, address.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+            )
+            self.address_family = family
+            super().__init__(found, _Handler)  # type: ignore[arg-type]
+        except OSError as problem:
+            raise Unavailable(
+                f"The inference process can't listen at {address}: {problem.strerror}. If it runs"
+                " on another machine, start Tril here with `tril up --no-inference`; else choose"
+                " another address with TRIL_INFERENCE_ADDRESS."
+            ) from problem
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer a connection in a thread of its own; one too many is closed."""
+        if self._places.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Answer a connection, and give its place back."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._places.release()
+
+    def admit(self, request: socket.socket) -> socket.socket:
+        """Return the connection on which a client's requests come, once it has proven the key.
+
+        Raises:
+            NotProven: It has another key.
+            OSError: It did not say anything in time, or not what it should.
+        """
+        request.settimeout(CONNECT_TIMEOUT_S)
+        tune(request)
+        if self._tls is not None:
+            request = self._tls.wrap_socket(request, server_side=True)
+        try:
+            challenge = Challenge(self._key, self._certificate_hash)
+            request.sendall(challenge.greeting)
+            response = receive_exactly(request, RESPONSE_BYTES, CONNECT_TIMEOUT_S)
+            try:
+                request.sendall(challenge.answer(response))
+            except NotProven:
+                request.sendall(REFUSAL)
+                raise
+        except BaseException:
+            request.close()
+            raise
+        return request
+
+
+def _server_context(settings: Settings) -> ssl.SSLContext:
+    context = tls_context(settings)
+    if context is None:
+        raise Invalid(
+            "An address that begins with tls:// needs TRIL_TLS_CERTIFICATE and TRIL_TLS_KEY. Any"
+            " certificate will do, one that the machine signs itself, too: docs/operating.md says"
+            " how to make one."
+        )
+    context.minimum_version = ssl.TLSVersion.TLSv1_3
+    # Tickets would reach a client that waits for its reply.
+    context.num_tickets = 0
+    return context
+
 
 class _Handler(socketserver.BaseRequestHandler):
     """One connection: requests and their replies in turns."""
 
-    server: InferenceServer
+    server: LocalServer | TcpServer
     request: socket.socket
 
     def handle(self) -> None:
-        self.request.settimeout(MESSAGE_TIMEOUT_S)
-        answers = Answers(self.server.models)
-        # The client may have disconnected.
-        with contextlib.suppress(ConnectionError, TimeoutError):
-            while self._answer_one(answers):
-                pass
+        try:
+            connection = self.server.admit(self.request)
+        except (OSError, NotProven) as problem:
+            log.warning("A connection from %s was refused: %s", self.client_address, problem)
+            return
+        with connection:
+            connection.settimeout(MESSAGE_TIMEOUT_S)
+            answers = Answers(self.server.models)
+            # The client may have disconnected.
+            with contextlib.suppress(ConnectionError, TimeoutError, ssl.SSLError):
+                while self._answer_one(connection, answers):
+                    pass
 
-    def _answer_one(self, answers: Answers) -> bool:
+    def _answer_one(self, connection: socket.socket, answers: Answers) -> bool:
         """Answer a request; returns whether another may follow on this connection."""
         is_understood = False
         try:
-            header, body = receive_message(self.request)
+            header, body = receive_message(connection)
             is_understood = True
-            progress = CallbackProgress(self._stop_if_disconnected)
+            progress = CallbackProgress(lambda: _stop_if_disconnected(connection))
             facts, values = answers.to(header, body, progress)
             reply: dict[str, Any] = {"ok": True, **facts}
         except Disconnected:
@@ -194,112 +263,15 @@ class _Handler(socketserver.BaseRequestHandler):
         except Exception as problem:
             log.exception("A request failed.")
             reply, values = _error_reply(problem), b""
-        send_message(self.request, reply, values)
+        send_message(connection, reply, values)
         # After a message that was not understood, nobody knows where the next one begins.
         return is_understood
 
-    def _stop_if_disconnected(self) -> None:
-        # A client sends nothing after its request, so what can be read is the end of the stream.
-        if select.select([self.request], [], [], 0)[0]:
-            raise Disconnected("The client gave up.")
 
-
-class Answers:
-    """Answers the requests of one connection.
-
-    Args:
-        models: The networks.
-    """
-
-    def __init__(self, models: Models) -> None:
-        self._models = models
-        self._policies: dict[tuple[str, str], Policy] = {}
-
-    def to(
-        self, header: dict[str, Any], body: bytearray, progress: Progress
-    ) -> tuple[dict[str, Any], bytes]:
-        """Return what the header of the answer to a request says, and its values.
-
-        Args:
-            header: The request's header.
-            body: The request's bytes.
-            progress: Reported to by what takes long, so that it can be stopped.
-
-        Raises:
-            Invalid: The request is malformed.
-            NotFound: The run has no such network.
-        """
-        op, run_id = header.get("op"), header.get("run_id")
-        if op == "ping":
-            return {}, b""
-        if op not in {"judge", "scale", "attention", "act"}:
-            raise Invalid(
-                f"There is no operation {op!r}; choose ping, judge, scale, attention or act."
-            )
-        if not isinstance(run_id, str):
-            raise Invalid("The request lacks 'run_id'.")
-        if op == "scale":
-            model = self._models.reward_model(run_id)
-            return {}, np.array([model.zero, model.one], np.float32).tobytes()
-        if len(body) % OBSERVATION_BYTES:
-            raise Invalid(
-                f"Expected whole observations of {OBSERVATION_BYTES} bytes, got {len(body)} bytes."
-            )
-        observations = np.frombuffer(body, np.uint8).reshape(-1, *OBSERVATION_SHAPE)
-        if op == "judge":
-            judged = self._models.reward_model(run_id).judge(observations)
-            deviations = judged.deviations
-            if deviations is None:
-                deviations = np.full(len(observations), np.nan, np.float32)
-            return {}, np.stack([judged.rewards, deviations]).tobytes()
-        if op == "attention":
-            if len(observations) != 1:
-                raise Invalid(f"Expected one observation, got {len(observations)}.")
-            subject = self._subject(run_id, header.get("network"), observations[0])
-            values = _attention(subject, header.get("method"), observations[0], progress)
-            action = subject.action if isinstance(subject, ActionOdds) else None
-            return {"action": action}, values.tobytes()
-        probabilities = self._probabilities(run_id, header.get("policies"), observations)
-        return {}, probabilities.tobytes()
-
-    def _subject(self, run_id: str, network: object, observation: Observation) -> Subject:
-        if network == "reward":
-            return self._models.reward_model(run_id)
-        if network not in POLICIES:
-            raise Invalid(f"There is no network {network!r}; choose reward, imitator or clone.")
-        return ActionOdds.of_choice(self._policy(run_id, str(network)), observation)
-
-    def _probabilities(
-        self, run_id: str, policies: object, observations: Observations
-    ) -> npt.NDArray[np.float32]:
-        if not isinstance(policies, list) or len(policies) != len(observations):
-            raise Invalid(f"Expected 'policies' to name one for each of {len(observations)}.")
-        result = np.empty((len(observations), len(Action)), np.float32)
-        for kind in sorted(set(map(str, policies))):
-            if kind not in POLICIES:
-                raise Invalid(f"There is no policy {kind!r}; choose {' or '.join(POLICIES)}.")
-            own = [index for index, name in enumerate(policies) if name == kind]
-            result[own] = self._policy(run_id, kind).probabilities(observations[own])
-        return result
-
-    def _policy(self, run_id: str, kind: str) -> Policy:
-        if (run_id, kind) not in self._policies:
-            self._policies[run_id, kind] = self._models.policy(run_id, kind)
-        return self._policies[run_id, kind]
-
-
-def _attention(
-    subject: Subject, method: object, observation: Observation, progress: Progress
-) -> npt.NDArray[np.float32]:
-    """Return a map, float32 (84, 84)."""
-    match method:
-        case "gradient":
-            return np.asarray(gradient_map(subject, observation).sum(0))
-        case "occlusion":
-            return np.asarray(attention_map(subject, observation, progress).sum(0))
-        case "patches":
-            return patch_map(subject, observation, progress=progress)
-    raise Invalid(f"There is no method {method!r}; choose gradient, occlusion or patches.")
+def _stop_if_disconnected(connection: socket.socket) -> None:
+    # A client sends nothing after its request, so what can be read is the end of the stream.
+    if select.select([connection], [], [], 0)[0]:
+        raise Disconnected("The client gave up.")
 
 
 def _error_reply(problem: Exception) -> dict[str, Any]:

@@ -22,6 +22,7 @@ class Action(StrEnum):
     INVITATION_REVOKED = "revoked an invitation"
     KEY_MADE = "made a key"
     KEY_REVOKED = "revoked a key"
+    ROLE_CHANGED = "changed a role"
     WORKER_LET_IN = "let a worker in"
     DELETED = "deleted"
     RESTORED = "restored"

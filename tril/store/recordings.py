@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from sqlalchemy import Select, func, select
@@ -197,10 +197,13 @@ def branches(session: Session, recording_id: int, only_of: int | None = None) ->
     return list(session.scalars(query.order_by(RecordingRow.id)))
 
 
-def own_ids(session: Session, player_id: int, ids: Iterable[int]) -> set[int]:
-    """Return which of these recordings a person played."""
+def own_ids(
+    session: Session, player_id: int, behaviour_ids: Collection[int], ids: Iterable[int]
+) -> set[int]:
+    """Return which of these recordings a person played, of these behaviours."""
     query = select(RecordingRow.id).where(
         RecordingRow.id.in_(set(ids)),
+        RecordingRow.behaviour_id.in_(behaviour_ids),
         RecordingRow.player_id == player_id,
         RecordingRow.source == Source.PERSON,
     )

@@ -1,12 +1,26 @@
 import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
 
 import { api, unwrap } from "./client";
-import type { AuditEntry, Invitation, InvitationNew, KeyNew, NewInvitation, NewKey } from "./types";
+import type {
+  AuditEntry,
+  Invitation,
+  InvitationNew,
+  KeyNew,
+  NewInvitation,
+  NewKey,
+  RoleUpdate,
+} from "./types";
 
 const ENTRIES = 50;
 
 /** Browsers of others sign in without a change that would be heard of. */
 const LOOK_AGAIN_MS = 15_000;
+
+export const peopleQuery = queryOptions({
+  queryKey: ["people", "everybody"],
+  queryFn: ({ signal }) => unwrap(api.GET("/api/people", { signal })),
+  refetchInterval: LOOK_AGAIN_MS,
+});
 
 export const browsersQuery = queryOptions({
   queryKey: ["people", "browsers"],
@@ -46,6 +60,12 @@ export function signOut(): Promise<unknown> {
 
 export function signBrowserOut(id: number): Promise<unknown> {
   return unwrap(api.DELETE("/api/browsers/{browser_id}", { params: { path: { browser_id: id } } }));
+}
+
+export function changeRole({ id, ...body }: RoleUpdate & { id: number }): Promise<unknown> {
+  return unwrap(
+    api.PUT("/api/people/{player_id}/role", { params: { path: { player_id: id } }, body }),
+  );
 }
 
 export function createInvitation(body: InvitationNew): Promise<NewInvitation> {

@@ -461,7 +461,7 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream changes from now on, until who listens is signed out.
+         * @description Stream changes from now on, until who listens is signed out or may do something else.
          */
         get: operations["stream_events"];
         put?: never;
@@ -661,6 +661,46 @@ export interface paths {
          * @description Revoke a key, which takes effect within seconds.
          */
         delete: operations["revoke_key"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/people": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List People
+         * @description Return everybody who has been let in, and the owner.
+         */
+        get: operations["list_people"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/people/{player_id}/role": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Change Role
+         * @description Make somebody a researcher or a participant, which takes effect within seconds.
+         */
+        put: operations["change_role"];
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -1209,7 +1249,7 @@ export interface components {
          * @description What is logged.
          * @enum {string}
          */
-        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "let a worker in" | "deleted" | "restored" | "imported" | "ranked" | "queued a run" | "cancelled a run";
+        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "imported" | "ranked" | "queued a run" | "cancelled a run";
         /**
          * Artifact
          * @description A file of a training.
@@ -1862,6 +1902,19 @@ export interface components {
             seen_at: string | null;
         };
         /**
+         * Person
+         * @description Somebody who has been let in. ``behaviour_ids`` is what they play as a participant.
+         */
+        Person: {
+            /** Behaviour Ids */
+            behaviour_ids: number[];
+            /** Id */
+            id: number;
+            /** Name */
+            name: string;
+            role: components["schemas"]["Role"];
+        };
+        /**
          * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
@@ -2337,6 +2390,19 @@ export interface components {
          * @enum {string}
          */
         Role: "owner" | "researcher" | "participant" | "worker";
+        /**
+         * RoleUpdate
+         * @description What somebody is to be; a participant plays ``behaviour_id`` besides what they did before.
+         */
+        RoleUpdate: {
+            /** Behaviour Id */
+            behaviour_id?: number | null;
+            /**
+             * Role
+             * @enum {string}
+             */
+            role: "researcher" | "participant";
+        };
         /**
          * Run
          * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
@@ -5944,6 +6010,176 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_people: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Person"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_role: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                player_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RoleUpdate"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -26,6 +26,19 @@ class PlayerUpdate(Schema):
     name: str = Field(min_length=1, max_length=80)
 
 
+class Person(Player):
+    """Somebody who has been let in. ``behaviour_ids`` is what they play as a participant."""
+
+    behaviour_ids: list[int]
+
+
+class RoleUpdate(Schema):
+    """What somebody is to be; a participant plays ``behaviour_id`` besides what they did before."""
+
+    role: Literal[Role.RESEARCHER, Role.PARTICIPANT]
+    behaviour_id: Id | None = None
+
+
 class Credential(Schema):
     """What lets a person in."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -31,6 +30,7 @@ from tril.errors import NotFound
 from tril.game.episode import Ending
 from tril.game.openings import Opening, draw_opening, evaluation_beginning
 from tril.game.starts import Start, draw_start
+from tril.inference import Endpoint
 from tril.recipes import recipe_from_dict
 from tril.recording import Recording, Verified, verify
 from tril.store import behaviours, games
@@ -72,7 +72,7 @@ class WatchHub:
         database: Has the runs; receives games that are taken over.
         consoles: The pool to take consoles from.
         games: The games that are played in this process.
-        inference_socket: The inference process's socket.
+        inference: Where the inference process answers.
         rules: Timing and the limit of games in a process.
         limits: Limits on the number of open games.
 
@@ -85,14 +85,14 @@ class WatchHub:
         database: Database,
         consoles: ConsolePool,
         games: PlayHub,
-        inference_socket: Path,
+        inference: Endpoint,
         rules: PlayRules,
         limits: GameLimits,
     ) -> None:
         self.lateness = Lateness()
         self._consoles = consoles
         self._games = games
-        self._inference_socket = inference_socket
+        self._inference = inference
         self._rules = rules
         self._limits = limits
         self._committer = Committer(database)
@@ -150,7 +150,7 @@ class WatchHub:
             [Lane(n, game, plan.behaviour, socket) for n, game in enumerate(played)],
             request.start_number,
             socket,
-            lambda: PolicyClient(self._inference_socket, plan.run_id),
+            lambda: PolicyClient(self._inference, plan.run_id),
             self._resources,
             self._events,
         )

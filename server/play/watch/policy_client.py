@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,17 +11,14 @@ import numpy.typing as npt
 
 from tril.game.observation import Observation, Observations
 from tril.game.space_invaders import ACTION_COUNT
-from tril.inference import (
+from tril.inference import AttentionMap, AttentionNetwork, Endpoint, Judgement
+from tril.inference.endpoint import Streams
+from tril.inference.messages import (
     LENGTH_BYTES,
-    AttentionMap,
-    AttentionNetwork,
-    Judgement,
-    address_of,
     head_of,
     header_length_of,
     parse_header,
     raise_refusal,
-    unavailable,
 )
 
 TIMEOUT_S = 20.0
@@ -36,17 +32,17 @@ class PolicyClient:
     process may have been restarted, or closed it after a long pause.
 
     Args:
-        path: The inference process's socket (Settings.inference_socket).
+        endpoint: Where the inference process answers.
         run_id: The run.
         timeout_s: Seconds that a reply may take.
     """
 
-    def __init__(self, path: Path, run_id: str, timeout_s: float = TIMEOUT_S) -> None:
-        self._path = path
+    def __init__(self, endpoint: Endpoint, run_id: str, timeout_s: float = TIMEOUT_S) -> None:
+        self._endpoint = endpoint
         self._run_id = run_id
         self._timeout_s = timeout_s
         self._lock = asyncio.Lock()
-        self._opened: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
+        self._opened: Streams | None = None
 
     async def act(
         self, policies: Sequence[str], observations: Observations
@@ -95,7 +91,7 @@ class PolicyClient:
             except (OSError, asyncio.IncompleteReadError) as problem:
                 self.close()
                 lost = problem if isinstance(problem, OSError) else ConnectionError(str(problem))
-                raise unavailable(lost) from problem
+                raise self._endpoint.unavailable(lost) from problem
             except BaseException:
                 # A reply that is still to come would be taken for that to the next request.
                 self.close()
@@ -112,8 +108,7 @@ class PolicyClient:
 
     async def _exchange_once(self, message: bytes) -> tuple[dict[str, Any], bytes]:
         if self._opened is None:
-            with address_of(self._path) as address:
-                self._opened = await asyncio.open_unix_connection(address)
+            self._opened = await self._endpoint.open()
         reader, writer = self._opened
         writer.write(message)
         await writer.drain()

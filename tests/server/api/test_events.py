@@ -15,12 +15,15 @@ from starlette.testclient import TestClient
 from server.app import create_app
 from server.web.pages import check_frontend
 from tests.server.clients import build_frontend, signed_in
-from testsupport.live import LiveServer, live_server
+from testsupport.live import TIMEOUT_S, LiveServer, live_server
+from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace
 from tril.errors import Unavailable
+from tril.game.episode import Start
+from tril.store import games, players
 from tril.store.changes import note_change
 from tril.store.database import create_database
-from tril.store.models import ChangeRow
+from tril.store.models import ChangeRow, MembershipRow, Role
 
 
 def events(lines: Iterator[str]) -> Iterator[dict[str, str]]:
@@ -71,6 +74,60 @@ def test_changes_over_http_are_told(live: LiveServer) -> None:
         assert {"topic": "behaviour", "key": str(made["id"])} in (
             change for _, change in zip(range(5), events(lines), strict=False)
         )
+
+
+def test_a_player_is_told_of_nothing_but_their_own(live: LiveServer) -> None:
+    with live.database.writing() as session:
+        me = players.add(session, "Ada", Role.PARTICIPANT).id
+        session.add(MembershipRow(behaviour_id=1, player_id=me))
+        other = players.add(session, "Ben", Role.PARTICIPANT).id
+        session.add(MembershipRow(behaviour_id=1, player_id=other))
+        # As of somebody who was a researcher before.
+        left_behind = games.create(session, 2, Start(20), me).recording_id
+        of_other = games.create(session, 1, Start(20), other).recording_id
+    name, value = cookie_of(live.settings, me)
+    with (
+        httpx2.Client(base_url=live.http.base_url, cookies={name: value}, timeout=TIMEOUT_S) as ada,
+        ada.stream("GET", "/api/events") as mine,
+        live.http.stream("GET", "/api/events") as owners,
+        httpx2.Client(base_url=live.http.base_url, headers=live.http.headers) as owner,
+    ):
+        streams = [stream.iter_lines() for stream in (mine, owners)]
+        for lines in streams:
+            next(line for line in lines if line.startswith(": listening"))
+        assert owner.patch("/api/behaviours/2", json={"name": "Other"}).is_success
+        assert owner.post("/api/games", json={"behaviour_id": 1}).is_success
+        assert owner.post("/api/keys", json={"name": "k"}).is_success
+        wish = {"name": "5b", "role": "participant", "behaviour_id": 1}
+        assert owner.post("/api/invitations", json=wish).is_success
+        assert owner.patch("/api/player", json={"name": "Olga"}).is_success
+        with live.database.writing() as session:
+            others: list[tuple[str, str | int]]
+            others = [("recording", of_other), ("recording", left_behind), ("player", other)]
+            # The numbers are those of Ada and of her behaviour, the topics not hers.
+            others += [(topic, 1) for topic in ("run", "ranking", "access", "invitation", "system")]
+            others += [(topic, me) for topic in ("run", "ranking", "access", "invitation", "new")]
+            for topic, key in [*others, ("run", "the end")]:
+                note_change(session, topic, key)
+        told_owner = [
+            (told["topic"], told["key"])
+            for told in iter(events(streams[1]).__next__, {"topic": "run", "key": "the end"})
+        ]
+        assert {(topic, str(key)) for topic, key in others} <= set(told_owner)
+        assert {topic for topic, _ in told_owner} >= {"behaviour", "invitation", "player"}
+        # What Ada is told first is hers, so nothing of what was before.
+        own = ada.post("/api/games", json={"behaviour_id": 1}).json()["recording_id"]
+        with live.database.writing() as session:
+            note_change(session, "recording", own)
+        assert owner.patch("/api/behaviours/1", json={"name": "Mine"}).is_success
+        assert ada.patch("/api/player", json={"name": "Ada L."}).is_success
+        expected = {("recording", str(own)), ("behaviour", "1"), ("player", str(me))}
+        told_ada: set[tuple[str, str]] = set()
+        told = events(streams[0])
+        while not told_ada >= expected:
+            change = next(told)
+            told_ada.add((change["topic"], change["key"]))
+        assert told_ada == expected
 
 
 def test_a_server_stops_although_pages_listen(workplace: Workplace) -> None:

@@ -25,6 +25,7 @@ from tril.store.models import (
     ArtifactRow,
     GameRow,
     MembershipRow,
+    PlayerRow,
     RecordingRow,
     RecordingState,
     Role,
@@ -58,6 +59,8 @@ OF_BEHAVIOUR = {"get_behaviour", "get_checklist", "list_recordings"}
 OF_ONESELF = {"get_player", "update_player", "sign_out", "list_behaviours", "create_game"}
 """Operations that everybody may do who is signed in."""
 OF_OWNER = {
+    "list_people",
+    "change_role",
     "list_browsers",
     "sign_browser_out",
     "list_keys",
@@ -117,7 +120,9 @@ class World:
         url = re.sub(r"{(\w+)}", lambda name: str(ids[name[1]]), path)
         query = {"step": "0", "method": "gradient"} if "attention" in path else {}
         body: dict[str, Any] = {"name": "Kim", "behaviour_id": ids["behaviour_id"], "frame": 0}
-        if path == "/api/player":
+        if path.endswith("/role"):
+            body = {"role": "participant", "behaviour_id": ids["behaviour_id"]}
+        elif path == "/api/player":
             body = {"name": "Kim"}
         elif path == "/api/games":
             body = {"behaviour_id": ids["behaviour_id"]}
@@ -138,6 +143,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         for name, behaviour_id in (("participant", 1), ("elsewhere", 2)):
             people[name] = players.add(session, name, Role.PARTICIPANT).id
             session.add(MembershipRow(behaviour_id=behaviour_id, player_id=people[name]))
+        changed = players.add(session, f"Cem, {MARK}", Role.RESEARCHER).id
         played = recordings.get(session, workplace.ranked[0])
         things = {}
         for name in ("owner", "participant"):
@@ -162,6 +168,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
             "run_id": run_id,
             "artifact_id": artifact.id,
             "kind": "gif",
+            "player_id": changed,
             "browser_id": 9999,
             "key_id": 9999,
             "invitation_id": 9999,
@@ -183,7 +190,8 @@ def _state(world: World) -> list[Any]:
         rows = session.execute(
             select(RecordingRow.id, RecordingRow.state, RecordingRow.deleted_at, RecordingRow.notes)
         ).all()
-        return [tuple(row) for row in rows]
+        roles = session.execute(select(PlayerRow.id, PlayerRow.role)).all()
+        return [tuple(row) for row in [*rows, *roles]]
 
 
 def test_the_description_names_every_operation_of_this_test(world: World) -> None:
@@ -276,6 +284,9 @@ def test_researchers_may_do_everything_but_say_who_gets_in(world: World, role: s
             assert answer.status_code == 403, name
         else:
             assert answer.status_code not in {401, 403}, (name, answer.text)
+    with world.workplace.database.reading() as session:
+        changed = players.get(session, world.owners["player_id"]).role
+        assert changed == (Role.PARTICIPANT if role == "owner" else Role.RESEARCHER)
     if role == "researcher":
         for path in ("browsers", "keys", "invitations"):
             assert world.visitor(role).delete(f"/api/{path}/1").status_code == 403

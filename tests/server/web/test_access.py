@@ -11,19 +11,21 @@ import httpx2
 import pytest
 from sqlalchemy import delete, event, select, update
 from sqlalchemy.exc import DatabaseError
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
 from cli.main import app
 from server.web.security import address_with_token, invitation_link
 from server.web.sign_in import browser_name
+from server.web.small_pages import language_of
 from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
 from testsupport.visitors import cookie_of
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
+from tril.errors import Conflict
 from tril.store import audit, players, recordings
-from tril.store.access import credentials, invitations
+from tril.store.access import credentials, invitations, roles
 from tril.store.models import AuditRow, CredentialKind, CredentialRow, Role
 
 
@@ -161,6 +163,7 @@ def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: Li
         (signed,) = re.findall(r'name="invitation" value="([^"]+)"', page.text)
         unnamed = guest.post("/join", data={"invitation": signed, "name": "  "})
         assert "What is your name?" in unnamed.text
+        assert 'aria-invalid="true"' in unnamed.text
         joined = guest.post("/join", data={"invitation": signed, "name": "Ada <b>"})
         assert joined.status_code == 303
         assert joined.headers["location"] == "/behaviours/2/play"
@@ -177,6 +180,53 @@ def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: Li
         # Who came by it stays.
         assert guest.get("/api/player").status_code == 200
     assert made["id"] not in {one["id"] for one in live.http.get("/api/invitations").json()}
+
+
+@pytest.mark.parametrize(
+    ("accepted", "language"),
+    [
+        ("", "en"),
+        ("de-AT, en;q=0.5", "de"),
+        ("en-GB,de;q=0.9", "en"),
+        ("fr, de;q=0.3, en;q=0.2", "de"),
+        ("de;q=x, *", "en"),
+        ("de;q=0", "en"),
+    ],
+)
+def test_small_pages_follow_the_browsers_languages(accepted: str, language: str) -> None:
+    assert language_of(accepted) == language
+
+
+def test_a_link_says_in_both_languages_what_it_is_for_or_why_it_lets_nobody_in(
+    live: LiveServer, browser: httpx2.Client
+) -> None:
+    wish = {"name": "5b", "role": "participant", "behaviour_id": 2}
+    made = _made(live.http.post("/api/invitations", json=wish))
+    said = {
+        "en": ("Welcome to Tril", "What is your name?", "was revoked", "is not complete"),
+        "de": ("Willkommen bei Tril", "Wie heißt du?", "zurückgezogen", "nicht vollständig"),
+    }
+    for language, (welcome, question, _, incomplete) in said.items():
+        with _visitor(live, headers={"Accept-Language": language}) as guest:
+            page = guest.get(made["path"])
+            assert page.status_code == 200
+            assert f'<html lang="{language}">' in page.text
+            assert welcome in page.text
+            assert question in page.text
+            # What it is made of is what the policy allows: scripts from files only.
+            assert re.findall(r"<script[^>]*>[^<]", page.text) == []
+            assert "onclick" not in page.text
+            broken = guest.get(made["path"][:-3])
+            assert (broken.status_code, incomplete in broken.text) == (404, True)
+            assert 'href="/"' not in broken.text
+    assert "is signed in as" in browser.get(made["path"]).text
+    assert live.http.delete(f"/api/invitations/{made['id']}").status_code == 204
+    for language, (*_, revoked, _) in said.items():
+        with _visitor(live, headers={"Accept-Language": language}) as guest:
+            page = guest.get(made["path"])
+            assert (page.status_code, revoked in page.text) == (404, True)
+    # Somebody who is in is shown the way.
+    assert 'href="/"' in browser.get(made["path"]).text
 
 
 @pytest.mark.parametrize(
@@ -217,6 +267,88 @@ def _saved_seen(live: LiveServer, credential_id: int) -> bool:
     asyncio.run(live.services.access.save_seen())
     with live.database.reading() as session:
         return session.get_one(CredentialRow, credential_id).seen_at is not None
+
+
+def _role(live: LiveServer, player_id: int, **update: Any) -> httpx2.Response:
+    return live.http.put(f"/api/people/{player_id}/role", json=update)
+
+
+def test_a_change_of_role_takes_effect_within_seconds_and_ends_what_was_open(
+    live: LiveServer,
+) -> None:
+    with live.database.writing() as session:
+        person = players.add(session, "Ria", Role.RESEARCHER).id
+    name, value = cookie_of(live.settings, person)
+    with _visitor(live, cookies={name: value}) as ria:
+        assert ria.get("/api/runs").status_code == 200
+        listed = {one["id"]: one for one in live.http.get("/api/people").json()}
+        assert listed[person] == {
+            "id": person, "name": "Ria", "role": "researcher", "behaviour_ids": []
+        }  # fmt: skip
+        game = live.new_game()
+        with (
+            ria.stream("GET", "/api/events") as events,
+            connect_to(live.settings, game["stream_path"], f"{name}={value}") as socket,
+        ):
+            lines = events.iter_lines()
+            next(line for line in lines if line.startswith(": listening"))
+            socket.recv()
+            unplayable = _role(live, person, role="participant")
+            assert unplayable.status_code == 422
+            assert "behaviour" in unplayable.json()["detail"]
+            assert _role(live, person, role="participant", behaviour_id=2).status_code == 204
+            for _ in lines:
+                pass
+            assert _code_at_end(socket) == 1013
+        wait_until(lambda: ria.get("/api/runs").status_code == 403)
+        assert ria.get("/api/player").json()["role"] == "participant"
+        assert [one["id"] for one in ria.get("/api/behaviours").json()] == [2]
+        assert _role(live, person, role="researcher").status_code == 204
+        wait_until(lambda: ria.get("/api/runs").status_code == 200)
+        # What could be played before can be played again.
+        assert _role(live, person, role="participant").status_code == 204
+        wait_until(lambda: ria.get("/api/runs").status_code == 403)
+    newest = live.http.get("/api/audit", params={"limit": 1}).json()[0]
+    assert (newest["action"], newest["subject"]) == ("changed a role", f"player {person}")
+    assert newest["details"] == {"name": "Ria", "before": "researcher", "role": "participant"}
+
+
+def test_the_last_owner_stays_the_owner(live: LiveServer) -> None:
+    me = live.http.get("/api/player").json()["id"]
+    refused = _role(live, me, role="researcher")
+    assert refused.status_code == 409
+    assert "last owner" in refused.json()["detail"]
+    assert live.http.get("/api/player").json()["role"] == "owner"
+
+
+def test_an_owner_beside_another_loses_the_keys_with_the_role(workplace: Workplace) -> None:
+    with workplace.database.writing() as session:
+        second = players.add(session, "Oda", Role.OWNER).id
+        credentials.make_key(session, second, "everything", Role.OWNER)
+        roles.change(session, second, Role.RESEARCHER, None, by_player_id=None)
+        assert not credentials.listing(session, CredentialKind.KEY)
+        with pytest.raises(Conflict, match="last owner"):
+            roles.change(session, players.owner(session).id, Role.RESEARCHER, None, None)
+
+
+@pytest.mark.parametrize(
+    ("update", "status"),
+    [
+        ({"role": "owner"}, 422),
+        ({"role": "worker"}, 422),
+        ({"role": "researcher", "behaviour_id": 1}, 422),
+        ({"role": "participant", "behaviour_id": 9999}, 404),
+    ],
+)
+def test_roles_that_make_no_sense_are_refused(
+    live: LiveServer, update: dict[str, Any], status: int
+) -> None:
+    with live.database.writing() as session:
+        person = players.add(session, "Kim", Role.RESEARCHER).id
+    assert _role(live, person, **update).status_code == status
+    assert _role(live, 9999, role="researcher").status_code == 404
+    with live.database.reading() as session:
+        assert players.get(session, person).role == Role.RESEARCHER
 
 
 def test_no_secret_is_stored(live: LiveServer) -> None:
@@ -279,6 +411,31 @@ def test_a_person_stores_and_queues_only_so_much(workplace: Workplace) -> None:
         assert "TRIL_MAX_QUEUED_RUNS_PER_PLAYER" in refused.json()["detail"]
 
 
+def test_links_name_the_address_that_others_reach(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+
+    def invite(*more: str, status: int = 0) -> Result:
+        result = CliRunner().invoke(app, ["people", "invite", "x", "--researcher", *more])
+        assert result.exit_code == status, result.output
+        return result
+
+    here = invite()
+    assert here.stdout.startswith("http://127.0.0.1:8000/join?invitation=")
+    assert "--address" in here.stderr
+    given = invite("--address", "http://lab.example:81/")
+    assert given.stdout.startswith("http://lab.example:81/join?invitation=")
+    assert not given.stderr
+    for wrong in ("lab.example", "ftp://lab.example", "http://lab.example/?x=1"):
+        invite("--address", wrong, status=2)
+    monkeypatch.setenv("TRIL_ALLOWED_HOSTS", "tril.example")
+    monkeypatch.setenv("TRIL_TRUSTED_PROXIES", "127.0.0.1")
+    proxied = invite()
+    assert proxied.stdout.startswith("https://tril.example/join?invitation=")
+    assert not proxied.stderr
+
+
 def test_commands_say_who_gets_in(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
 
@@ -300,7 +457,16 @@ def test_commands_say_who_gets_in(workplace: Workplace, monkeypatch: pytest.Monk
         (row,) = credentials.listing(session, CredentialKind.KEY)
         assert row.role == Role.RESEARCHER
     tril("people", "revoke", "key", str(row.id))
-    log = tril("audit")
+    with workplace.database.writing() as session:
+        person = players.add(session, "Ria", Role.RESEARCHER)
+        credentials.sign_in(session, person.id, "Test")
+        ria = person.id
+    assert f"id {ria}, name Ria, role researcher" in tril("people", "list")
+    tril("people", "role", str(ria), "participant", "--behaviour", "column-1")
+    assert f"id {ria}, name Ria, role participant" in tril("people", "list")
+    assert CliRunner().invoke(app, ["people", "role", str(ria), "owner"]).exit_code != 0
+    assert tril("audit").splitlines()[0].endswith("role participant, behaviour 1")
+    log = "\n".join(tril("audit").splitlines()[2:])
     assert log.splitlines()[0].endswith("terminal revoked a key key 1 name nightly")
     assert CliRunner().invoke(app, ["people", "invite", "x"]).exit_code != 0
     assert invitation_link(workplace.settings, "http://x/", "s").startswith("http://x/join?")

@@ -106,6 +106,9 @@ def test_the_printed_address_is_the_one_that_the_page_has() -> None:
     assert page_url(Settings(**named, **tls)) == f"https://{NAME}:8000"
     assert page_url(Settings(**named, trusted_proxies=PROXY)) == f"https://{NAME}"
     assert page_url(Settings(**named)) == "http://127.0.0.1:8000"
+    opened: dict[str, Any] = {"host": "0.0.0.0", "plain_http": True}
+    assert page_url(Settings(**named, **opened)) == f"http://{NAME}:8000"
+    assert page_url(Settings(**opened)) == "http://127.0.0.1:8000"
 
 
 @pytest.fixture(scope="module")

@@ -27,19 +27,18 @@ from trainer.explain.subject import ActionOdds, Subject
 from trainer.policy.networks import Policy, load_policy, new_policy, save_policy
 from trainer.progress import Progress
 from trainer.reward.model import RewardModel, new_network
-from trainer.runtime import inference
-from trainer.runtime.inference import InferenceServer, Models
+from trainer.runtime import answers
+from trainer.runtime.answers import Models
+from trainer.runtime.inference import new_server
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
 from tril.game.observation import Observation, Observations
-from tril.inference import (
+from tril.inference import AttentionMethod, GivenUp, InferenceClient, LocalEndpoint, endpoint_of
+from tril.inference.messages import (
     MAX_BODY_BYTES,
     MAX_HEADER_BYTES,
     MAX_OBSERVATIONS,
     OBSERVATION_BYTES,
-    AttentionMethod,
-    GivenUp,
-    InferenceClient,
     receive_message,
     send_message,
 )
@@ -56,7 +55,7 @@ def store(workplace: Workplace) -> ArtifactStore:
 def serving(workplace: Workplace) -> Iterator[None]:
     store = ArtifactStore(workplace.settings.artifact_root)
     models = Models(workplace.database, store)
-    with InferenceServer(workplace.settings.inference_socket, models) as server:
+    with new_server(workplace.settings, models) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
         thread.start()
         try:
@@ -68,7 +67,7 @@ def serving(workplace: Workplace) -> Iterator[None]:
 
 @pytest.fixture
 def client(workplace: Workplace) -> InferenceClient:
-    return InferenceClient(workplace.settings.inference_socket, timeout_s=20.0)
+    return InferenceClient(endpoint_of(workplace.settings), timeout_s=20.0)
 
 
 def some_observations(n: int, seed: int = 0) -> Observations:
@@ -258,7 +257,7 @@ def test_a_path_too_long_for_a_socket_address_works(tmp_path: Path) -> None:
     workplace = make_workplace(folder)
     assert len(os.fsencode(workplace.settings.inference_socket)) > 108
     with serving(workplace):
-        InferenceClient(workplace.settings.inference_socket).ping()
+        InferenceClient(endpoint_of(workplace.settings)).ping()
     workplace.database.close()
 
 
@@ -280,7 +279,7 @@ def test_a_connection_that_breaks_is_tried_once_more(workplace: Workplace) -> No
         listener.listen()
         thread = threading.Thread(target=break_then_answer)
         thread.start()
-        InferenceClient(path).ping()
+        InferenceClient(LocalEndpoint(path)).ping()
         thread.join()
     assert asked == ["ping", "ping"]
 
@@ -369,7 +368,7 @@ def test_attention_that_nobody_waits_for_is_dropped_by_both_ends(
             stopped.set()
             raise
 
-    monkeypatch.setattr(inference, "attention_map", endless)
+    monkeypatch.setattr(answers, "attention_map", endless)
     with serving(workplace):
         with pytest.raises(GivenUp):
             client.attention(run_id, some_observations(1)[0], "reward", "occlusion", lambda: True)
@@ -428,8 +427,8 @@ def test_the_process_serves_one_data_folder_alone_and_survives_a_kill(
         first.wait_for("Inference answers")
         client.ping()
         with pytest.raises(Unavailable, match="Another inference process"):
-            InferenceServer(
-                workplace.settings.inference_socket,
+            new_server(
+                workplace.settings,
                 Models(workplace.database, ArtifactStore(workplace.settings.artifact_root)),
             )
         first.process.kill()

@@ -57,6 +57,13 @@ def find(session: Session, secret: str) -> InvitationRow | None:
     )
 
 
+def was_revoked(session: Session, secret: str) -> bool:
+    """Whether a link has let people in, and does so no more."""
+    of_secret = InvitationRow.secret_hash == credentials.hash_of(secret)
+    query = select(InvitationRow.id).where(of_secret, InvitationRow.revoked_at.is_not(None))
+    return session.scalar(query) is not None
+
+
 def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str, int | None]:
     """Let somebody in by a link as a new person.
 

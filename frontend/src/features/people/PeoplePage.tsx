@@ -12,6 +12,7 @@ import { Invitations } from "./Invitations";
 import { Keys } from "./Keys";
 import { Log } from "./Log";
 import styles from "./PeoplePage.module.css";
+import { Persons } from "./Persons";
 
 /** Who gets in, and what they did; for the owner. */
 export function PeoplePage() {
@@ -39,6 +40,18 @@ export function PeoplePage() {
           </Trans>
         </p>
         <Invitations />
+      </section>
+      <section className={styles.section} aria-labelledby="roles">
+        <h2 id="roles">
+          <Trans>What people may do</Trans>
+        </h2>
+        <p className={styles.hint}>
+          <Trans>
+            A change takes effect within seconds. Who becomes a player keeps the games played so
+            far, and sees only those of the behaviours they play.
+          </Trans>
+        </p>
+        <Persons />
       </section>
       <section className={styles.section} aria-labelledby="browsers">
         <h2 id="browsers">

@@ -23,6 +23,7 @@ export function actionOf({ action, subject }: Pick<AuditEntry, "action" | "subje
     "revoked an invitation": t`revoked ${subject}`,
     "made a key": t`made ${subject}`,
     "revoked a key": t`revoked ${subject}`,
+    "changed a role": t`changed what ${subject} may do`,
     "let a worker in": t`let a worker in by ${subject}`,
     deleted: t`deleted ${subject}`,
     restored: t`restored ${subject}`,

@@ -22,6 +22,10 @@ const browser = (more: object) => ({
 const PEOPLE = {
   "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }),
   "GET /api/behaviours": () => [behaviour({ id: 1, name: "Column 1" })],
+  "GET /api/people": () => [
+    { id: 1, name: "Ada", role: "owner", behaviour_ids: [] },
+    { id: 2, name: "Ben", role: "participant", behaviour_ids: [1] },
+  ],
   "GET /api/browsers": () => [
     browser({}),
     browser({
@@ -114,6 +118,25 @@ describe("the page of people", () => {
     await userEvent.click(screen.getByRole("button", { name: "Make a key" }));
     expect(await screen.findByText("secret.signature")).toBeVisible();
     expect(wishes).toEqual([{ name: "Lab", role: "worker" }]);
+  });
+
+  it("makes a player a researcher, and offers no change of the owner", async () => {
+    const wishes: unknown[] = [];
+    serve({
+      ...PEOPLE,
+      "PUT /api/people/2/role": ({ body }) => {
+        wishes.push(body);
+        return undefined;
+      },
+    });
+    show(<PeoplePage />);
+    const select = await screen.findByLabelText("What Ben may do");
+    expect(await screen.findByRole("option", { name: "Plays Column 1" })).toBeInTheDocument();
+    expect(screen.getByRole("button", { name: "Change what Ben may do" })).toBeDisabled();
+    await userEvent.selectOptions(select, "Everything but this page, as researchers");
+    await userEvent.click(screen.getByRole("button", { name: "Change what Ben may do" }));
+    await expect.poll(() => wishes).toEqual([{ role: "researcher" }]);
+    expect(screen.queryByLabelText("What Ada may do")).toBeNull();
   });
 
   it("is for the owner only", async () => {

@@ -25,7 +25,7 @@ from trainer.explain.subject import ActionOdds
 from trainer.policy.evaluation import beginnings, play
 from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
-from trainer.runtime.inference import Models
+from trainer.runtime.answers import Models
 from tril.files.artifact_store import ArtifactStore
 from tril.game.agent import AgentGame
 from tril.game.console import Console
