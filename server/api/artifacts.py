@@ -11,14 +11,14 @@ from tril.store import behaviours
 from tril.store.models import BehaviourRow, RunRow
 from tril.store.training import artifacts, runs
 
-# An object store that hangs keeps a thread for half a minute.
-router = APIRouter(tags=["artifacts"])
+router = APIRouter(prefix="/artifacts", tags=["artifacts"])
+archive_router = APIRouter(tags=["artifacts"])
 
 _ZIP = "application/zip"
 
 
 @router.get(
-    "/artifacts/{artifact_id}",
+    "/{artifact_id}",
     response_class=Response,
     responses=NOT_FOUND | {200: {"content": {"*/*": {}}, "description": "The file."}},
 )
@@ -38,7 +38,7 @@ def get_artifact(request: Request, artifact_id: ArtifactId) -> Response:
     )
 
 
-@router.get(
+@archive_router.get(
     "/runs/{run_id}/archive.zip",
     response_class=Response,
     responses=NOT_FOUND
