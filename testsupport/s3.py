@@ -105,9 +105,9 @@ def _installed() -> Path | None:
             shutil.rmtree(earlier, ignore_errors=True)
         whole = folder.with_name(f"{folder.name}.new")
         pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-        command = [*pip, "--no-deps", "--target", whole, "--requirement", PACKAGES]
+        where = ["--no-deps", "--target", str(whole), "--requirement", str(PACKAGES)]
         try:
-            subprocess.run(command, check=True, timeout=INSTALL_TIMEOUT_S, stdout=sys.stderr)
+            subprocess.run([*pip, *where], check=True, timeout=INSTALL_TIMEOUT_S, stdout=sys.stderr)
         except (subprocess.SubprocessError, OSError):
             shutil.rmtree(whole, ignore_errors=True)
             return None

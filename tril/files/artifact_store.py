@@ -166,9 +166,10 @@ def _opened(root: str) -> tuple[Any, str]:
         return files, place
     from obstore.fsspec import FsspecStore
 
-    # An instance of its own reads the credentials of now.
-    files = FsspecStore("s3", **S3_OPTIONS, skip_instance_cache=True)
-    return files, root.removeprefix("s3://").rstrip("/")
+    # An instance of its own reads the credentials of now. Its types leave out fsspec's options.
+    options: dict[str, Any] = {**S3_OPTIONS, "skip_instance_cache": True}
+    make: Any = FsspecStore
+    return make("s3", **options), root.removeprefix("s3://").rstrip("/")
 
 
 def write_whole(place: Path, content: bytes, mode: int = 0o644) -> None:

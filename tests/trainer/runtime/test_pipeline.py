@@ -149,7 +149,8 @@ def test_a_run_whose_store_goes_away_waits_and_goes_on(workplace: Workplace, sha
 
     shared.unlink()
     shared.with_name("away").rename(shared)
-    assert pipeline.train(run_id, only(pipeline, Stage.REWARD)) == "left"
+    again = only(pipeline, Stage.TRAJECTORIES, Stage.REWARD)
+    assert pipeline.train(run_id, again) == "left"
     assert Stage.REWARD in workplace.run(run_id).finished_stages
 
 
