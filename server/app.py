@@ -94,10 +94,10 @@ def _api() -> APIRouter:
     requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
     uploads = limited_by(lambda s, _: s.upload_limit)
     replaying = limited_by(lambda s, _: s.replay_limit)
-    resources = (people, behaviours, recordings, rankings, games, runs)
+    resources = (system, people, behaviours, recordings, rankings, games, runs)
+    routers = [(resource.router, [requests]) for resource in resources]
     # An object store that hangs keeps a thread for half a minute.
-    routers = [(system.router, [requests]), (system.joining_router, [replaying])]
-    routers += [(resource.router, [requests]) for resource in resources]
+    routers.insert(1, (system.joining_router, [replaying]))
     routers += [(artifacts.router, [replaying]), (imports.router, [uploads])]
     routers += [(rankings.borrowed_router, [requests])]
     for router in (replays.router, rankings.playing_router, artifacts.archive_router):
