@@ -51,7 +51,7 @@ def answering(status: int, after_s: float = 0.0) -> Iterator[str]:
     ended = threading.Event()
 
     class Answer(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
+        def answer(self) -> None:
             self.rfile.read(int(self.headers.get("Content-Length", 0)))
             if ended.wait(after_s):
                 return
@@ -61,12 +61,11 @@ def answering(status: int, after_s: float = 0.0) -> Iterator[str]:
             if self.command != "HEAD":
                 self.wfile.write(DENIED)
 
-        def __getattr__(self, name: str) -> Callable[[], None]:
-            return self.do_GET
-
         def log_message(self, *_: Any) -> None:
             """Stay silent."""
 
+    for method in ("GET", "HEAD", "PUT", "POST", "DELETE"):
+        setattr(Answer, f"do_{method}", Answer.answer)
     with ThreadingHTTPServer(("127.0.0.1", 0), Answer) as server:
         server.daemon_threads = True
         thread = threading.Thread(target=server.serve_forever)
