@@ -116,7 +116,7 @@ docs: $(DOCS_STAMP) ## build the documentation into site/; warnings are errors
 	$(VENV)/bin/sphinx-build --fail-on-warning --keep-going --jobs auto --quiet docs site
 
 constraints: $(DOCS_STAMP) ## write the installed versions into constraints.txt
-	@$(INSTALL) '.[dev,docs,node,postgres]'
+	@$(INSTALL) '.[dev,docs,node,postgres,s3]'
 	@{ grep '^#' constraints.txt; $(PIP) freeze --all --exclude pip --exclude-editable | tr A-Z_ a-z- | \
 		sed 's/+.*//; /^\(nvidia\|cuda\|triton\)/d' | LC_ALL=C sort -t = -k 1,1; } > $(VENV)/constraints.txt
 	@mv $(VENV)/constraints.txt constraints.txt

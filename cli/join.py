@@ -21,7 +21,7 @@ from sqlalchemy.exc import NoSuchModuleError, OperationalError
 from cli.workspace import create_data_folder
 from tril import __version__
 from tril.addresses import is_loopback
-from tril.errors import Forbidden, Invalid, NotFound, Unavailable
+from tril.errors import Forbidden, Invalid, TrilError, Unavailable
 from tril.files.artifact_store import ArtifactStore
 from tril.settings import Settings, checked_key
 from tril.store.access import credentials
@@ -204,10 +204,10 @@ def _check_artifacts(settings: Settings, probe_path: str, probe: str) -> None:
             store.remove(own_probe)
             return
         problem = "what is there is not the server's"
-    except (NotFound, OSError, UnicodeDecodeError) as error:
-        problem = str(error)
+    except (TrilError, UnicodeDecodeError) as error:
+        problem = str(error).rstrip(".")
     raise Unavailable(
         f"The files of runs are in {settings.artifacts_url}, which this machine does not reach:"
-        f" {problem}. Mount the shared folder, or give the store's credentials; if it has another"
-        " name here, set TRIL_ARTIFACTS_URL."
+        f" {problem}. Mount the shared folder, or give this machine the store's credentials; if it"
+        " has another name here, set TRIL_ARTIFACTS_URL."
     )

@@ -94,9 +94,12 @@ def _api() -> APIRouter:
     requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
     uploads = limited_by(lambda s, _: s.upload_limit)
     replaying = limited_by(lambda s, _: s.replay_limit)
-    resources = (system, people, behaviours, recordings, rankings, games, runs, artifacts)
+    resources = (system, people, behaviours, recordings, rankings, games, runs)
     routers = [(resource.router, [requests]) for resource in resources]
-    routers += [(imports.router, [uploads]), (rankings.borrowed_router, [requests])]
+    # An object store that hangs keeps a thread for half a minute.
+    routers.insert(1, (system.joining_router, [replaying]))
+    routers += [(artifacts.router, [replaying]), (imports.router, [uploads])]
+    routers += [(rankings.borrowed_router, [requests])]
     for router in (replays.router, rankings.playing_router, artifacts.archive_router):
         routers.append((router, [replaying]))
     for unlimited in (health, events, stream, watch_stream):

@@ -57,8 +57,8 @@ class Services:
             the pool's connections (15) and anyio's threads (40). Otherwise all threads wait for
             connections whose holders wait for a thread, in which FastAPI validates their answer.
         write_limit: Limits requests that write, so that reads do not wait for a busy database.
-        replay_limit: Limits requests that make clips or archives, replay or query a network. They
-            hold a connection only briefly, but a thread for seconds.
+        replay_limit: Limits requests that make clips or archives, replay, query a network or read
+            the artifact store. They hold a connection only briefly, but a thread for seconds.
         upload_limit: Limits uploads, whose body is not read before they have a slot.
     """
 

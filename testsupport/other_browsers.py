@@ -23,6 +23,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from testsupport.browser import install_debian_packages
+from testsupport.ports import free_port
 from testsupport.waiting import wait_until
 
 KEYS = {
@@ -126,7 +127,7 @@ def firefox() -> Iterator[OtherBrowser]:
     program = _program("firefox-esr", "firefox")
     with tempfile.TemporaryDirectory(prefix="tril-firefox-") as profile:
         Path(profile, "user.js").write_text(FIREFOX_PREFERENCES)
-        port = _free_port()
+        port = free_port()
         command = [program, "--headless", "--no-remote", "--profile", profile]
         with _running([*command, f"--remote-debugging-port={port}"], {}):
             socket = _connected(f"ws://127.0.0.1:{port}/session")
@@ -186,7 +187,7 @@ def webkit() -> Iterator[OtherBrowser]:
     browser = next(Path("/usr").glob(MINI_BROWSERS), None)
     if browser is None:
         raise FileNotFoundError("There is no MiniBrowser of WebKitGTK.")
-    port, screen = _free_port(), f":{90 + os.getpid() % 900}"
+    port, screen = free_port(), f":{90 + os.getpid() % 900}"
     with (
         _running([display, screen, "-screen", "0", "1280x1024x24"], {}),
         _running([driver, f"--port={port}"], {"DISPLAY": screen, "LIBGL_ALWAYS_SOFTWARE": "1"}),
@@ -260,13 +261,6 @@ def _post(url: str, body: dict[str, Any]) -> Any:
     )
     with urllib.request.urlopen(request, timeout=TIMEOUT_S) as answer:
         return json.load(answer)["value"]
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def _listens(port: int) -> bool:

@@ -95,7 +95,7 @@ def cluster() -> Cluster:
             cwd=folder,
             stdout=log,
             stderr=log,
-            preexec_fn=_end_with_parent,
+            preexec_fn=end_with_parent,
         )
     atexit.register(_stop, server)
     os.environ[SERVER] = str(folder)
@@ -164,8 +164,8 @@ def owner() -> str | None:
     return "postgres" if "postgres" in known else "nobody"
 
 
-def _end_with_parent() -> None:
-    # Should the tests be killed, the server shuts down at once.
+def end_with_parent() -> None:
+    """Let a server that is being started shut down at once should the tests be killed."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGQUIT)
 
 

@@ -134,7 +134,7 @@ def revoke_invitation(session: WriteSession, who: Who, invitation_id: PersonsId)
 @router.get("/audit")
 def list_audit(
     session: ReadSession,
-    before: Annotated[int | None, Query(ge=1, le=2**63 - 1, description="An entry's id.")] = None,
+    before: Annotated[int | None, Query(ge=1, le=MAX_ID, description="An entry's id.")] = None,
     limit: Annotated[int, Query(ge=1, le=200)] = 50,
 ) -> list[AuditEntry]:
     """Return who did what, the newest first, only what is older than the entry ``before``."""

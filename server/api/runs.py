@@ -132,7 +132,7 @@ def resume_run(request: Request, run_id: RunId) -> Run:
 
 @router.get("/runs/{run_id}/metrics", responses=NOT_FOUND)
 def get_run_metrics(
-    session: ReadSession, run_id: RunId, after: Annotated[int, Query(ge=0, le=2**63 - 1)] = 0
+    session: ReadSession, run_id: RunId, after: Annotated[int, Query(ge=0, le=MAX_ID)] = 0
 ) -> Metrics:
     """Return the points of a training's curves that are newer than an earlier answer's ``last``.
 

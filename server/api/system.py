@@ -13,7 +13,7 @@ from server.api.schemas.system import (
     System,
     WorkerJoining,
 )
-from server.dependencies import ReadSession, Who, WriteSession, services_of
+from server.dependencies import ReadSession, Who, services_of
 from server.shared_places import probe_of, refuse_unshared
 from server.web.problems import CONFLICT
 from tril import __version__
@@ -23,6 +23,7 @@ from tril.store import audit, processes
 from tril.store.schema import schema_revision
 
 router = APIRouter(tags=["system"])
+joining_router = APIRouter(tags=["system"])
 
 _DEVICE = ("host", "cores", "gpu")
 
@@ -45,10 +46,8 @@ def get_system(request: Request, session: ReadSession) -> System:
     )
 
 
-@router.post("/workers", responses=CONFLICT)
-def let_worker_in(
-    request: Request, session: WriteSession, who: Who, worker: WorkerJoining
-) -> SharedPlaces:
+@joining_router.post("/workers", responses=CONFLICT)
+def let_worker_in(request: Request, who: Who, worker: WorkerJoining) -> SharedPlaces:
     """Tell a worker of another machine where database, queue and files of runs are.
 
     Only a worker's key may ask: the answer has whatever credentials the addresses contain.
@@ -65,12 +64,9 @@ def let_worker_in(
     path, content = probe_of(who)
     if not services.artifacts.exists(path):
         services.artifacts.put(path, content.encode())
-    audit.note(
-        session,
-        audit.Action.WORKER_LET_IN,
-        who.player_id,
-        f"key {who.credential_id}",
-    )
+    # Not before: nobody else could write while the artifact store is slow.
+    with services.database.writing() as session:
+        audit.note(session, audit.Action.WORKER_LET_IN, who.player_id, f"key {who.credential_id}")
     return SharedPlaces(
         database_url=services.settings.application_url,
         jobs_database_url=services.settings.queue_url,

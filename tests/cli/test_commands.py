@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
+from testsupport.databases import on_postgresql, settings_on
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
 from tril.store import processes
@@ -144,6 +145,7 @@ def test_a_file_of_something_else_is_no_behaviour(three: Path, tmp_path: Path) -
 
 
 @pytest.mark.usefixtures("data_folder")
+@pytest.mark.skipif(on_postgresql(), reason="a backup is a data folder with SQLite alone")
 def test_a_backup_is_made_checked_and_worked_on(
     three: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -178,6 +180,7 @@ def test_a_run_is_exported_and_imported_where_it_is_not(
     run_id = make_finished_run(workplace)
     file = tmp_path / "run.zip"
     monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+    monkeypatch.setenv("TRIL_DATABASE_URL", workplace.settings.database_url)
     assert "Wrote" in _run("runs", "export", run_id, "-o", str(file))
     assert "is here already" in _run("runs", "import", str(file))
     folder = tmp_path / "events"
@@ -186,7 +189,9 @@ def test_a_run_is_exported_and_imported_where_it_is_not(
     unfinished = _run("runs", "export", workplace.make_run(), "-o", str(file), status=1)
     assert "It can be taken away once it is done" in " ".join(unfinished.split())
 
-    monkeypatch.setenv("TRIL_DATA", str(tmp_path / "elsewhere"))
+    elsewhere = settings_on(tmp_path / "elsewhere")
+    monkeypatch.setenv("TRIL_DATA", str(elsewhere.data))
+    monkeypatch.setenv("TRIL_DATABASE_URL", elsewhere.database_url)
     output = _run("runs", "import", str(file), "--name", "Another")
     assert "was imported; it teaches Another (another)." in output
     (listed,) = json.loads(_run("runs", "list", "--json"))

@@ -17,6 +17,7 @@ import cli.join
 from cli.join import join_server
 from cli.main import app
 from server.web.security import load_secrets
+from testsupport import s3
 from testsupport.live import LiveServer, live_server
 from testsupport.postgres import find_or_install
 from testsupport.processes import TrilProcess, server_process, tril_process
@@ -256,3 +257,20 @@ def test_what_has_the_same_address_here_and_is_something_else_is_refused(
     said = str(refusal(off, served.base_url, key))
     assert "TRIL_DATABASE_URL name a host that others reach" in said
     assert PASSWORD not in said
+
+
+def test_a_worker_without_the_credentials_of_the_store_is_told_which_to_set(
+    lab: Workplace, elsewhere: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url = f"{s3.use(monkeypatch).new_bucket()}/lab"
+    key = make_key(lab)
+    with server_process(lab.settings.data, artifacts_url=url) as server:
+        joined = join_server(
+            elsewhere.model_copy(update={"worker_key": SecretStr(key)}), server.base_url
+        )
+        assert joined.artifact_root == url
+        for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+            monkeypatch.delenv(name)
+        said = str(refusal(elsewhere, server.base_url, key))
+        assert f"The files of runs are in {url}" in said
+        assert "Set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY" in said

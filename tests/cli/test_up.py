@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from cli.main import app
 from cli.supervision.lock import lock_data_folder
 from cli.workspace import migrate_databases
+from testsupport.databases import on_postgresql
 from tril.errors import Unavailable
 from tril.settings import Settings
 
@@ -64,6 +65,7 @@ def test_a_data_path_that_is_a_file_is_refused(
         assert "can't be created" in _refusal(command)
 
 
+@pytest.mark.skipif(on_postgresql(), reason="about SQLite's files")
 @pytest.mark.parametrize("command", ["up", "migrate"])
 @pytest.mark.parametrize("name", ["tril.sqlite", "jobs.sqlite"])
 def test_a_damaged_database_is_named_with_a_way_out(

@@ -35,7 +35,7 @@ from trainer.runtime.scratch import (
 from trainer.runtime.stages import STAGE_WORK
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
-from tril.files.artifact_store import DISK_FULL, ArtifactStore
+from tril.files.artifact_store import DISK_FULL, ArtifactStore, StoreAway
 from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
 from tril.settings import Settings
@@ -96,7 +96,10 @@ class Pipeline:
         folders = self._settings.data / "runs"
         found = [folder.name for folder in folders.iterdir()] if folders.is_dir() else []
         if self._copies_checkpoints:
-            found += self._artifacts.names(COPIES)
+            try:
+                found += self._artifacts.names(COPIES)
+            except StoreAway as problem:
+                log.warning("Old copies of checkpoints could not be looked for: %s", problem)
         with self._database.reading() as session:
             past = runs.past_resuming(session, set(found))
         for run_id in past:
@@ -105,7 +108,11 @@ class Pipeline:
     def _remove_checkpoints(self, run_id: str) -> None:
         shutil.rmtree(scratch_folder(self._settings, run_id), ignore_errors=True)
         if self._copies_checkpoints:
-            self._artifacts.remove_folder(f"{COPIES}/{run_id}")
+            try:
+                self._artifacts.remove_folder(f"{COPIES}/{run_id}")
+            except StoreAway as problem:
+                # The next sweep finds them.
+                log.warning("Run %s: its copies could not be removed: %s", run_id, problem)
 
     def train(self, run_id: str, run_stage: RunStage) -> str:
         """Lease a run and take it through its stages.
@@ -122,9 +129,22 @@ class Pipeline:
             log.info("Run %s: %s.", run_id, LEFT)
             return LEFT
         try:
-            return self._train(run_id, run_stage)
+            return self._train(run_id, run_stage) if self._has_store(run_id) else LEFT
         finally:
             self._busy.release()
+
+    def _has_store(self, run_id: str) -> bool:
+        """Whether a shared artifact store can be used; if not, the run waits and says why."""
+        if not self._copies_checkpoints:
+            return True
+        try:
+            self._artifacts.check(self._worker)
+        except StoreAway as problem:
+            log.warning("Run %s: %s", run_id, problem)
+            with self._database.writing() as session:
+                leases.say_why_it_waits(session, run_id, store_away_message(problem))
+            return False
+        return True
 
     def _train(self, run_id: str, run_stage: RunStage) -> str:
         with self._database.writing() as session:
@@ -135,6 +155,8 @@ class Pipeline:
         try:
             self._fetch_checkpoints(run_id)
             context = self._context(lease)
+        except StoreAway as problem:
+            return self._wait_for_store(lease, problem)
         except Exception as problem:
             # E.g. a recipe of another version, or the behaviour was deleted.
             log.exception("Run %s can't be started.", run_id)
@@ -206,6 +228,8 @@ class Pipeline:
             self._copy_checkpoints(run_id)
             return self._end(lease, RunStatus.CANCELLED)
         except Exception as problem:
+            if isinstance(problem, StoreAway) and self._copies_checkpoints:
+                return self._wait_for_store(lease, problem)
             if isinstance(problem, DBAPIError) and (is_away(problem) or is_busy(problem)):
                 # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
                 log.warning("Run %s: the database can't be written: %s", run_id, problem.orig)
@@ -251,6 +275,12 @@ class Pipeline:
                 stopping=self._stopping,
             )
 
+    def _wait_for_store(self, lease: Lease, problem: StoreAway) -> str:
+        """Give a run back to the queue, from which it is taken up when the store can be used."""
+        log.warning("Run %s: %s", lease.run_id, problem)
+        write = partial(leases.release, message=store_away_message(problem))
+        return self._leave(lease, write, GIVEN_BACK)
+
     def _end(self, lease: Lease, status: RunStatus, message: str = "") -> str:
         return self._leave(lease, partial(leases.end, status=status, message=message), status)
 
@@ -271,6 +301,11 @@ class Pipeline:
                 traceback.print_exc(file=file)
         except OSError as problem:
             log.warning("The log of run %s could not be written: %s", run_id, problem)
+
+
+def store_away_message(problem: StoreAway) -> str:
+    """Return what a person reads about a run that waits for the artifact store."""
+    return f"{problem} The training goes on by itself as soon as it can be used again."
 
 
 def failure_message(stage: str, problem: BaseException, run_id: str) -> str:

@@ -1,4 +1,4 @@
-"""The store of runs' files: a folder or any store that fsspec supports."""
+"""The store of runs' files: a folder, S3, or any other store that fsspec supports."""
 
 from __future__ import annotations
 
@@ -8,30 +8,56 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from datetime import timedelta
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import fsspec
 from fsspec.implementations.local import LocalFileSystem
 
 from tril.errors import Invalid, NotFound, Unavailable
 
+S3_OPTIONS: dict[str, Any] = {
+    # Addresses without encryption are used where AWS_ENDPOINT_URL names one.
+    "client_options": {"allow_http": True, "connect_timeout": "5s", "timeout": "30s"},
+    "retry_config": {"max_retries": 3, "retry_timeout": timedelta(seconds=15)},
+}
+"""A file of 13 MB in 30 s is 0.4 MB/s. What hangs is given up after 30 s, what fails after 15 s."""
+
+MAX_REASON = 400
+
+
+class StoreAway(Unavailable):
+    """The artifact store can't be reached, or refuses; later it may not."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(
+            "The artifact store, where the files of trainings are, can't be used:"
+            f" {_reason(error)} Nothing that it has is lost."
+        )
+
 
 class ArtifactStore:
     """Files by relative path such as ``runs/<id>/reward-model.safetensors``.
 
     Writes are atomic: in a folder by way of a temporary file, in object stores by themselves.
+    Every method raises StoreAway if the store can't be reached or refuses.
 
     Args:
         root: Folder or fsspec URL of the store.
+
+    Raises:
+        Unavailable: The package for such a store is missing.
     """
 
     def __init__(self, root: str) -> None:
         self._url = root
         try:
-            self._files, self._root = fsspec.core.url_to_fs(root)
+            self._files, self._root = _opened(root)
         except ImportError as error:
             raise Unavailable(
-                f"The artifact store (TRIL_ARTIFACTS_URL) needs a package that is missing: {error}."
+                "The artifact store (TRIL_ARTIFACTS_URL) needs a package that is missing: "
+                f"{error}. For S3: pip install 'tril-imitation[s3]'"
             ) from error
 
     @property
@@ -51,19 +77,18 @@ class ArtifactStore:
             Unavailable: The disk is full.
         """
         place = self._place(path)
-        if self.is_local:
-            with _report_full_disk():
+        with _reporting(path):
+            if self.is_local:
                 write_whole(Path(place), content)
-        else:
-            self._files.pipe_file(place, content)
+            else:
+                self._files.pipe_file(place, content)
         return len(content)
 
     def get(self, path: str) -> bytes:
         """Return a file's content; raises NotFound if there is none."""
-        try:
-            content: bytes = self._files.cat_file(self._place(path))
-        except FileNotFoundError:
-            raise NotFound(f"The file {path} is not in the artifact store.") from None
+        place = self._place(path)
+        with _reporting(path):
+            content: bytes = self._files.cat_file(place)
         return content
 
     @contextmanager
@@ -82,37 +107,69 @@ class ArtifactStore:
 
     def exists(self, path: str) -> bool:
         """Return whether the file exists."""
-        found: bool = self._files.isfile(self._place(path))
-        return found
+        place = self._place(path)
+        try:
+            # Not isfile, which takes every failure for an answer.
+            with _reporting(path):
+                return bool(self._files.info(place)["type"] == "file")
+        except NotFound:
+            return False
 
     def names(self, path: str) -> list[str]:
         """Return the names of what lies in a folder, sorted; none if there is no such folder.
 
         Files that are being written are left out.
         """
+        place = self._place(path)
         try:
-            found = self._files.ls(self._place(path), detail=False)
-        except FileNotFoundError:
+            with _reporting(path):
+                found = self._files.ls(place, detail=False)
+        except NotFound:
             return []
         names = sorted(PurePosixPath(one).name for one in found)
         return [name for name in names if not name.startswith(".")]
 
     def remove(self, path: str) -> None:
         """Remove a file, if it is there."""
-        with suppress(FileNotFoundError):
-            self._files.rm_file(self._place(path))
+        place = self._place(path)
+        with suppress(NotFound), _reporting(path):
+            self._files.rm_file(place)
 
     def remove_folder(self, path: str) -> None:
         """Remove everything below a path, if there is anything."""
         place = self._place(path)
-        if self._files.exists(place):
+        with suppress(NotFound), _reporting(path):
             self._files.rm(place, recursive=True)
+
+    def check(self, name: str) -> None:
+        """Write a file, list its folder, and remove it again.
+
+        Args:
+            name: Name of the file, which nobody else uses.
+        """
+        path = f"workers/{name}"
+        self.put(path, b"")
+        self.names("workers")
+        self.remove(path)
 
     def _place(self, path: str) -> str:
         parts = PurePosixPath(path).parts
         if not parts or path.startswith("/") or "\\" in path or ".." in parts or "\0" in path:
             raise Invalid(f"Expected a relative path inside the artifact store, got {path!r}.")
         return "/".join([str(self._root).rstrip("/"), *parts])
+
+
+def _opened(root: str) -> tuple[Any, str]:
+    """Return fsspec's file system of a store, and the store's place in it."""
+    if not root.startswith("s3://"):
+        files, place = fsspec.core.url_to_fs(root)
+        return files, place
+    from obstore.fsspec import FsspecStore
+
+    # An instance of its own reads the credentials of now. Its types leave out fsspec's options.
+    options: dict[str, Any] = {**S3_OPTIONS, "skip_instance_cache": True}
+    make: Any = FsspecStore
+    return make("s3", **options), root.removeprefix("s3://").rstrip("/")
 
 
 def write_whole(place: Path, content: bytes, mode: int = 0o644) -> None:
@@ -141,13 +198,42 @@ def _sync_folder(folder: Path) -> None:
 
 
 @contextmanager
-def _report_full_disk() -> Iterator[None]:
+def _reporting(path: str) -> Iterator[None]:
+    """Raise what a store's package raises as an error of Tril.
+
+    Raises:
+        NotFound: There is no such file.
+        Unavailable: The disk is full.
+        StoreAway: Anything else.
+    """
     try:
         yield
-    except OSError as error:
-        if error.errno in {errno.ENOSPC, errno.EDQUOT}:
+    except FileNotFoundError as error:
+        if "NoSuchBucket" in str(error):
+            raise StoreAway(error) from error
+        raise NotFound(f"The file {path} is not in the artifact store.") from None
+    except Exception as error:
+        # Each package of fsspec has errors of its own.
+        if isinstance(error, OSError) and error.errno in {errno.ENOSPC, errno.EDQUOT}:
             raise Unavailable(DISK_FULL) from error
-        raise
+        raise StoreAway(error) from error
+
+
+def _reason(error: Exception) -> str:
+    """Return why a store can't be used, and what to do about it where that is known."""
+    # obstore adds pages of debugging after an empty line.
+    said = " ".join(str(error).partition("\n\n")[0].split())[:MAX_REASON]
+    if "169.254.169.254" in said:
+        return (
+            "there are no credentials on this machine. Set AWS_ACCESS_KEY_ID and"
+            " AWS_SECRET_ACCESS_KEY (docs/databases.md)."
+        )
+    # Of listings, obstore does not tell refusals by their type.
+    if any(status in said for status in ("401 Unauthorized", "403 Forbidden")):
+        return f"it refuses the credentials of this machine ({said})."
+    if "NoSuchBucket" in said:
+        return "there is no such bucket. Make it, or correct TRIL_ARTIFACTS_URL."
+    return f"{said or type(error).__name__}."
 
 
 DISK_FULL = "The disk is full. Free some space, then resume. Everything saved so far is kept."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
 import time
 import uuid
 from collections.abc import Iterator
@@ -65,11 +64,13 @@ def fill_window(player: GameClient, n_before: int = 0) -> None:
 
 @contextmanager
 def full_disk(database: Database) -> Iterator[None]:
-    """Let every change of games and recordings fail as SQLite does when the disk is full."""
+    """Let every change of games and recordings fail as databases do when the disk is full."""
+    said = {"sqlite": "database or disk is full", "postgresql": "No space left on device"}
 
-    def refuse(_cursor: Any, statement: str, _parameters: Any, _context: Any) -> None:
+    def refuse(_cursor: Any, statement: str, _parameters: Any, context: Any) -> None:
         if statement.startswith(("UPDATE", "INSERT")):
-            raise sqlite3.OperationalError("database or disk is full")
+            dialect = context.dialect
+            raise dialect.loaded_dbapi.OperationalError(said[dialect.name])
 
     event.listen(database.engine, "do_execute", refuse)
     try:

@@ -19,6 +19,7 @@ from trainer.runtime.pipeline import (
     FINISHED,
     GIVEN_BACK,
     LEASE_LOST,
+    LEFT,
     Pipeline,
     RunStage,
     failure_message,
@@ -32,11 +33,11 @@ from trainer.runtime.worker import sweep_until
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrator import example_tasks
 from tril.errors import Invalid, Unavailable
-from tril.files.artifact_store import ArtifactStore
+from tril.files.artifact_store import ArtifactStore, StoreAway
 from tril.game.console import Console
 from tril.game.starts import evaluation_start
 from tril.recipes import with_values
-from tril.stages import Stage
+from tril.stages import Stage, stages_of
 from tril.store import behaviours, borrowed, rankings, recordings
 from tril.store.models import RunStatus, Source
 from tril.store.training import artifacts, leases, runs, training_games
@@ -98,6 +99,78 @@ def test_a_crash_between_the_check_and_the_stop_still_stops_the_run(
         row.outcome = checked({}, passed=False, advice="Confused.")
     assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.STOPPED
     assert workplace.run(run_id).message == "Confused."
+
+
+@pytest.fixture
+def shared(workplace: Workplace, tmp_path: Path) -> Path:
+    """Return a shared folder of files that is not mounted, so to say."""
+    folder = tmp_path / "shared"
+    folder.write_text("")
+    return folder
+
+
+def sharing(workplace: Workplace, shared: Path) -> Pipeline:
+    settings = workplace.settings.model_copy(update={"artifacts_url": str(shared)})
+    return Pipeline(workplace.database, settings, NAME, threading.Event())
+
+
+def test_a_run_is_not_taken_up_while_its_store_is_away(workplace: Workplace, shared: Path) -> None:
+    run_id = workplace.make_run()
+    pipeline = sharing(workplace, shared)
+    pipeline.sweep()
+    assert pipeline.train(run_id, pipeline.run_stage) == LEFT
+    row = workplace.run(run_id)
+    assert (row.status, row.epoch) == (RunStatus.QUEUED, 0)
+    assert "The artifact store" in row.message
+    assert "goes on by itself" in row.message
+
+    shared.unlink()
+    assert pipeline.train(run_id, only(pipeline, Stage.TRAJECTORIES)) == "left"
+    row = workplace.run(run_id)
+    assert (row.message, set(row.finished_stages)) == ("", {Stage.TRAJECTORIES})
+
+
+def test_a_run_whose_store_goes_away_waits_and_goes_on(workplace: Workplace, shared: Path) -> None:
+    run_id = workplace.make_run()
+    shared.unlink()
+    pipeline = sharing(workplace, shared)
+
+    def run_stage(run_id: str, stage: str) -> str:
+        if stage == Stage.REWARD:
+            shared.rename(shared.with_name("away"))
+            shared.write_text("")
+        return pipeline.run_stage(run_id, stage)
+
+    assert pipeline.train(run_id, run_stage) == GIVEN_BACK
+    row = workplace.run(run_id)
+    assert (row.status, set(row.finished_stages)) == (RunStatus.QUEUED, {Stage.TRAJECTORIES})
+    assert "The artifact store" in row.message
+    pipeline.sweep()
+
+    shared.unlink()
+    shared.with_name("away").rename(shared)
+    again = only(pipeline, Stage.TRAJECTORIES, Stage.REWARD)
+    assert pipeline.train(run_id, again) == "left"
+    assert Stage.REWARD in workplace.run(run_id).finished_stages
+
+
+def test_a_run_that_is_done_stays_done_although_its_copies_cannot_be_removed(
+    workplace: Workplace, shared: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_id = workplace.make_run()
+    shared.unlink()
+    pipeline = sharing(workplace, shared)
+
+    def refuse(_store: ArtifactStore, _path: str) -> None:
+        raise StoreAway(OSError("refused"))
+
+    lease = workplace.lease(run_id, NAME)
+    with workplace.database.writing() as session:
+        for stage in stages_of(example=False):
+            leases.finish_stage(session, lease, stage, 1.0)
+    monkeypatch.setattr(ArtifactStore, "remove_folder", refuse)
+    assert pipeline.train(run_id, lambda *_: FINISHED) == RunStatus.DONE
+    assert workplace.run(run_id).status == RunStatus.DONE
 
 
 def test_a_run_that_cannot_be_started_fails_with_a_reason(

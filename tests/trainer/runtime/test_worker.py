@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 import os
 import signal
 import subprocess
 import sys
+import tarfile
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,7 @@ import pytest
 from sqlalchemy import select
 from stable_baselines3 import PPO
 
+from testsupport import s3
 from testsupport.waiting import wait_until
 from testsupport.worker_zygote import WorkerProcess, Zygote
 from testsupport.workplace import TINY, Workplace
@@ -31,7 +35,7 @@ from tril.recording import verify
 from tril.stages import stages_of
 from tril.store import processes, recordings
 from tril.store.models import MetricRow, RunDevice, RunRow, RunStatus
-from tril.store.training import artifacts, evaluations, metrics
+from tril.store.training import artifacts, evaluations, metrics, runs
 
 SOON_S = 3.0
 """Seconds after which a test's worker gives another one up."""
@@ -264,6 +268,53 @@ def test_a_worker_with_another_data_folder_goes_on_from_the_last_checkpoint(
     # A stage that begins anew drops its points; these are still the first worker's.
     assert points()[0] == before[0]
     assert store.names(f"checkpoints/{run_id}") == ["1.tar"]
+
+
+@pytest.mark.lengthy
+def test_a_run_on_s3_whose_worker_is_killed_is_finished_on_another_machine(
+    workplace: Workplace, jobs: Jobs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url = f"{s3.use(monkeypatch).new_bucket()}/lab"
+    recipe = with_values(TINY, {"policy.snapshot_steps": (64,)})
+    run_id = workplace.make_run(recipe, steps=ENDLESS)
+    jobs.enqueue(run_id)
+    store = ArtifactStore(url)
+    shared: dict[str, Any] = {
+        "database_url": workplace.settings.application_url,
+        "jobs_database_url": workplace.settings.queue_url,
+        "artifacts_url": url,
+    }
+
+    def is_copied() -> bool:
+        if not store.names(f"checkpoints/{run_id}"):
+            return False
+        with tarfile.open(fileobj=io.BytesIO(store.get(f"checkpoints/{run_id}/1.tar"))) as copy:
+            return "imitator/checkpoint.safetensors" in copy.getnames()
+
+    # Forked from a process that has the credentials.
+    with closing(Zygote()) as zygote:
+        with zygote.running(workplace.settings.data, LOST_AFTER_S, **shared) as worker:
+            until(is_copied, worker)
+            worker.kill()
+        with workplace.database.writing() as session:
+            _, curves = metrics.series(session, run_id)
+            reached = int(curves["imitator"]["entropy"][-1][0])
+            runs.get(session, run_id).steps = reached + 64
+        (tmp_path / "other").mkdir()
+        with zygote.running(tmp_path / "other", lost_after_s=SOON_S, **shared) as other:
+            row = until_over(workplace, run_id, other)
+            assert row.status == RunStatus.DONE, other.log.read_text()
+            until(lambda: not store.names(f"checkpoints/{run_id}"), other)
+            assert "goes on from the checkpoints of another machine" in other.log.read_text()
+    with workplace.database.reading() as session:
+        _, curves = metrics.series(session, run_id)
+        steps = [int(step) for step, _ in curves["imitator"]["entropy"]]
+        files = artifacts.listing(session, run_id)
+    # A stage that begins anew drops its points; a run that goes on has each step once.
+    assert steps == sorted(set(steps))
+    assert steps[-1] == reached + 64
+    assert {"reward_model", "imitator", "clone", "attention_map"} <= {file.kind for file in files}
+    assert all(len(store.get(file.path)) == file.size_bytes for file in files)
 
 
 def test_two_workers_never_take_the_same_run(

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.tril.exchange.samples import MODEL, finished_run
+from testsupport.databases import on_postgresql
 from testsupport.workplace import Workplace
 from tril.errors import Conflict, Unavailable
 from tril.exchange import backup
@@ -25,6 +26,10 @@ from tril.store.database import create_database
 from tril.store.models import RunRow, RunStatus, Source
 from tril.store.schema import check_schema
 from tril.store.training import artifacts, runs
+
+pytestmark = pytest.mark.skipif(
+    on_postgresql(), reason="about SQLite's files; PostgreSQL's are in test_postgresql_backup.py"
+)
 
 
 def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_path: Path) -> None:

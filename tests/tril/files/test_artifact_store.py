@@ -1,21 +1,28 @@
-"""The artifact store on a disk and behind fsspec."""
+"""The artifact store on a disk, in memory and on an S3 server."""
 
 from __future__ import annotations
 
 import errno
 import os
+import threading
 from pathlib import Path
 
 import pytest
 
+from testsupport import s3
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore, write_whole
 
 
-@pytest.fixture(params=["folder", "memory"])
-def store(request: pytest.FixtureRequest, tmp_path: Path) -> ArtifactStore:
-    root = str(tmp_path) if request.param == "folder" else f"memory://{tmp_path.name}"
-    return ArtifactStore(root)
+@pytest.fixture(params=["folder", "memory", "s3"])
+def store(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> ArtifactStore:
+    if request.param == "folder":
+        return ArtifactStore(str(tmp_path))
+    if request.param == "memory":
+        return ArtifactStore(f"memory://{tmp_path.name}")
+    return ArtifactStore(f"{s3.use(monkeypatch).new_bucket()}/some/prefix")
 
 
 def test_files_are_written_read_and_replaced(store: ArtifactStore) -> None:
@@ -43,6 +50,48 @@ def test_no_path_leads_out_of_the_store(store: ArtifactStore, path: str) -> None
         store.put(path, b"")
     with pytest.raises(Invalid):
         store.get(path)
+
+
+def test_folders_are_listed_and_removed_alone_and_more_than_once(store: ArtifactStore) -> None:
+    store.put("runs/a/x", b"1")
+    store.put("runs/a/deep/y", b"2")
+    store.put("runs/ab/x", b"3")
+    assert store.names("runs") == ["a", "ab"]
+    assert store.names("runs/a") == ["deep", "x"]
+    assert store.names("none") == []
+    assert not store.exists("runs/a")
+    for _ in range(2):
+        store.remove_folder("runs/a")
+        store.remove("runs/a/x")
+        assert store.names("runs") == ["ab"]
+    assert store.get("runs/ab/x") == b"3"
+
+
+def test_a_check_leaves_nothing_behind(store: ArtifactStore) -> None:
+    store.put("workers/key", b"1")
+    store.check("one")
+    assert store.names("workers") == ["key"]
+
+
+def test_more_files_are_listed_than_an_object_store_tells_at_once(store: ArtifactStore) -> None:
+    names = [f"{number:04}" for number in range(1_003)]
+    for name in names:
+        store.put(f"many/{name}", b"")
+    assert store.names("many") == names
+
+
+def test_readers_see_the_old_file_or_the_new_one_whole(store: ArtifactStore) -> None:
+    # Larger than the parts in which object stores are written to.
+    contents = [bytes([number]) * 6_000_000 for number in range(3)]
+    store.put("x", contents[0])
+    writer = threading.Thread(target=lambda: [store.put("x", content) for content in contents * 2])
+    writer.start()
+    seen = 0
+    while writer.is_alive() or not seen:
+        assert store.get("x") in contents
+        seen += 1
+    writer.join()
+    assert store.get("x") == contents[-1]
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(

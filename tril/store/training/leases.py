@@ -145,9 +145,17 @@ def end(session: Session, lease: Lease, status: RunStatus, message: str = "") ->
     _end(session, row, status, message)
 
 
-def release(session: Session, lease: Lease) -> None:
+def release(session: Session, lease: Lease, message: str = RELEASED_MESSAGE) -> None:
     """Give the run back to the queue in good order, e.g. because the worker is being stopped."""
-    _give_back(session, owned(session, lease), RELEASED_MESSAGE)
+    _give_back(session, owned(session, lease), message)
+
+
+def say_why_it_waits(session: Session, run_id: str, message: str) -> None:
+    """Say why a run in the queue is not taken up, unless that is said already."""
+    row = _locked(session, run_id)
+    if row is not None and row.status == RunStatus.QUEUED and row.message != message:
+        row.message = message
+        note_change(session, "run", run_id)
 
 
 def revoke(session: Session, run_id: str, epoch: int) -> bool:
