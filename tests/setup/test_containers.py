@@ -103,7 +103,10 @@ def test_every_setting_reaches_every_service(
     passed_on = {variable for variable, value in environment.items() if value is None}
     of_the_image = set(re.findall(r"\b(TRIL_[A-Z_]+)=", "\n".join(dockerfile)))
     settings = {f"TRIL_{field.upper()}" for field in Settings.model_fields}
-    of_a_joining_worker = {"TRIL_WORKER_KEY", "TRIL_WORKER_KEY_FILE"}  # these services join no server
+    of_a_joining_worker = {
+        "TRIL_WORKER_KEY",
+        "TRIL_WORKER_KEY_FILE",
+    }  # these services join no server
     own = {"TRIL_DATA", "TRIL_HOST", "TRIL_PLAIN_HTTP"}
     assert passed_on == settings - own - of_a_joining_worker
     # Safe since the port is published to this machine alone.
