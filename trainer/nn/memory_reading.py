@@ -203,16 +203,17 @@ def learn_to_read(
         losses = F.binary_cross_entropy_with_logits(
             read(take_screens(inputs, chosen)), flags[chosen].float(), reduction="none"
         )
+        loss = losses.mean(0) @ importance
         optimizer.zero_grad()
-        (losses.mean(0) @ importance).backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         optimizer.step()
         schedule.step()
     with torch.no_grad():
-        parts = torch.split(torch.from_numpy(tested), 512)
-        logits = torch.cat([read(take_screens(inputs, part)) for part in parts])
+        batches = torch.split(torch.from_numpy(tested), 512)
+        logits = torch.cat([read(take_screens(inputs, batch)) for batch in batches])
     truth = flags[torch.from_numpy(tested)].float()
-    split = zip(targets, logits.split(sizes, 1), truth.split(sizes, 1), strict=True)
-    return {one.name: _figures(predicted, true) for one, predicted, true in split}
+    parts = zip(targets, torch.split(logits, sizes, 1), torch.split(truth, sizes, 1), strict=True)
+    return {one.name: _figures(predicted, true) for one, predicted, true in parts}
 
 
 def _figures(logits: Tensor, truth: Tensor) -> dict[str, float]:
