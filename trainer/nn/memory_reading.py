@@ -1,12 +1,12 @@
-"""Reading the console's memory off the screen, which networks are pretrained to do.
+"""Learning what screens tell: what the console's memory holds, and what would happen next.
 
-What is learned here is how the game looks, from varied play that nobody ranks; it is of use for all
-behaviours and says nothing of any.
+Networks are pretrained on it. What is learned here is how the game looks and works, from varied
+play that nobody ranks; it is of use for all behaviours and says nothing of any.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
@@ -18,10 +18,11 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from trainer.nn.foresight import N_HITS, N_OUTCOMES, Lookahead
 from trainer.nn.screens import channels_last_screens, take_screens
 from tril.demonstrator.varied_play import play_varied
 from tril.game.console import Console
-from tril.game.episode import Episode
+from tril.game.episode import Episode, EpisodeState
 from tril.game.observation import Observations
 from tril.game.space_invaders import FRAMES_PER_STEP
 from tril.recording import replay, trajectory
@@ -42,8 +43,27 @@ FAST = 0.01
 """Bits that differ between more than this share of neighbouring kept states change often: timers,
 positions and the like."""
 
+HITS_WEIGHT = 6.0
+SHOTS_WEIGHT = 36.0
+"""Of the losses; that of the memory counts 1. Shots hit one alien of 36 at most."""
+
 BATCH_SIZE = 128
 LEARNING_RATE = 2e-3
+
+
+@dataclass(frozen=True)
+class Targets:
+    """Flags that a network learns to predict from screens.
+
+    Attributes:
+        name: What figures call them.
+        flags: bool (N, K).
+        weight: Factor on their mean loss.
+    """
+
+    name: str
+    flags: npt.NDArray[np.bool_]
+    weight: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -54,11 +74,25 @@ class Screens:
         observations: uint8 (N, 4, 84, 84).
         bits: Bits of the memory, bool (N, 1024).
         games: Which game each is from, int64 (N,), ascending.
+        outcomes: What each move would lead to, see Lookahead, bool (N, M); M is 0 if nobody looked.
     """
 
     observations: Observations
     bits: npt.NDArray[np.bool_]
     games: npt.NDArray[np.int64]
+    outcomes: npt.NDArray[np.bool_]
+
+    def memory(self, which: npt.NDArray[np.int64]) -> Targets:
+        """Return these bits of the memory as what is predicted."""
+        return Targets("bits", self.bits[:, which])
+
+    def hits(self) -> Targets:
+        """Return whether the cannon would be hit as what is predicted."""
+        return Targets("hits", self.outcomes[:, :N_HITS], HITS_WEIGHT)
+
+    def shots(self) -> Targets:
+        """Return which alien a shot would hit as what is predicted."""
+        return Targets("shots", self.outcomes[:, N_HITS:], SHOTS_WEIGHT)
 
     def varying(self) -> npt.NDArray[np.int64]:
         """Return the indices of the bits that vary."""
@@ -73,33 +107,50 @@ class Screens:
         return np.asarray(varying[changes[varying] < FAST])
 
 
-def play_games(n_games: int, seed: int, n_processes: int) -> Screens:
-    """Play varied games and keep some of their states."""
+def play_games(n_games: int, seed: int, n_processes: int, *, look_ahead: bool = False) -> Screens:
+    """Play varied games and keep some of their states.
+
+    Args:
+        n_games: How many games.
+        seed: Seeds all draws.
+        n_processes: Processes that play; affects the speed only.
+        look_ahead: Whether to find out what each move would lead to, which takes most of the time.
+    """
     pool = ProcessPoolExecutor(n_processes, mp_context=get_context("spawn"))
     with pool:
-        played = list(pool.map(partial(_play_game, seed), range(n_games), chunksize=8))
-    lengths = [len(bits) for _, bits in played]
+        played = list(pool.map(partial(_play_game, seed, look_ahead), range(n_games), chunksize=8))
+    observations, bits, outcomes = zip(*played, strict=True)
+    lengths = [len(one) for one in bits]
     return Screens(
-        np.concatenate([observations for observations, _ in played]),
-        np.concatenate([bits for _, bits in played]),
+        np.concatenate(observations),
+        np.concatenate(bits),
         np.repeat(np.arange(n_games), lengths),
+        np.concatenate(outcomes),
     )
 
 
-def _play_game(seed: int, number: int) -> tuple[Observations, npt.NDArray[np.bool_]]:
+def _play_game(
+    seed: int, look_ahead: bool, number: int
+) -> tuple[Observations, npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     rng = np.random.default_rng([seed, number])
     console = _console()
     recording = play_varied(rng, console).recording
+    kept = slice(int(rng.integers(KEPT_STEPS)), None, KEPT_STEPS)
     memory: list[npt.NDArray[np.uint8]] = []
+    states: list[EpisodeState] = []
 
     def look(episode: Episode) -> None:
         if episode.frame % FRAMES_PER_STEP == 0:
             memory.append(console.ram.copy())
+            if look_ahead:
+                states.append(episode.save())
 
     replay(recording, console, look)
     observations = trajectory(recording, console).observations[: len(memory)]
-    kept = slice(int(rng.integers(KEPT_STEPS)), None, KEPT_STEPS)
-    return observations[kept], np.unpackbits(np.array(memory[kept]), axis=1).astype(np.bool_)
+    bits = np.unpackbits(np.array(memory[kept]), axis=1).astype(np.bool_)
+    outcomes = [_lookahead().outcomes(state) for state in states[kept]]
+    shape = (len(bits), N_OUTCOMES if look_ahead else 0)
+    return observations[kept], bits, np.array(outcomes, np.bool_).reshape(shape)
 
 
 @cache
@@ -107,53 +158,73 @@ def _console() -> Console:
     return Console()
 
 
+@cache
+def _lookahead() -> Lookahead:
+    return Lookahead(Console())
+
+
 def learn_to_read(
     read: Callable[[Tensor], Tensor],
     weights: Iterable[nn.Parameter],
     screens: Screens,
-    which: npt.NDArray[np.int64],
+    targets: Sequence[Targets],
     n_epochs: int,
     rng: np.random.Generator,
-) -> dict[str, float]:
-    """Train a network to predict bits of the memory from screens.
+) -> dict[str, dict[str, float]]:
+    """Train a network to predict flags from screens.
 
     Args:
-        read: Returns the logits, float32 (N, len(which)), of screens, uint8 (N, 4, 84, 84) in
-            channels-last order.
+        read: Returns the logits of all targets, one after another, float32 (N, K), of screens,
+            uint8 (N, 4, 84, 84) in channels-last order.
         weights: What is learned.
         screens: What it is learned from.
-        which: Indices of the bits.
+        targets: What is predicted.
         n_epochs: Passes over the screens.
         rng: Source of the order of the screens.
 
     Returns:
-        "accuracy", the share of bits predicted right in games that were held out, "commoner", that
-        of always predicting the commoner value, and the numbers "n_bits" and "n_screens".
+        Figures of each target, by name, from games that were held out: "accuracy", the share of
+        flags predicted right, "commoner", that of always predicting the commoner value, "known",
+        the share of their entropy (as flags of known frequencies) that the predictions take away,
+        and the number "n_flags".
     """
     inputs = channels_last_screens(screens.observations)
-    bits = torch.from_numpy(screens.bits[:, which].astype(np.float32))
+    flags = torch.from_numpy(np.concatenate([one.flags for one in targets], axis=1))
+    sizes = [one.flags.shape[1] for one in targets]
+    importance = torch.cat(
+        [torch.full((size,), one.weight / size) for one, size in zip(targets, sizes, strict=True)]
+    )
     held_out = screens.games % HELD_OUT == 0
     learned, tested = np.flatnonzero(~held_out), np.flatnonzero(held_out)
     optimizer = torch.optim.Adam(weights)
     n_updates = n_epochs * (len(learned) // BATCH_SIZE)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, LEARNING_RATE, total_steps=n_updates)
     for chosen in _batches(learned, rng, n_updates):
-        predicted = read(take_screens(inputs, chosen))
-        loss = F.binary_cross_entropy_with_logits(predicted, bits[chosen])
+        losses = F.binary_cross_entropy_with_logits(
+            read(take_screens(inputs, chosen)), flags[chosen].float(), reduction="none"
+        )
+        loss = losses.mean(0) @ importance
         optimizer.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         optimizer.step()
         schedule.step()
     with torch.no_grad():
-        parts = torch.split(torch.from_numpy(tested), 512)
-        logits = torch.cat([read(take_screens(inputs, part)) for part in parts])
-    truth = bits[torch.from_numpy(tested)]
+        batches = torch.split(torch.from_numpy(tested), 512)
+        logits = torch.cat([read(take_screens(inputs, batch)) for batch in batches])
+    truth = flags[torch.from_numpy(tested)].float()
+    parts = zip(targets, torch.split(logits, sizes, 1), torch.split(truth, sizes, 1), strict=True)
+    return {one.name: _figures(predicted, true) for one, predicted, true in parts}
+
+
+def _figures(logits: Tensor, truth: Tensor) -> dict[str, float]:
     share = truth.mean(0)
+    entropy = F.binary_cross_entropy(share.expand_as(truth), truth)
+    loss = F.binary_cross_entropy_with_logits(logits, truth)
     return {
         "accuracy": ((logits > 0) == (truth > 0.5)).float().mean().item(),
         "commoner": torch.maximum(share, 1 - share).mean().item(),
-        "n_bits": len(which),
-        "n_screens": len(learned),
+        "known": (1 - loss / entropy).item(),
+        "n_flags": truth.shape[1],
     }
 
 

@@ -2,9 +2,10 @@
 
 A clone of a dozen games begins with random weights, hits hardly anything from starts that the games
 do not show, and dies; PPO then has to learn to see, to dodge and to aim at once. What all
-behaviours have in common is learned here once. First the layers below the heads learn to read the
-console's memory off screens of varied play, where the bombs and the cannon are among others. Then
-PPO learns to survive: all that it is paid for is not to be hit, and its episodes begin after
+behaviours have in common is learned here once. First the layers below the heads learn to tell from
+screens of varied play what the console's memory holds, how soon a cannon would be hit that stays or
+goes to one side, and which alien it would hit if it shot. Then PPO learns to survive with the
+convolutions as they are: all that it is paid for is not to be hit, and its episodes begin after
 openings and within varied games. No alien is worth anything.
 
     python -m trainer.policy.pretraining
@@ -52,7 +53,7 @@ from tril.game.starts import EVALUATION_START_COUNT
 from tril.recipes import FAST, with_values
 from tril.recording import Recording
 
-N_EPOCHS = 10
+N_EPOCHS = 20
 """Passes over the screens."""
 
 STEPS = 600_000
@@ -66,7 +67,8 @@ RECIPE = with_values(
     {
         "policy.kl_coef": 0.0,
         "policy.critic_warm_up_steps": 0,
-        "policy.ent_coef": 0.01,
+        "policy.ent_coef": 0.002,
+        "policy.freeze_convolutions": True,
         "policy.death_penalty": 1.0,
         "policy.reward_scale": 1.0,
         "policy.learning_rate": 5e-4,
@@ -93,23 +95,28 @@ class NoReward(RewardModel):
         return np.zeros(len(observations), np.float32)
 
 
-def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, float]]:
-    """Train the layers below the heads to predict the bits of the memory that vary.
+def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, dict[str, float]]]:
+    """Train the layers below the heads to predict the memory that varies and each move's outcome.
+
+    Args:
+        screens: With outcomes.
+        seed: Seeds all random numbers.
 
     Returns:
         The policy, whose heads are random, and the figures of ``learn_to_read``.
     """
     rng = np.random.default_rng(seed)
     policy = new_policy(FAST.policy.network, 0.0, rng)
-    which = screens.varying()
+    targets = [screens.memory(screens.varying()), screens.hits(), screens.shots()]
+    n_flags = sum(one.flags.shape[1] for one in targets)
     with torch_seeded(rng):
-        memory = nn.Linear(policy.features_extractor.features_dim, len(which))
-    weights = [*policy.features_extractor.parameters(), *memory.parameters()]
+        predicted = nn.Linear(policy.features_extractor.features_dim, n_flags)
+    weights = [*policy.features_extractor.parameters(), *predicted.parameters()]
     figures = learn_to_read(
-        lambda inputs: memory(policy.extract_features(inputs)),
+        lambda inputs: predicted(policy.extract_features(inputs)),
         weights,
         screens,
-        which,
+        targets,
         N_EPOCHS,
         rng,
     )
@@ -160,16 +167,16 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("-o", "--output", type=Path, default=PRETRAINED)
     arguments = parser.parse_args()
-    screens = play_games(arguments.games, arguments.seed, arguments.processes)
+    screens = play_games(arguments.games, arguments.seed, arguments.processes, look_ahead=True)
     policy, figures = learn_to_see(screens, arguments.seed)
     del screens
     rng, console = np.random.default_rng([arguments.seed, 1]), Console()
     games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
     with tempfile.TemporaryDirectory() as folder:
         policy = learn_to_survive(policy, games, arguments.steps, arguments.seed, Path(folder))
-    figures |= {"n_steps": arguments.steps, "death_rate": death_rate(policy)}
-    save_pretrained(policy, arguments.output, json.dumps(figures))
-    sys.stdout.write(f"{json.dumps(figures)}\n")
+    said = json.dumps(figures | {"n_steps": arguments.steps, "death_rate": death_rate(policy)})
+    save_pretrained(policy, arguments.output, said)
+    sys.stdout.write(f"{said}\n")
 
 
 if __name__ == "__main__":

@@ -38,7 +38,7 @@ WEIGHTS = Path(__file__).with_name("pretrained.safetensors")
 N_EPOCHS = 12
 
 
-def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, float]]:
+def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict[str, float]]]:
     """Train the layers below the output to predict the bits that change seldom.
 
     Those that change often would be of no use: R should not depend on them.
@@ -59,7 +59,7 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, floa
         return memory(network.hidden_values(second))  # type: ignore[no-any-return]
 
     weights = [one for name, one in network.named_parameters() if not name.startswith("output")]
-    return network, learn_to_read(read, weights, screens, which, N_EPOCHS, rng)
+    return network, learn_to_read(read, weights, screens, [screens.memory(which)], N_EPOCHS, rng)
 
 
 def pretrained_network(rng: np.random.Generator) -> RewardNetwork:

@@ -10,6 +10,7 @@ import torch
 
 from tests.trainer.samples import planted_trajectories
 from trainer.nn.checkpoints import load_tensors
+from trainer.nn.foresight import N_OUTCOMES
 from trainer.nn.memory_reading import play_games
 from trainer.policy.cloning import train_clone
 from trainer.policy.networks import PRETRAINED, new_policy, pretrained_policy
@@ -27,11 +28,11 @@ from tril.recipes import FAST, CloningRecipe, with_values
 
 
 def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
-    screens = play_games(5, seed=5, n_processes=1)
+    screens = play_games(5, seed=5, n_processes=1, look_ahead=True)
     policy, figures = learn_to_see(screens, seed=0)
-    assert figures["n_bits"] == len(screens.varying())
-    assert figures["n_bits"] > len(screens.seldom_changing())
-    assert 0.5 < figures["accuracy"] <= 1.0
+    assert figures["bits"]["n_flags"] == len(screens.varying()) > len(screens.seldom_changing())
+    assert figures["hits"]["n_flags"] + figures["shots"]["n_flags"] == N_OUTCOMES
+    assert 0.5 < figures["bits"]["accuracy"] <= 1.0
     games = [play_varied(np.random.default_rng(0)).recording]
     # Two rollouts: the learning rate is zero in the last one.
     survivor = learn_to_survive(policy, games, 4_096, seed=0, folder=tmp_path)
