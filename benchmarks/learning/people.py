@@ -6,19 +6,22 @@
 
 A scripted player with a person's limits plays twelve games to be ranked and twelve best efforts;
 the order is by outcome, with three swaps of neighbours. `--varied-games` are games of varied play
-that are inserted into the order, or, with `--unsorted`, put below the worst. With `--rounds` the
-training is interrupted: some of the imitator's own games are inserted into the order (one answer
-in ten is wrong), and the reward is learned anew. The imitator is judged on the 32 evaluation
+that are inserted into the order, or, with `--unsorted`, put below the worst, or, with
+`--bulk-answers`, sorted by a few answers that each put many of them into one tier. With `--rounds`
+the training is interrupted: some of the imitator's own games are inserted into the order (one
+answer in ten is wrong), and the reward is learned anew. The imitator is judged on the 32 evaluation
 starts with their openings, greedily and with sticky actions, and without openings.
 
-Prints the figures and appends them to a ledger, a line of JSON a training, with the digest of the
-recipe. 200,000 steps take a
-quarter of an hour on one of two cores.
+Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome
+and the digests of the recipe, of the weights that ship with Tril and of the demonstrations;
+benchmarks.learning.people_table makes tables of it. 300,000 steps take about six minutes on one of
+two cores.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import tempfile
 import time
@@ -29,6 +32,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import torch
 
 from trainer.nn.precision import Precision
@@ -36,14 +40,14 @@ from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
-from trainer.policy.networks import Policy, load_policy, save_policy
+from trainer.policy.networks import PRETRAINED, Policy, load_policy, save_policy
 from trainer.progress import NullProgress
 from trainer.reporting.digests import recipe_digest
 from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
-from trainer.reward.pretraining import read_memory
+from trainer.reward.pretraining import WEIGHTS, read_memory
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN, Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
@@ -130,8 +134,20 @@ class Ranked:
             if worth in {self.merits[other] for other in tier}:
                 tier.append(index)
                 return
+        self.insert_together([index])
+
+    def insert_together(self, indices: Sequence[int]) -> None:
+        """Rank games in a tier of their own, where their mean worth belongs."""
+        worth = np.mean([self.merits[index][0] for index in indices])
         means = [np.mean([self.merits[other][0] for other in tier]) for tier in self.tiers]
-        self.tiers.insert(sum(bool(mean > worth[0]) for mean in means), [index])
+        self.tiers.insert(sum(bool(mean > worth) for mean in means), [*indices])
+
+    def insert_in_bulk(self, indices: Sequence[int], n_answers: int) -> None:
+        """Rank games by a few answers, each of which puts many at once into a tier."""
+        ordered = sorted(indices, key=lambda index: self.merits[index])
+        for part in np.array_split(ordered, n_answers):
+            if len(part):
+                self.insert_together(part.tolist())
 
 
 def _score(behaviour: Behaviour, hits: Sequence[Any]) -> Score:
@@ -159,6 +175,7 @@ def judge(
     return {name: float(np.mean([one[name] for one in figures])) for name in figures[0]} | {
         "level": float(np.mean(levels)),
         "tau": _tau(worths, levels),
+        "games": {name: [int(one[name]) for one in figures] for name in figures[0]},
     }
 
 
@@ -202,7 +219,23 @@ class UnseenGames:
                 [self._own.merits[i] for i in self._clean], [own[i] for i in self._clean]
             ),
             "tau_varied": _tau(self._varied.merits, self._varied.levels(model)),
+            "epic": self.epic_distance(model),
         }
+
+    def epic_distance(self, model: RewardModel) -> float:
+        """Return the EPIC distance of R to (targets - strays), over the states of all games.
+
+        Gleave et al. 2021, definition 4.6. Both rewards depend on the state that a step leads to
+        alone, so canonicalising adds a constant, and what is left is the Pearson distance: 0 for
+        rewards that differ by a positive factor and a constant, 1 for opposite ones.
+        """
+        learned, true = [], []
+        for games in self.kinds.values():
+            for seen in games.trajectories:
+                learned.append(model.score(seen.observations[1:]))
+                true.append(hit_worth(games.behaviour, seen)[1:])
+        correlation = np.corrcoef(np.concatenate(learned), np.concatenate(true))[0, 1]
+        return float(np.sqrt((1 - correlation) / 2))
 
 
 def _tau(worths: Sequence[Merit], levels: Sequence[float]) -> float | None:
@@ -227,6 +260,16 @@ def _figures(behaviour: Behaviour, game: EvaluatedGame) -> dict[str, float]:
     }
 
 
+def hit_worth(behaviour: Behaviour, seen: Trajectory) -> npt.NDArray[np.float32]:
+    """Return targets hit minus strays at each state of a trajectory, float32 (T + 1,)."""
+    assert behaviour.target is not None
+    worth = np.zeros(len(seen.observations), np.float32)
+    for hit in seen.hits:
+        step = -(-hit.frame // FRAMES_PER_STEP)
+        worth[step:] += 1.0 if (hit.row, hit.column) in behaviour.target else -1.0
+    return worth
+
+
 def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
     """Return a pretrained model whose output is fitted to the true hits, by ridge regression.
 
@@ -241,12 +284,8 @@ def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
     for seen in games.trajectories:
         read = read_memory(seen.observations)
         inputs = torch.cat([read, torch.ones(len(read), 1)], 1)
-        worth = np.zeros(len(read), np.float32)
-        for hit in seen.hits:
-            step = -(-hit.frame // FRAMES_PER_STEP)
-            worth[step:] += 1.0 if (hit.row, hit.column) in behaviour.target else -1.0
         products += inputs.T @ inputs
-        sums += inputs.T @ torch.from_numpy(worth / len(behaviour.target))
+        sums += inputs.T @ torch.from_numpy(hit_worth(behaviour, seen) / len(behaviour.target))
     solution = torch.linalg.solve(products + torch.eye(size + 1), sums)
     with torch.no_grad():
         network.output.weight.copy_(solution[None, :-1])
@@ -291,6 +330,8 @@ class Lesson:
         ]
         if games and self.arguments.unsorted:
             self.ranked.tiers.append(games)
+        elif self.arguments.bulk_answers:
+            self.ranked.insert_in_bulk(games, self.arguments.bulk_answers)
         elif games:
             self.ranked.order(n_mistakes, self.rng)
 
@@ -302,6 +343,13 @@ class Lesson:
         for _ in range(N_SCORED):
             games.add(play_varied(rng, self.console).recording, self.console)
         return games
+
+    def digest(self) -> str:
+        """Return eight hexadecimal digits that change when a game or its rank does."""
+        digest = hashlib.blake2b(json.dumps(self.ranked.tiers).encode(), digest_size=4)
+        for recording in (*self.ranked.recordings, *self.perfect):
+            digest.update(f"{recording.start}".encode() + recording.actions)
+        return digest.hexdigest()
 
     def dataset(self) -> PreferenceDataset:
         """Return what the reward is learned from, by the ranking as it is now."""
@@ -386,6 +434,12 @@ class Lesson:
             self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
 
 
+def weights_digest() -> str:
+    """Return eight hexadecimal digits of the pretrained weights that ship with Tril."""
+    shipped = (PRETRAINED, WEIGHTS)
+    return hashlib.blake2b(b"".join(one.read_bytes() for one in shipped), digest_size=4).hexdigest()
+
+
 def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
     """Return the command line's arguments, or those of other words."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -397,6 +451,9 @@ def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--varied-games", type=int, default=0)
     parser.add_argument("--random-play", action="store_true", help="of random play alone")
     parser.add_argument("--unsorted", action="store_true", help="all of them below the worst")
+    parser.add_argument(
+        "--bulk-answers", type=int, default=0, help="sort them by so many answers instead of fully"
+    )
     parser.add_argument("--reward", choices=REWARDS, default="ranking", help="is learned from this")
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--answers", type=int, default=8, help="games inserted between two rounds")
@@ -414,7 +471,12 @@ def main() -> None:
     torch.set_num_threads(arguments.threads)
     with tempfile.TemporaryDirectory() as folder:
         lesson = Lesson(arguments)
-        found = {"digest": recipe_digest(lesson.recipe)} | lesson.train(Path(folder))
+        digests = {
+            "digest": recipe_digest(lesson.recipe),
+            "weights": weights_digest(),
+            "demonstrations_digest": lesson.digest(),
+        }
+        found = digests | lesson.train(Path(folder))
     asked = {k: v for k, v in vars(arguments).items() if k not in {"ledger", "threads", "check"}}
     line = json.dumps(asked | found)
     print(line)

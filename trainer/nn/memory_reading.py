@@ -24,7 +24,7 @@ from tril.demonstrator.varied_play import play_varied
 from tril.game.console import Console
 from tril.game.episode import Episode, EpisodeState
 from tril.game.observation import Observations
-from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
 from tril.recording import replay, trajectory
 
 N_GAMES = 1200
@@ -46,6 +46,8 @@ positions and the like."""
 HITS_WEIGHT = 6.0
 SHOTS_WEIGHT = 36.0
 """Of the losses; that of the memory counts 1. Shots hit one alien of 36 at most."""
+
+ALIENS_WEIGHT = 1.0
 
 BATCH_SIZE = 128
 LEARNING_RATE = 2e-3
@@ -75,12 +77,14 @@ class Screens:
         bits: Bits of the memory, bool (N, 1024).
         games: Which game each is from, int64 (N,), ascending.
         outcomes: What each move would lead to, see Lookahead, bool (N, M); M is 0 if nobody looked.
+        standing: Which aliens of the full grid are left, row by row, bool (N, 36).
     """
 
     observations: Observations
     bits: npt.NDArray[np.bool_]
     games: npt.NDArray[np.int64]
     outcomes: npt.NDArray[np.bool_]
+    standing: npt.NDArray[np.bool_]
 
     def memory(self, which: npt.NDArray[np.int64]) -> Targets:
         """Return these bits of the memory as what is predicted."""
@@ -93,6 +97,10 @@ class Screens:
     def shots(self) -> Targets:
         """Return which alien a shot would hit as what is predicted."""
         return Targets("shots", self.outcomes[:, N_HITS:], SHOTS_WEIGHT)
+
+    def aliens(self) -> Targets:
+        """Return which aliens are left as what is predicted."""
+        return Targets("aliens", self.standing, ALIENS_WEIGHT)
 
     def varying(self) -> npt.NDArray[np.int64]:
         """Return the indices of the bits that vary."""
@@ -119,29 +127,32 @@ def play_games(n_games: int, seed: int, n_processes: int, *, look_ahead: bool = 
     pool = ProcessPoolExecutor(n_processes, mp_context=get_context("spawn"))
     with pool:
         played = list(pool.map(partial(_play_game, seed, look_ahead), range(n_games), chunksize=8))
-    observations, bits, outcomes = zip(*played, strict=True)
+    observations, bits, outcomes, standing = zip(*played, strict=True)
     lengths = [len(one) for one in bits]
     return Screens(
         np.concatenate(observations),
         np.concatenate(bits),
         np.repeat(np.arange(n_games), lengths),
         np.concatenate(outcomes),
+        np.concatenate(standing),
     )
 
 
 def _play_game(
     seed: int, look_ahead: bool, number: int
-) -> tuple[Observations, npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+) -> tuple[Observations, npt.NDArray[np.bool_], npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     rng = np.random.default_rng([seed, number])
     console = _console()
     recording = play_varied(rng, console).recording
     kept = slice(int(rng.integers(KEPT_STEPS)), None, KEPT_STEPS)
     memory: list[npt.NDArray[np.uint8]] = []
+    standing: list[npt.NDArray[np.bool_]] = []
     states: list[EpisodeState] = []
 
     def look(episode: Episode) -> None:
         if episode.frame % FRAMES_PER_STEP == 0:
             memory.append(console.ram.copy())
+            standing.append(_standing(episode))
             if look_ahead:
                 states.append(episode.save())
 
@@ -150,7 +161,16 @@ def _play_game(
     bits = np.unpackbits(np.array(memory[kept]), axis=1).astype(np.bool_)
     outcomes = [_lookahead().outcomes(state) for state in states[kept]]
     shape = (len(bits), N_OUTCOMES if look_ahead else 0)
-    return observations[kept], bits, np.array(outcomes, np.bool_).reshape(shape)
+    outcomes_of_moves = np.array(outcomes, np.bool_).reshape(shape)
+    return observations[kept], bits, outcomes_of_moves, np.array(standing[kept])
+
+
+def _standing(episode: Episode) -> npt.NDArray[np.bool_]:
+    """Return which aliens of the full grid are left, bool (36,)."""
+    left = np.ones((ROWS, COLUMNS), np.bool_)
+    for hit in episode.hits:
+        left[hit.row, hit.column] = False
+    return left.ravel()
 
 
 @cache

@@ -1,0 +1,175 @@
+"""Tables of what `python -m benchmarks.learning.people` has written to a ledger.
+
+    python -m benchmarks.learning.people_table docs/results/people.jsonl
+
+Prints one table in Markdown for each way of training (games learned from, steps, changed values),
+a row a behaviour, of the trainings that began with today's pretrained weights. Intervals are 95%
+bootstrap intervals over trainings and games; the last row has interquartile means over behaviours
+with stratified intervals (Agarwal et al. 2021). Then the taus of what the check of the ranking said
+and of how well the reward orders unseen games with the targets hit, over all trainings.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.learning.people import weights_digest
+from tril.analysis.summary import Interval, interquartile_interval, nested_interval
+from tril.ranking import kendall_tau
+
+Line = dict[str, Any]
+
+CONDITION = (
+    "demonstrations",
+    "varied_games",
+    "unsorted",
+    "bulk_answers",
+    "reward",
+    "rounds_asked",
+    "answers",
+    "steps",
+    "set",
+    "digest",
+)
+"""What trainings of one table share."""
+
+FIGURES = ("targets", "strays", "died", "perfect")
+HEADINGS = ("targets", "strays", "lost", "perfect games")
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("ledger", type=Path, nargs="+")
+    parser.add_argument("--weights", default=weights_digest(), help="digest of the weights")
+    arguments = parser.parse_args()
+    lines = [line for path in arguments.ledger for line in _lines(path, arguments.weights)]
+    tables: dict[str, list[Line]] = {}
+    for line in lines:
+        tables.setdefault(json.dumps([line[name] for name in CONDITION]), []).append(line)
+    for trainings in tables.values():
+        sys.stdout.write(f"\n{_title(trainings[0])}\n\n{table(trainings)}\n")
+    if checked := [line for line in lines if "held_out_accuracy" in last_round(line)]:
+        sys.stdout.write(f"\n{calibration(checked)}\n")
+
+
+def last_round(line: Line) -> Line:
+    """Return the figures of a training's last round."""
+    last: Line = line["rounds"][-1]
+    return last
+
+
+def table(trainings: Sequence[Line]) -> str:
+    """Return a table in Markdown of trainings that differ in behaviour and seed alone."""
+    rows = [
+        "| behaviour | seeds | "
+        + " | ".join(f"{name}, sticky" for name in HEADINGS)
+        + " | targets, greedy | perfect games, greedy | clone: targets, sticky"
+        + " | tau, own games | tau, varied games | EPIC distance | minutes |",
+        "|---|---|" + "---:|" * (len(HEADINGS) + 7),
+    ]
+    behaviours = sorted({line["behaviour"] for line in trainings})
+    for behaviour in behaviours:
+        own = [line for line in trainings if line["behaviour"] == behaviour]
+        seeds = ", ".join(str(seed) for seed in sorted(line["training_seed"] for line in own))
+        rows.append(_row([behaviour, seeds], own, lambda groups: nested_interval(groups)))
+    if len(behaviours) > 1:
+        rows.append(_row(["**interquartile mean**", ""], trainings, None))
+    return "\n".join(rows)
+
+
+def _row(
+    names: list[str],
+    trainings: Sequence[Line],
+    interval_of: Callable[[Sequence[Sequence[float]]], Interval] | None,
+) -> str:
+    cells = list(names)
+    asked = [("sticky", name) for name in FIGURES] + [("greedy", "targets"), ("greedy", "perfect")]
+    for how, name in asked:
+        if interval_of:
+            found = interval_of([_games(last_round(line)[how], name) for line in trainings])
+        else:
+            found = interquartile_interval(
+                [
+                    [
+                        _games(last_round(line)[how], name)
+                        for line in trainings
+                        if line["behaviour"] == one
+                    ]
+                    for one in sorted({line["behaviour"] for line in trainings})
+                ]
+            )
+        cells.append(_formatted(found, as_share=name in ("died", "perfect")))
+    cells.append(f"{_mean(line['clone']['targets'] for line in trainings):.1f}")
+    for name in ("tau_own", "tau_varied", "epic"):
+        cells.append(f"{_mean(last_round(line).get(name, np.nan) for line in trainings):.2f}")
+    minutes = [
+        sum(one["imitator_s"] + one["reward_s"] for one in t["rounds"]) / 60 for t in trainings
+    ]
+    cells.append(f"{_mean(minutes):.0f}")
+    return f"| {' | '.join(cells)} |"
+
+
+def calibration(checked: Sequence[Line]) -> str:
+    """Return what says beforehand how many targets an imitator will hit, by Kendall's tau."""
+    targets = [last_round(line)["sticky"]["targets"] for line in checked]
+    names = {
+        "held_out_accuracy": "held-out accuracy of the check",
+        "tau": "tau of the check",
+        "tau_own": "tau on unseen games of the behaviour",
+        "tau_varied": "tau on unseen varied games",
+    }
+    rows = [f"Kendall's tau with the targets hit (sticky), {len(checked)} trainings:", ""]
+    order = [[i] for i in np.argsort(targets)[::-1].tolist()]
+    for name, heading in names.items():
+        values = [last_round(line)[name] for line in checked]
+        rows.append(f"- {heading}: {kendall_tau(order, values):.2f}")
+    return "\n".join(rows)
+
+
+def _lines(path: Path, weights: str) -> list[Line]:
+    lines = [json.loads(text) for text in path.read_text().splitlines()]
+    return [
+        {"bulk_answers": 0} | line | {"rounds_asked": len(line["rounds"])}
+        for line in lines
+        if line.get("weights") == weights
+    ]
+
+
+def _games(judged: Line, name: str) -> list[float]:
+    return [float(value) for value in judged["games"][name]]
+
+
+def _formatted(found: Interval, *, as_share: bool) -> str:
+    if as_share:
+        return f"{found.mean:.0%} [{found.low:.0%}, {found.high:.0%}]"
+    return f"{found.mean:.2f} [{found.low:.2f}, {found.high:.2f}]"
+
+
+def _mean(values: Iterable[float]) -> float:
+    return float(np.mean(list(values)))
+
+
+def _title(line: Line) -> str:
+    parts = [f"{line['demonstrations']}, {line['varied_games']} varied games"]
+    if line["unsorted"]:
+        parts.append("unsorted")
+    if line["bulk_answers"]:
+        parts.append(f"sorted by {line['bulk_answers']} answers")
+    if line["reward"] != "ranking":
+        parts.append(f"reward from {line['reward']}")
+    if line["rounds_asked"] > 1:
+        parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
+    parts += [f"{line['steps']:,} steps", *line["set"]]
+    return f"**{', '.join(parts)}** (digest {line['digest']})"
+
+
+if __name__ == "__main__":
+    main()
