@@ -33,7 +33,7 @@ def changed_recipe(base: Recipe, changes: Mapping[str, Any]) -> Recipe | None:
     """Return a recipe with changes by dotted path, as JSON stores them.
 
     Returns:
-        None where this version has no such value.
+        None where this version has no such value, or the changes contradict the base.
     """
     values = {path: tuple(v) if isinstance(v, list) else v for path, v in changes.items()}
     try:

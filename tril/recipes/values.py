@@ -201,7 +201,8 @@ class PolicyRecipe:
             raise ValueError("n_minibatches must not be more than n_envs * n_steps")
         if self.freeze_convolutions and not self.warm_start:
             raise ValueError(
-                "freeze_convolutions=true needs warm_start=true, a policy to begin with"
+                "freeze_convolutions=true needs warm_start=true, a policy to begin with: set it, or"
+                " freeze_convolutions=false"
             )
         return self
 
@@ -235,10 +236,14 @@ class CloningRecipe:
     def _check_start(self) -> CloningRecipe:
         if self.pretrained and self.network != "small":
             raise ValueError(
-                "a pretrained clone has the network 'small': choose it, or set pretrained=false"
+                "a pretrained clone has the network 'small': choose it, or set pretrained=false and"
+                " freeze_convolutions=false"
             )
         if self.freeze_convolutions and not self.pretrained:
-            raise ValueError("freeze_convolutions=true needs pretrained=true")
+            raise ValueError(
+                "freeze_convolutions=true needs pretrained=true: set it, or"
+                " freeze_convolutions=false"
+            )
         return self
 
 

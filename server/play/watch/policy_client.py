@@ -12,7 +12,7 @@ import numpy.typing as npt
 from tril.game.observation import Observation, Observations
 from tril.game.space_invaders import ACTION_COUNT
 from tril.inference import AttentionMap, AttentionNetwork, Endpoint, Judgement
-from tril.inference.endpoint import Streams
+from tril.inference.endpoint import Streams, disconnect
 from tril.inference.messages import (
     LENGTH_BYTES,
     head_of,
@@ -76,7 +76,7 @@ class PolicyClient:
     def close(self) -> None:
         """Close the connection."""
         if self._opened is not None:
-            self._opened[1].close()
+            disconnect(self._opened[1])
             self._opened = None
 
     async def _ask(

@@ -55,6 +55,7 @@ def test_the_commands_make_the_recipe_that_the_run_had(
         {
             "policy.n_epochs": 2,
             "policy.warm_start": False,
+            "policy.freeze_convolutions": False,
             "evaluation.start_numbers": (3,),
             "policy.snapshot_steps": (),
         },

@@ -24,7 +24,7 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
 from tril.demonstrator import play_varied
 from tril.errors import Invalid
-from tril.recipes import FAST, CloningRecipe, with_values
+from tril.recipes import FAST, CloningRecipe, changed_values, with_values
 
 
 def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
@@ -79,11 +79,14 @@ def test_a_clone_may_keep_how_the_game_looks(frozen: bool) -> None:
     assert "action_net.weight" in changed
 
 
-def test_convolutions_are_frozen_only_where_they_have_learned() -> None:
-    with pytest.raises(Invalid, match="needs pretrained=true"):
-        with_values(FAST, {"cloning.pretrained": False, "cloning.freeze_convolutions": True})
-    with pytest.raises(Invalid, match="needs warm_start=true"):
-        with_values(FAST, {"policy.warm_start": False, "policy.freeze_convolutions": True})
+@pytest.mark.parametrize(("part", "needed"), [("cloning", "pretrained"), ("policy", "warm_start")])
+def test_convolutions_are_frozen_only_where_they_have_learned(part: str, needed: str) -> None:
+    without = {f"{part}.{needed}": False}
+    said = f"{part}: .* needs {needed}=true.*: set it, or freeze_convolutions=false"
+    with pytest.raises(Invalid, match=said):
+        with_values(FAST, {**without, f"{part}.freeze_convolutions": True})
+    thawed = {**without, f"{part}.freeze_convolutions": False}
+    assert changed_values(with_values(FAST, thawed), FAST) == thawed
 
 
 def test_a_pretrained_clone_has_the_size_of_the_policy_that_ships() -> None:

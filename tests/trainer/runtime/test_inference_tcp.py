@@ -27,7 +27,7 @@ from testsupport.workplace import TINY, Workplace
 from trainer.runtime import inference
 from tril.errors import Invalid, Unavailable
 from tril.inference import InferenceClient, TcpEndpoint, endpoint_of
-from tril.inference.endpoint import _client_context
+from tril.inference.endpoint import _client_context, disconnect
 from tril.inference.proof import GREETING, GREETING_BYTES, REFUSAL, RESPONSE_BYTES
 from tril.settings import Settings
 
@@ -107,11 +107,24 @@ def test_another_key_is_refused_by_both_clients(workplace: Workplace, over_tcp: 
         InferenceClient(endpoint_of(over_tcp)).ping()
 
 
+def test_a_connection_is_closed_without_waiting_for_the_other_end(
+    workplace: Workplace, over_tcp: Settings
+) -> None:
+    async def open_and_disconnect() -> None:
+        _, writer = await endpoint_of(over_tcp).open()
+        connection = writer.get_extra_info("socket")
+        disconnect(writer)
+        await asyncio.sleep(0)
+        assert connection.fileno() == -1
+
+    with serving(workplace, over_tcp):
+        asyncio.run(open_and_disconnect())
+
+
+@pytest.mark.parametrize("over_tcp", ["tls"], indirect=True)
 def test_a_process_in_between_with_a_certificate_of_its_own_is_noticed(
     workplace: Workplace, over_tcp: Settings, tmp_path: Path
 ) -> None:
-    if over_tcp.tls_certificate is None:
-        pytest.skip("without TLS nothing tells who is in between")
     (tmp_path / "other").mkdir()
     other = make_certificate(tmp_path / "other")
     endpoint = endpoint_of(over_tcp)
@@ -142,12 +155,11 @@ def test_a_process_in_between_with_a_certificate_of_its_own_is_noticed(
     assert asked == [b""]
 
 
+@pytest.mark.parametrize("over_tcp", ["tcp"], indirect=True)
 def test_nothing_is_answered_before_the_key_is_proven(
     workplace: Workplace, over_tcp: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(inference, "CONNECT_TIMEOUT_S", 0.3)
-    if over_tcp.tls_certificate is not None:
-        pytest.skip("TLS refuses before that")
     endpoint = endpoint_of(over_tcp)
     assert isinstance(endpoint, TcpEndpoint)
     request = b'\x1f\x00\x00\x00{"op": "ping", "n_bytes": 0}   '.ljust(RESPONSE_BYTES)

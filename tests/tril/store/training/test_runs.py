@@ -125,10 +125,16 @@ def test_a_parent_that_can_not_be_continued_is_refused_with_what_to_do(
         workplace.make_run(parent_run_id="missing")
     with pytest.raises(Conflict, match="has no imitator yet"):
         workplace.make_run(parent_run_id=unfinished)
-    for values in ({"method": "dagger"}, {"policy.warm_start": False, "policy.kl_coef": 0.0}):
+    from_scratch = {"policy.warm_start": False, "policy.freeze_convolutions": False}
+    for values in ({"method": "dagger"}, from_scratch):
         with pytest.raises(Invalid, match="does not train by PPO with a warm start"):
             workplace.make_run(with_values(TINY, values), parent_run_id=parent)
-    other = {"policy.network": "nature", "cloning.network": "nature", "cloning.pretrained": False}
+    other = {
+        "policy.network": "nature",
+        "cloning.network": "nature",
+        "cloning.pretrained": False,
+        "cloning.freeze_convolutions": False,
+    }
     nature = with_values(TINY, other)
     with pytest.raises(Invalid, match="has the network 'small', but the recipe tiny trains"):
         workplace.make_run(nature, parent_run_id=parent)
