@@ -40,14 +40,14 @@ from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
-from trainer.policy.networks import PRETRAINED, Policy, load_policy, save_policy
+from trainer.policy.networks import Policy, load_policy, save_policy
 from trainer.progress import NullProgress
-from trainer.reporting.digests import recipe_digest
+from trainer.reporting.digests import recipe_digest, weights_digest
 from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
-from trainer.reward.pretraining import WEIGHTS, read_memory
+from trainer.reward.pretraining import read_aliens
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN, Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
@@ -282,7 +282,7 @@ def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
     size = network.output.in_features
     products, sums = torch.zeros(size + 1, size + 1), torch.zeros(size + 1)
     for seen in games.trajectories:
-        read = read_memory(seen.observations)
+        read = read_aliens(seen.observations)
         inputs = torch.cat([read, torch.ones(len(read), 1)], 1)
         products += inputs.T @ inputs
         sums += inputs.T @ torch.from_numpy(hit_worth(behaviour, seen) / len(behaviour.target))
@@ -432,12 +432,6 @@ class Lesson:
         starts = [draw_opening(Start(idle), rng) for idle in idle_frames.tolist()]
         for game in play(imitator, starts, "sampled", sampling_seed=1_000 + number):
             self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
-
-
-def weights_digest() -> str:
-    """Return eight hexadecimal digits of the pretrained weights that ship with Tril."""
-    shipped = (PRETRAINED, WEIGHTS)
-    return hashlib.blake2b(b"".join(one.read_bytes() for one in shipped), digest_size=4).hexdigest()
 
 
 def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.learning.people import weights_digest
+from trainer.reporting.digests import weights_digest
 from tril.analysis.summary import Interval, interquartile_interval, nested_interval
 from tril.ranking import kendall_tau
 

@@ -1,4 +1,4 @@
-"""Learning what screens tell: what the console's memory holds, and what would happen next.
+"""Learning what screens tell: what memory holds, which aliens are left, what would happen next.
 
 Networks are pretrained on it. What is learned here is how the game looks and works, from varied
 play that nobody ranks; it is of use for all behaviours and says nothing of any.
@@ -39,15 +39,9 @@ HELD_OUT = 8
 RARE = 0.01
 """Bits that are 0 or 1 in less than this share of the states are left out."""
 
-FAST = 0.01
-"""Bits that differ between more than this share of neighbouring kept states change often: timers,
-positions and the like."""
-
 HITS_WEIGHT = 6.0
 SHOTS_WEIGHT = 36.0
 """Of the losses; that of the memory counts 1. Shots hit one alien of 36 at most."""
-
-ALIENS_WEIGHT = 1.0
 
 BATCH_SIZE = 128
 LEARNING_RATE = 2e-3
@@ -100,19 +94,12 @@ class Screens:
 
     def aliens(self) -> Targets:
         """Return which aliens are left as what is predicted."""
-        return Targets("aliens", self.standing, ALIENS_WEIGHT)
+        return Targets("aliens", self.standing)
 
     def varying(self) -> npt.NDArray[np.int64]:
         """Return the indices of the bits that vary."""
         share = self.bits.mean(0)
         return np.flatnonzero((share > RARE) & (share < 1 - RARE))
-
-    def seldom_changing(self) -> npt.NDArray[np.int64]:
-        """Return the indices of the bits that vary, but seldom from one state to the next."""
-        same_game = self.games[1:] == self.games[:-1]
-        changes = (self.bits[1:] != self.bits[:-1])[same_game].mean(0)
-        varying = self.varying()
-        return np.asarray(varying[changes[varying] < FAST])
 
 
 def play_games(n_games: int, seed: int, n_processes: int, *, look_ahead: bool = False) -> Screens:

@@ -6,8 +6,12 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
+from trainer.policy.networks import PRETRAINED
+from trainer.reward.pretraining import WEIGHTS
 from tril.errors import Invalid
 from tril.recipes import FOR_PEOPLE, FORMER, RECIPES, Recipe, RewardRecipe, with_values
 
@@ -17,10 +21,30 @@ def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
 
     Values that equal their field's default are left out, so that a new field does not change the
     digest of a recipe that keeps its default. So are the name, the summary and the default steps.
+    Pretrained weights that the recipe begins with count as values.
     """
     values = {k: v for k, v in _non_default_values(recipe).items() if k not in FOR_PEOPLE}
+    if weights := [_file_digest(path) for path in _pretrained_weights(recipe)]:
+        values["weights"] = weights
     text = json.dumps(values, sort_keys=True)
     return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
+
+
+def weights_digest() -> str:
+    """Return eight hexadecimal digits that change when weights that ship with Tril do."""
+    return "".join(_file_digest(path)[:4] for path in (WEIGHTS, PRETRAINED))
+
+
+def _pretrained_weights(recipe: Recipe | RewardRecipe) -> list[Path]:
+    if isinstance(recipe, RewardRecipe):
+        return [WEIGHTS] if recipe.pretrained else []
+    policy = [PRETRAINED] if recipe.cloning.pretrained else []
+    return _pretrained_weights(recipe.reward) + policy
+
+
+@cache
+def _file_digest(path: Path) -> str:
+    return hashlib.blake2b(path.read_bytes(), digest_size=4).hexdigest()
 
 
 def base_recipes(name: str) -> dict[str, Recipe]:

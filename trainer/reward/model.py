@@ -35,14 +35,15 @@ class RewardNetwork(nn.Module):
     inputs by 255 are T-REX's (Brown et al. 2019, published code). The division is applied to the
     first layer's weights, which gives the same sums and saves a pass over the inputs.
 
-    A pretrained network has one more layer below the output, which reads bits of the console's
-    memory off the screen; R is linear in their probabilities. See trainer.reward.pretraining.
+    A pretrained network has one more layer below the output, which reads off the screen which
+    aliens are left; R is linear in their probabilities. See trainer.reward.pretraining. In
+    networks of earlier versions it reads bits of the console's memory.
 
     Args:
-        n_memory_bits: Size of that layer; 0 leaves it out.
+        n_flags: Size of that layer; 0 leaves it out.
     """
 
-    def __init__(self, n_memory_bits: int = 0) -> None:
+    def __init__(self, n_flags: int = 0) -> None:
         super().__init__()
         self.convolutions = nn.ModuleList(
             [
@@ -53,8 +54,8 @@ class RewardNetwork(nn.Module):
             ]
         )
         self.hidden = nn.Linear(784, 64)
-        self.memory = nn.Linear(64, n_memory_bits) if n_memory_bits else None
-        self.output = nn.Linear(n_memory_bits or 64, 1)
+        self.memory = nn.Linear(64, n_flags) if n_flags else None
+        self.output = nn.Linear(n_flags or 64, 1)
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @property
@@ -96,7 +97,7 @@ class RewardNetwork(nn.Module):
         """Return what R is linear in, from the second layer before its activation.
 
         Returns:
-            float32 (N, 64); of a pretrained network (N, n_memory_bits), probabilities.
+            float32 (N, 64); of a pretrained network (N, n_flags), probabilities.
         """
         values = self.hidden_values(second)
         return values if self.memory is None else self.memory(values).sigmoid()

@@ -1,10 +1,9 @@
-"""Pretraining: a reward network's layers below the output learn to read memory off the screen.
+"""Pretraining: a reward network's layers below the output learn to tell which aliens are left.
 
 A dozen ranked games say little about which screens mean the same, and a network that learns both
 this and what is good from them orders games of other kinds hardly better than chance. Here the
-first part is learned once, for all behaviours, from varied play that nobody ranks: the layers
-predict the bits of the console's memory that change seldom. Which aliens stand is among them, what
-is wanted of them is not. A behaviour's reward is then linear in the predicted bits, so that a few
+first part is learned once, for all behaviours, from varied play that nobody ranks. A behaviour's
+reward is then linear in the probabilities that each alien of the full grid is left, so that a few
 rankings determine it. Rewards are computed from screens alone.
 
     python -m trainer.reward.pretraining
@@ -39,17 +38,15 @@ N_EPOCHS = 12
 
 
 def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict[str, float]]]:
-    """Train the layers below the output to predict the bits that change seldom.
-
-    Those that change often would be of no use: R should not depend on them.
+    """Train the layers below the output to predict which aliens are left.
 
     Returns:
         The network, whose output is random, and the figures of ``learn_to_read``.
     """
     rng = np.random.default_rng(seed)
-    which = screens.seldom_changing()
+    targets = [screens.aliens()]
     with torch_seeded(rng):
-        network = RewardNetwork(len(which))
+        network = RewardNetwork(targets[0].flags.shape[1])
     assert network.memory is not None
     memory = network.memory
 
@@ -59,7 +56,7 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
         return memory(network.hidden_values(second))  # type: ignore[no-any-return]
 
     weights = [one for name, one in network.named_parameters() if not name.startswith("output")]
-    return network, learn_to_read(read, weights, screens, [screens.memory(which)], N_EPOCHS, rng)
+    return network, learn_to_read(read, weights, screens, targets, N_EPOCHS, rng)
 
 
 def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
@@ -77,14 +74,14 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
     return network
 
 
-def read_memory(observations: Observations) -> Tensor:
+def read_aliens(observations: Observations) -> Tensor:
     """Return what every pretrained network's R is linear in: they differ in their outputs alone.
 
     Args:
         observations: uint8 (N, 4, 84, 84).
 
     Returns:
-        float32 (N, n_memory_bits), probabilities.
+        float32 (N, 36), the probability that each alien is left, row by row.
     """
     network = _shipped_network()
     batches = torch.split(channels_last_screens(observations), forward_batch(CPU))

@@ -11,12 +11,13 @@ import pytest
 
 from tests.trainer.reporting.entries import entry
 from testsupport.workplace import Workplace
+from trainer.reporting import digests
 from trainer.reporting.digests import recipe_digest
 from trainer.reporting.ledger import Ledger, LedgerCell
 from trainer.reporting.run_entry import read_entry
 from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
 from tril.errors import Invalid
-from tril.recipes import FAST_0_2, PAPER, Recipe, judged_where_trained, with_values
+from tril.recipes import FAST, FAST_0_2, PAPER, Recipe, judged_where_trained, with_values
 from tril.store.models import RunStatus, now
 from tril.store.training import runs
 
@@ -57,6 +58,18 @@ def test_the_digest_changes_with_values_and_not_with_words() -> None:
     assert recipe_digest(with_values(FAST_0_2, {"policy.n_epochs": 9})) != recipe_digest(FAST_0_2)
     reworded = replace(FAST_0_2, summary="In other words.", default_steps=1)
     assert recipe_digest(reworded) == recipe_digest(FAST_0_2)
+
+
+def test_the_digest_changes_with_the_pretrained_weights_that_a_recipe_begins_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = {recipe: recipe_digest(recipe) for recipe in (FAST, FAST_0_2)}
+    other = tmp_path / "other.safetensors"
+    other.write_bytes(b"other weights")
+    monkeypatch.setattr(digests, "PRETRAINED", other)
+    assert recipe_digest(FAST) != before[FAST]
+    assert recipe_digest(FAST_0_2) == before[FAST_0_2]
+    assert recipe_digest(FAST.reward) != recipe_digest(FAST_0_2.reward)
 
 
 def test_minutes_leave_out_scripted_demonstrations() -> None:

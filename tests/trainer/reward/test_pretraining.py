@@ -1,4 +1,4 @@
-"""Reading memory off the screen, and rewards that are linear in what was read."""
+"""Reading off the screen which aliens are left, and rewards that are linear in it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torch.nn import functional as F
 
 from tests.trainer.samples import TIERS, planted_trajectories
 from trainer.nn.checkpoints import load_tensors
-from trainer.nn.memory_reading import RARE, Screens, play_games
+from trainer.nn.memory_reading import Screens, play_games
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking, jackknife
 from trainer.reward.model import RewardModel
@@ -21,7 +21,7 @@ from trainer.reward.pretraining import (
     WEIGHTS,
     pretrain,
     pretrained_network,
-    read_memory,
+    read_aliens,
 )
 from trainer.reward.reward_trainer import train_reward_model
 from tril.game.console import Console
@@ -30,9 +30,8 @@ from tril.game.observation import AgentView
 from tril.game.starts import Start
 from tril.recipes import RewardRecipe
 
-FIRST_ALIENS = 18 * 8
-"""Bit of the bottom row's leftmost alien and the seven before it, see space_invaders."""
-
+ALIENS_LEFT = 17 * 8
+"""First bit of the number of aliens left, see space_invaders."""
 
 N_GAMES = 5
 
@@ -53,36 +52,28 @@ def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
     again = play_games(N_GAMES, seed=5, n_processes=1)
     assert np.array_equal(again.bits, screens.bits)
     assert np.array_equal(again.observations, screens.observations)
-    # Fewer aliens never become more.
-    n_aliens = screens.bits[:, FIRST_ALIENS : FIRST_ALIENS + 48].sum(1)
+    # The memory counts the aliens, too.
+    n_left = np.packbits(screens.bits[:, ALIENS_LEFT : ALIENS_LEFT + 8], axis=1)[:, 0]
+    assert (screens.standing.sum(1) == n_left).all()
     for game in range(N_GAMES):
-        assert (np.diff(n_aliens[screens.games == game].astype(int)) <= 0).all()
+        standing = screens.standing[screens.games == game].astype(int)
+        assert (np.diff(standing, axis=0) <= 0).all()
 
 
 def test_r_from_what_was_read_is_r_from_the_screens(screens: Screens) -> None:
     network = pretrained_network(np.random.default_rng(3))
     model = RewardModel((network,), (0.5,), (2.0,))
-    bits = read_memory(screens.observations[:150])
-    assert bits.shape == (150, network.output.in_features)
-    assert ((bits >= 0) & (bits <= 1)).all()
+    left = read_aliens(screens.observations[:150])
+    assert left.shape == (150, network.output.in_features)
+    assert ((left >= 0) & (left <= 1)).all()
     wanted = model.score(screens.observations[:150])
-    assert model.score_features(bits) == pytest.approx(wanted, abs=1e-5)
-
-
-def test_bits_that_hardly_vary_or_change_often_are_left_out(screens: Screens) -> None:
-    chosen = screens.seldom_changing()
-    share = screens.bits[:, chosen].mean(0)
-    assert ((share > RARE) & (share < 1 - RARE)).all()
-    # Where the cannon is changes too often.
-    assert not set(range(28 * 8 + 4, 28 * 8 + 8)) & set(chosen.tolist())
+    assert model.score_features(left) == pytest.approx(wanted, abs=1e-5)
 
 
 def test_pretraining_learns_what_is_on_the_screen(screens: Screens) -> None:
     network, figures = pretrain(screens, seed=0)
-    assert figures["bits"]["n_flags"] == len(screens.seldom_changing())
-    assert network.memory is not None
-    assert 0.5 < figures["bits"]["accuracy"] <= 1.0
-    assert figures["bits"]["known"] < 1.0
+    assert network.output.in_features == figures["aliens"]["n_flags"] == 36
+    assert figures["aliens"]["known"] > 0.0
 
 
 def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
@@ -100,8 +91,7 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
         second = network.layers[1](F.leaky_relu(network.first(screen)))
         read = network.features(second)
     assert read.shape == (1, network.output.in_features)
-    # At a start most bits that change seldom are known for sure.
-    assert ((read < 0.1) | (read > 0.9)).float().mean() > 0.9
+    assert (read > 0.9).all()
 
 
 def test_only_the_output_is_learned_and_the_model_is_saved_whole(tmp_path: Path) -> None:
@@ -146,7 +136,7 @@ def test_the_jackknife_is_that_of_its_definition() -> None:
         values.append(alone.score(states) / np.concatenate(every).std())
     # What all states have in common depends on the offsets.
     apart = np.asarray(values) - np.mean(values, 0)
-    shifts = (spread.weight @ read_memory(states).T + spread.bias[:, None]).numpy()
+    shifts = (spread.weight @ read_aliens(states).T + spread.bias[:, None]).numpy()
     expected = np.sqrt(3 / 4) * (apart - apart[:, :1])
     np.testing.assert_allclose(shifts - shifts[:, :1], expected, atol=1e-3)
     assert jackknife(networks[:1], dataset) is None

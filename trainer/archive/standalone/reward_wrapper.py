@@ -31,10 +31,10 @@ class RewardNetwork(nn.Module):
     """Four convolutions and two linear layers, with leaky ReLU between (T-REX).
 
     Args:
-        n_memory_bits: Size of a further layer below the output, of probabilities; 0 leaves it out.
+        n_flags: Size of a further layer below the output, of probabilities; 0 leaves it out.
     """
 
-    def __init__(self, n_memory_bits: int) -> None:
+    def __init__(self, n_flags: int) -> None:
         super().__init__()
         self.convolutions = nn.ModuleList(
             [
@@ -45,8 +45,8 @@ class RewardNetwork(nn.Module):
             ]
         )
         self.hidden = nn.Linear(784, 64)
-        self.memory = nn.Linear(64, n_memory_bits) if n_memory_bits else None
-        self.output = nn.Linear(n_memory_bits or 64, 1)
+        self.memory = nn.Linear(64, n_flags) if n_flags else None
+        self.output = nn.Linear(n_flags or 64, 1)
 
     def forward(self, observations: Tensor) -> Tensor:
         """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
