@@ -43,7 +43,7 @@ from tril.store.models import RecordingRow
 QUICK = PlayRules(countdown=2, countdown_second_s=0.02, max_games=4)
 """A short countdown and few games at once; all other times as people have them."""
 
-TIMEOUT_S = 20.0
+TIMEOUT_S = 60.0
 
 Message = TypeVar("Message")
 

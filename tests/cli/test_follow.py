@@ -70,9 +70,9 @@ def test_a_worker_started_for_a_command_ends_when_the_command_is_killed(data_fol
     command = subprocess.Popen([sys.executable, "-c", WAITING], stderr=subprocess.DEVNULL)
     log = data_folder / "logs" / "worker.log"
     try:
-        wait_until(lambda: log.exists() and "waits for runs" in log.read_text(), 60.0)
+        wait_until(lambda: log.exists() and "waits for runs" in log.read_text())
         [worker] = psutil.Process(command.pid).children()
     finally:
         command.kill()
         command.wait()
-    wait_until(lambda: not worker.is_running(), 30.0)
+    wait_until(lambda: not worker.is_running())

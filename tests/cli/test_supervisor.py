@@ -17,7 +17,7 @@ import psutil
 
 from cli.supervision.supervisor import Child, Supervisor
 from cli.workspace import migrate_databases
-from testsupport.waiting import wait_until
+from testsupport.waiting import PATIENCE_S, wait_until
 from tril.settings import Settings
 
 Lines = queue.Queue[tuple[str, str]]
@@ -46,7 +46,7 @@ def _supervised(*children: Child, stop_timeout_s: float = 10.0) -> Iterator[tupl
 
 def _next(lines: Lines, name: str) -> str:
     while True:
-        source, line = lines.get(timeout=20)
+        source, line = lines.get(timeout=PATIENCE_S)
         if source == name:
             return line
 
@@ -90,7 +90,7 @@ def test_stop_ends_children_that_ignore_the_request_and_what_they_left() -> None
     with _supervised(Child("one", _python(stubborn)), stop_timeout_s=0.5) as (lines, _):
         left = int(_next(lines, "one"))
     with contextlib.suppress(psutil.NoSuchProcess):
-        psutil.Process(left).wait(10)
+        psutil.Process(left).wait(PATIENCE_S)
     assert not psutil.pid_exists(left)
 
 
@@ -111,7 +111,7 @@ def test_a_child_ends_when_its_supervisor_is_killed_before_the_child_has_importe
     assert data_folder.exists()
     done = subprocess.run(_python(STARTS_AND_DIES), stdout=subprocess.PIPE, text=True)
     child = int(done.stdout)
-    wait_until(lambda: not _is_alive(child), 30.0)
+    wait_until(lambda: not _is_alive(child))
 
 
 GRANDCHILD = (

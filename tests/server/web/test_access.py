@@ -51,7 +51,7 @@ def _code_at_end(socket: ClientConnection) -> int | None:
     """Receive until a socket is closed, and return why."""
     try:
         while True:
-            socket.recv(timeout=10)
+            socket.recv(timeout=TIMEOUT_S)
     except ConnectionClosed as closed:
         return None if closed.rcvd is None else closed.rcvd.code
 

@@ -24,7 +24,6 @@ from tril.store.models import RunDevice, RunStatus
 from tril.store.training import leases, runs
 
 LOST_AFTER_S = 1.0
-PATIENCE_S = 20.0
 
 
 @pytest.fixture
@@ -62,7 +61,7 @@ def until(jobs: Jobs, holds: Callable[[], bool]) -> None:
         jobs.reconcile()
         return holds()
 
-    wait_until(reconciled, PATIENCE_S)
+    wait_until(reconciled)
 
 
 def job_status(queue: DBOSClient, run_id: str) -> str | None:
@@ -228,7 +227,7 @@ def test_reconciling_in_the_background_repairs_without_being_asked(
 ) -> None:
     jobs.start_reconciling(every_s=0.05)
     run_id = workplace.make_run()
-    wait_until(lambda: job_status(queue, run_id) == "ENQUEUED", PATIENCE_S)
+    wait_until(lambda: job_status(queue, run_id) == "ENQUEUED")
 
 
 def test_an_error_in_the_repair_of_one_run_does_not_stop_the_others(
@@ -245,7 +244,7 @@ def test_an_error_in_the_repair_of_one_run_does_not_stop_the_others(
     monkeypatch.setattr(Jobs, "_deliver", fail_at_one)
     jobs = Jobs(workplace.database, workplace.settings)
     jobs.start_reconciling(every_s=0.02)
-    wait_until(lambda: job_status(queue, waiting) == "ENQUEUED", PATIENCE_S)
+    wait_until(lambda: job_status(queue, waiting) == "ENQUEUED")
     monkeypatch.setattr(Jobs, "_deliver", deliver)
-    wait_until(lambda: job_status(queue, broken) == "ENQUEUED", PATIENCE_S)
+    wait_until(lambda: job_status(queue, broken) == "ENQUEUED")
     jobs.close()

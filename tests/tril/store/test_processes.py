@@ -10,6 +10,7 @@ import pytest
 from sqlalchemy import update
 from sqlalchemy.orm import Session
 
+from testsupport.waiting import PATIENCE_S
 from testsupport.workplace import Workplace
 from tril.heartbeat import Heartbeat
 from tril.store import processes
@@ -77,5 +78,5 @@ def test_a_heartbeat_goes_on_after_an_unexpected_error(
 
     with Heartbeat(workplace.database, "worker-0", "worker", also=fail, interval_s=0.01):
         for _ in range(3):
-            assert beats.acquire(timeout=20)
+            assert beats.acquire(timeout=PATIENCE_S)
     assert "unexpected" in caplog.text
