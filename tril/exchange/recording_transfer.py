@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, BinaryIO
 
 from sqlalchemy.orm import Session
@@ -59,6 +60,7 @@ def import_recordings(
     player_id: int | None = None,
     max_recordings: int = MAX_OBJECTS,
     max_of_player: int | None = None,
+    load: Callable[[object], ImportedRecording] | None = None,
 ) -> RecordingImportResult:
     """Add the recordings of a file, each verified by a replay, in one transaction.
 
@@ -74,6 +76,7 @@ def import_recordings(
         player_id: The player of recordings by a person.
         max_recordings: Further recordings are refused.
         max_of_player: How many recordings of the player may be stored; None for any number.
+        load: Loads and verifies a recording, as ``load_recording`` does; None for doing it here.
 
     Raises:
         Conflict: The player would have too many recordings.
@@ -82,7 +85,9 @@ def import_recordings(
     if rank and perfect:
         raise Invalid("Choose either ranking the recordings or marking all of them as perfect.")
     outcome = RecordingImportResult()
-    accepted = _read(file, outcome, max_recordings)
+    accepted = _read(
+        file, outcome, max_recordings, load or partial(load_recording, console=Console())
+    )
     if not accepted:
         return outcome
     with database.writing() as session:
@@ -150,16 +155,18 @@ def export_recordings(
 
 
 def _read(
-    file: BinaryIO | bytes | str, outcome: RecordingImportResult, max_recordings: int
+    file: BinaryIO | bytes | str,
+    outcome: RecordingImportResult,
+    max_recordings: int,
+    load: Callable[[object], ImportedRecording],
 ) -> list[tuple[int, ImportedRecording]]:
-    console = Console()
     accepted = []
     for line in read_lines(file, max_objects=max_recordings):
         if line.refusal is not None:
             outcome.refusals.append(LineMessage(line.number, line.refusal))
             continue
         try:
-            given = load_recording(line.content, console)
+            given = load(line.content)
         except Invalid as error:
             outcome.refusals.append(LineMessage(line.number, str(error)))
             continue

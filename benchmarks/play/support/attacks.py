@@ -23,9 +23,14 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from server.play.wire.protocol import InputMessage, client_bytes
 from testsupport.live import cookie
+from tril.exchange.formats.recording_file import dump_recording
 from tril.game.controls import Keys
+from tril.game.episode import Start
+from tril.recording import Recording
 from tril.settings import Settings
 
 HOST = "127.0.0.1"
@@ -251,6 +256,23 @@ async def uploads(attacker: Attacker) -> None:
     await asyncio.gather(*map(go_on, range(40)))
 
 
+async def imports(attacker: Attacker) -> None:
+    """Import 50 recordings at a time, which are replayed, over 4 connections."""
+    rng = np.random.default_rng(0)
+
+    def line() -> bytes:
+        actions = bytes(rng.integers(0, 6, 600, np.uint8))
+        start = Start(int(rng.integers(64)))
+        return json.dumps(dump_recording(Recording(start, actions))).encode()
+
+    async def go_on(_number: int) -> None:
+        while attacker.goes_on():
+            body = b"\n".join(line() for _ in range(50))
+            await attacker.ask("POST", "/api/behaviours/2/recordings/import", body)
+
+    await asyncio.gather(*map(go_on, range(4)))
+
+
 async def rewinds(attacker: Attacker) -> None:
     """Play some frames and go back, in a loop, from four pages."""
     rewind, release, ready = (
@@ -388,6 +410,7 @@ ATTACKS: dict[str, Attack] = {
         endless_heads,
         half_requests,
         uploads,
+        imports,
         rewinds,
         unknown_games,
         bad_frames,

@@ -80,13 +80,16 @@ class Fleet:
 
 
 @contextmanager
-def running_fleet(data: Path, n_processes: int, games_each: int) -> Iterator[Fleet]:
+def running_fleet(
+    data: Path, n_processes: int, games_each: int, niceness: int = 0
+) -> Iterator[Fleet]:
     """Run server processes for the block, with all their consoles loaded.
 
     Args:
         data: A migrated data folder.
         n_processes: Number of processes.
         games_each: Most games in each.
+        niceness: Their niceness; only root may choose a negative one.
     """
     with ExitStack() as stack:
         held = stack.enter_context(take_port(Settings(data=data, port=0), shares_port=True))
@@ -101,6 +104,7 @@ def running_fleet(data: Path, n_processes: int, games_each: int) -> Iterator[Fle
                 "--port": settings.port,
                 "--measures": measures[-1],
                 "--games": games_each,
+                "--niceness": niceness,
             }
             command = [sys.executable, "-m", "benchmarks.play.support.measured_server"]
             words = [str(word) for pair in arguments.items() for word in pair]

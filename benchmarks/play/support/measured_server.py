@@ -9,6 +9,7 @@ import argparse
 import asyncio
 import json
 import logging.config
+import os
 import signal
 import socket
 import sys
@@ -58,7 +59,9 @@ def main() -> None:
     parser.add_argument("--port", type=int, required=True)
     parser.add_argument("--measures", type=Path, required=True)
     parser.add_argument("--games", type=int, required=True, help="most games in this process")
+    parser.add_argument("--niceness", type=int, default=0)
     arguments = parser.parse_args()
+    os.setpriority(os.PRIO_PROCESS, 0, arguments.niceness)
     logging.config.dictConfig(LOGGING)
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     settings = Settings(

@@ -11,7 +11,7 @@ import signal
 import sys
 import traceback
 
-from server.play.replays.request import Answer, Request, VariedPlayRequest, execute
+from server.play.replays.request import Answer, AnyRequest, execute
 from tril.game.console import Console
 from tril.recording import RecordingRefused
 
@@ -31,14 +31,14 @@ def main() -> None:
     console = Console()
     while True:
         try:
-            request: Request | VariedPlayRequest = pickle.load(requests)
+            request: AnyRequest = pickle.load(requests)
         except EOFError:
             return
         pickle.dump(_answer(request, console), answers)
         answers.flush()
 
 
-def _answer(request: Request | VariedPlayRequest, console: Console) -> Answer:
+def _answer(request: AnyRequest, console: Console) -> Answer:
     try:
         return Answer(content=execute(request, console))
     except RecordingRefused as refusal:

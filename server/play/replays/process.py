@@ -11,8 +11,17 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
-from server.play.replays.request import Answer, ReplayTask, Request, VariedPlayRequest
+from server.play.replays.request import (
+    Answer,
+    AnyRequest,
+    Content,
+    LoadRequest,
+    ReplayTask,
+    Request,
+    VariedPlayRequest,
+)
 from tril.errors import Unavailable
+from tril.exchange.formats.recording_file import ImportedRecording
 from tril.recording import Recording, RecordingRefused, Verified
 
 _LOG = logging.getLogger(__name__)
@@ -62,6 +71,18 @@ class ReplayProcess:
         """
         return self._thread.submit(self._play, VariedPlayRequest(seed))
 
+    def load(self, content: object) -> ImportedRecording:
+        """Load a recording from the exchange format and verify it, in turn with other replays.
+
+        Args:
+            content: Parsed JSON.
+
+        Raises:
+            RecordingRefused: As ``load_recording`` says.
+            Unavailable: It could not be replayed.
+        """
+        return self._thread.submit(self._load, LoadRequest(content)).result()
+
     def stop(self) -> None:
         """Stop the process after the requests that were submitted."""
         self._thread.shutdown()
@@ -77,7 +98,12 @@ class ReplayProcess:
         assert isinstance(content, Verified)
         return content
 
-    def _content(self, request: Request | VariedPlayRequest) -> bytes | Verified:
+    def _load(self, request: LoadRequest) -> ImportedRecording:
+        content = self._content(request)
+        assert isinstance(content, ImportedRecording)
+        return content
+
+    def _content(self, request: AnyRequest) -> Content:
         answer = self._ask(request)
         if answer.refusal is not None:
             raise RecordingRefused(answer.refusal)
@@ -86,7 +112,7 @@ class ReplayProcess:
             raise Unavailable(_UNAVAILABLE)
         return answer.content
 
-    def _ask(self, request: Request | VariedPlayRequest) -> Answer:
+    def _ask(self, request: AnyRequest) -> Answer:
         """Send a request; retries once with a new process if the present one has died."""
         for is_last in (False, True):
             try:

@@ -16,6 +16,7 @@ from server.play.replays.products import (
     thumbnail_png,
 )
 from tril.demonstrator.varied_play import play_varied
+from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.game.console import Console
 from tril.recording import Recording, Verified, verify
 
@@ -58,16 +59,31 @@ class VariedPlayRequest:
 
 
 @dataclass(frozen=True)
+class LoadRequest:
+    """A request to load a recording from the exchange format and verify it.
+
+    Attributes:
+        content: Parsed JSON.
+    """
+
+    content: object
+
+
+AnyRequest = Request | VariedPlayRequest | LoadRequest
+Content = bytes | Verified | ImportedRecording
+
+
+@dataclass(frozen=True)
 class Answer:
     """The answer to a request.
 
     Attributes:
-        content: The product, empty for a check; or the game that was played.
+        content: The product, empty for a check; or the game that was played, or loaded.
         refusal: Why the recording does not replay; None if it does.
         failure: A traceback, if something else went wrong.
     """
 
-    content: bytes | Verified = b""
+    content: Content = b""
     refusal: str | None = None
     failure: str | None = None
 
@@ -81,14 +97,16 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
 }
 
 
-def execute(request: Request | VariedPlayRequest, console: Console) -> bytes | Verified:
-    """Replay a recording and return the product, nothing for a passed check; or play a game.
+def execute(request: AnyRequest, console: Console) -> Content:
+    """Replay a recording and return the product, nothing for a passed check; or play or load one.
 
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
     if isinstance(request, VariedPlayRequest):
         return play_varied(np.random.default_rng(request.seed), console)
+    if isinstance(request, LoadRequest):
+        return load_recording(request.content, console)
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.hits, console)
         return b""

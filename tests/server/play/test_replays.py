@@ -24,6 +24,7 @@ from testsupport.workplace import Workplace
 from tril.analysis.linear_reward import final_picture
 from tril.demonstrator import play_varied
 from tril.errors import NotFound, Unavailable
+from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.recording import Recording, RecordingRefused, trajectory
 from tril.store import recordings
 
@@ -50,6 +51,15 @@ def played(workplace: Workplace) -> tuple[Recording, list[tuple[int, int]]]:
         row = recordings.get(session, workplace.ranked[0])
         hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
         return recordings.as_recording(row), hits
+
+
+def test_a_recording_is_loaded_as_in_this_process(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    content = dump_recording(played[0], notes="as it was")
+    assert replays.load(content) == load_recording(content)
+    with pytest.raises(RecordingRefused, match="idle_frames"):
+        replays.load(content | {"start": {"idle_frames": "many"}})
 
 
 def test_a_recording_that_replays_passes_the_check(
