@@ -143,6 +143,13 @@ def test_a_player_is_told_of_nothing_but_their_own(live: LiveServer) -> None:
         assert told_ada == expected
 
 
+def test_nobody_who_is_not_signed_in_listens_nor_does_a_worker(live: LiveServer) -> None:
+    key = live.http.post("/api/keys", json={"name": "Lab", "role": "worker"}).json()["key"]
+    for headers, status in (({}, 401), ({"Authorization": f"Bearer {key}"}, 403)):
+        with httpx2.Client(base_url=live.http.base_url, headers=headers) as stranger:
+            assert stranger.get("/api/events").status_code == status
+
+
 def test_a_server_stops_although_pages_listen(workplace: Workplace) -> None:
     ended = threading.Event()
     listening = threading.Event()
