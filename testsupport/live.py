@@ -114,9 +114,9 @@ def join(
 def connect_to(settings: Settings, path: str, cookie_header: str | None = None) -> ClientConnection:
     """Open a stream of the server as its own page does, signed in, by default as the owner."""
     return connect(
-        f"ws://127.0.0.1:{settings.port}{path}",
+        f"ws://{settings.host}:{settings.port}{path}",
         additional_headers={"Cookie": cookie_header or cookie(settings)},
-        origin=Origin(f"http://127.0.0.1:{settings.port}"),
+        origin=Origin(f"http://{settings.host}:{settings.port}"),
         compression=None,
         max_size=2**20,
     )

@@ -45,6 +45,16 @@ class S3Server:
         urllib.request.urlopen(request, timeout=10).close()
         return f"s3://{name}"
 
+    def answers(self) -> bool:
+        """Whether it can be reached."""
+        try:
+            urllib.request.urlopen(self.endpoint, timeout=1).close()
+        except urllib.error.HTTPError:
+            return True
+        except OSError:
+            return False
+        return True
+
     def environment(self) -> dict[str, str]:
         """Return the environment variables by which a process reaches it."""
         return {
@@ -71,7 +81,7 @@ def use(patch: pytest.MonkeyPatch) -> S3Server:
 @cache
 def _running() -> S3Server | None:
     """Start the server with the first call; it ends with this process."""
-    packages = _installed()
+    packages = installed()
     if packages is None:
         return None
     port = free_port()
@@ -79,7 +89,7 @@ def _running() -> S3Server | None:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     with (folder / "log").open("w") as log:
         server = subprocess.Popen(
-            [sys.executable, "-c", SERVE, "--host", "127.0.0.1", "--port", str(port)],
+            command("127.0.0.1", port),
             env={**os.environ, "PYTHONPATH": str(packages)},
             cwd=folder,
             stdout=log,
@@ -88,11 +98,16 @@ def _running() -> S3Server | None:
         )
     atexit.register(server.kill)
     made = S3Server(f"http://127.0.0.1:{port}")
-    wait_until(lambda: _answers(made), what_was_said=lambda: (folder / "log").read_text())
+    wait_until(made.answers, what_was_said=lambda: (folder / "log").read_text())
     return made
 
 
-def _installed() -> Path | None:
+def command(host: str, port: int) -> list[str]:
+    """Return the command line of a server, whose PYTHONPATH has what was ``installed``."""
+    return [sys.executable, "-c", SERVE, "--host", host, "--port", str(port)]
+
+
+def installed() -> Path | None:
     """Return the folder of the server's packages, in the environment; install them if need be."""
     digest = hashlib.sha256(PACKAGES.read_bytes()).hexdigest()[:12]
     folder = Path(sys.prefix) / f"s3-server-{digest}"
@@ -113,13 +128,3 @@ def _installed() -> Path | None:
             return None
         whole.rename(folder)
     return folder
-
-
-def _answers(server: S3Server) -> bool:
-    try:
-        urllib.request.urlopen(server.endpoint, timeout=1).close()
-    except urllib.error.HTTPError:
-        return True
-    except OSError:
-        return False
-    return True

@@ -1,12 +1,14 @@
 """Hurts a running Tril by faults, one after the other, and checks what it acknowledged.
 
     python -m benchmarks.faults --faults 200 --seed 1
-    python -m benchmarks.faults --faults 200 --database postgresql
+    python -m benchmarks.faults --faults 200 --database postgresql --store s3 \
+        --servers 2 --workers 4
     python -m benchmarks.faults --faults 20 --kinds "kill worker" "pause worker for long"
 
 Server, inference process and workers are the real ones; clients import, rank, play, and train
-small runs meanwhile. As root there are more kinds of fault: the data folder has a file system of
-its own that is filled, and with PostgreSQL the database and a worker have hosts of their own.
+small runs meanwhile. As root there are more kinds of fault: data folders have a file system of
+their own that is filled, and with PostgreSQL database, store, servers and workers have hosts of
+their own, in network namespaces, and clocks that can be wrong.
 Prints a table and a JSON line; its exit status says whether every rule of
 ``testsupport/faults/rules.py`` held.
 """
@@ -15,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import sys
 from dataclasses import asdict
 
@@ -31,15 +34,22 @@ def main() -> None:
     parser.add_argument("--hours", type=float, help="begin no fault after so many hours")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--database", choices=("sqlite", "postgresql"), default="sqlite")
+    parser.add_argument("--store", choices=("folder", "s3"), default="folder")
+    parser.add_argument("--servers", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--runs", type=int, default=2, help="that are not over, at a time")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, help="only these")
     parser.add_argument("--in-turn", action="store_true", help="take the kinds in turn")
     arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # and end what was started
     plan = Plan(
         n_faults=arguments.faults,
         seed=arguments.seed,
         database=arguments.database,
+        store=arguments.store,
+        n_servers=arguments.servers,
         n_workers=arguments.workers,
+        runs_at_once=arguments.runs,
         kinds=tuple(arguments.kinds) if arguments.kinds else None,
         in_turn=arguments.in_turn,
         most_s=3600 * arguments.hours if arguments.hours else float("inf"),

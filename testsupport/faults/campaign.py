@@ -9,17 +9,16 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import httpx2
 import numpy as np
 import psutil
 from sqlalchemy import select
 
-from server.main import bind
-from testsupport.databases import CHOICE, corrupt_databases, settings_on
+from testsupport.databases import CHOICE, corrupt_databases
 from testsupport.faults.clients import (
     BEHAVIOUR,
     Client,
@@ -31,18 +30,21 @@ from testsupport.faults.clients import (
     name_of,
     notes_of,
 )
+from testsupport.faults.clocks import Clock, build
 from testsupport.faults.history import Fault, History, Kind
 from testsupport.faults.injection import KINDS, Target, draw, mount, possible, unmount
 from testsupport.faults.ledger import Entry, keep_ledger, read_ledger
-from testsupport.faults.members import PostgresMember, tril_member
+from testsupport.faults.members import PostgresMember, StoreMember, tril_member
 from testsupport.faults.network import MAIN, Network
 from testsupport.faults.rules import Found, Lost, Stored, lost_training, violations
 from testsupport.live import cookie
+from testsupport.ports import free_port
 from testsupport.postgres import SERVER
 from testsupport.waiting import wait_until
 from testsupport.worker_kills import flaws
 from testsupport.workplace import Workplace, make_workplace
-from tril.errors import Unavailable
+from tril.errors import NotFound, Unavailable
+from tril.files.artifact_store import ArtifactStore
 from tril.game.console import Console
 from tril.inference import InferenceClient, endpoint_of
 from tril.recording import RecordingRefused, verify
@@ -50,6 +52,7 @@ from tril.settings import Settings
 from tril.store import rankings, recordings
 from tril.store.database import database_now
 from tril.store.models import (
+    ArtifactRow,
     ProcessRow,
     RankingRow,
     RecordingRow,
@@ -69,7 +72,7 @@ LEAVES_WITHIN_S = 20.0
 SWEPT_WITHIN_S = 90.0
 """Workers look once a minute for scratch folders that nobody needs."""
 
-DATABASE_HOST, WORKER_HOST = "database", "worker"
+DATABASE_HOST, STORE_HOST = "database", "store"
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,8 @@ class Plan:
         n_faults: How many faults.
         seed: Of everything that is drawn.
         database: ``sqlite`` or ``postgresql``.
+        store: ``folder`` or ``s3``.
+        n_servers: How many servers.
         n_workers: How many workers; with two, one takes over from the other.
         kinds: The kinds of fault to draw from; None for all that are possible here.
         in_turn: Whether the kinds are taken in turn instead of drawn.
@@ -93,6 +98,8 @@ class Plan:
     n_faults: int
     seed: int = 0
     database: str = "sqlite"
+    store: str = "folder"
+    n_servers: int = 1
     n_workers: int = 2
     kinds: tuple[str, ...] | None = None
     in_turn: bool = False
@@ -163,9 +170,9 @@ def run_campaign(plan: Plan, folder: Path, say: Callable[[str], None] = print) -
     rng = np.random.default_rng(plan.seed)
     result = Result()
     began_s = time.monotonic()
-    with _system(plan, folder) as (workplace, target):
+    with _system(plan, folder) as (workplace, target, servers):
         try:
-            _Campaign(plan, workplace, target, result, rng, say).run(began_s)
+            _Campaign(plan, workplace, target, servers, result, rng, say).run(began_s)
         finally:
             result.history.write(folder / "history.jsonl")
     result.violations += _left_running(folder)
@@ -174,59 +181,84 @@ def run_campaign(plan: Plan, folder: Path, say: Callable[[str], None] = print) -
 
 
 @contextmanager
-def _system(plan: Plan, folder: Path) -> Iterator[tuple[Workplace, Target]]:
-    """Provide a workplace and the processes of a Tril on it, not started yet."""
+def _system(plan: Plan, folder: Path) -> Iterator[tuple[Workplace, Target, list[Settings]]]:
+    """Provide a workplace, the processes of a Tril on it, not started yet, and its servers."""
     with ExitStack() as stack:
-        data, logs = folder / "data", folder / "logs"
+        disks, logs = folder / "disks", folder / "logs"
         logs.mkdir()
         target = Target([])
         fills_disk = plan.kinds is None or "fill disk" in plan.kinds
         if fills_disk and os.geteuid() == 0:
-            mount(data, DISK_BYTES)
-            target.disk, target.disk_bytes = data, DISK_BYTES
-            stack.callback(unmount, data)
+            mount(disks, DISK_BYTES)
+            target.disk, target.disk_bytes = disks, DISK_BYTES
+            stack.callback(unmount, disks)
         if plan.database == "postgresql":
+            _start_network(plan, target, stack)
             _start_database(folder, target, stack)
-        workplace = make_workplace(data)
+        url = _start_store(folder, target, stack) if plan.store == "s3" else ""
+        workplace = make_workplace(disks / "data")
         stack.callback(workplace.database.close)
         keep_ledger(workplace.database)
-        with bind(settings_on(data, port=0)) as free:
-            port = free.getsockname()[1]
-        url = _url_in_network(workplace.settings, target)
-        settings = workplace.settings.model_copy(
-            update={"port": port, "learning_threads": 1, "database_url": url}
+        workplace = replace(
+            workplace, settings=workplace.settings.model_copy(update={"artifacts_url": url})
         )
-        _start_members(plan, folder, settings, target)
+        servers = _add_members(plan, folder, workplace.settings, target)
         for member in target.members:
             stack.callback(member.stop)
-        yield (
-            Workplace(
-                workplace.settings.model_copy(update={"port": port}),
-                workplace.database,
-                workplace.behaviour_id,
-                workplace.ranked,
-            ),
-            target,
-        )
+        yield workplace, target, servers
+
+
+def _start_network(plan: Plan, target: Target, stack: ExitStack) -> None:
+    if not Network.is_possible():
+        return
+    stores = [STORE_HOST] if plan.store == "s3" else []
+    hosts = [_host_of(name) for name in _names(plan)]
+    target.network = Network((MAIN, DATABASE_HOST, *stores, *hosts))
+    stack.callback(target.network.close)
+    target.network.open()
+
+
+def _names(plan: Plan) -> list[str]:
+    """Return the servers and the workers, each of which is a machine where there are several."""
+    return [
+        f"{kind} {number}"
+        for kind, how_many in (("server", plan.n_servers), ("worker", plan.n_workers))
+        for number in range(1, how_many + 1)
+    ]
+
+
+def _host_of(name: str) -> str:
+    return name.replace(" ", "-")
 
 
 def _start_database(folder: Path, target: Target, stack: ExitStack) -> None:
     folder.chmod(0o755)  # the server runs as another user
     place = folder / "postgresql"
     place.mkdir()
-    command: list[str] = []
-    if Network.is_possible():
-        target.network = Network((MAIN, DATABASE_HOST, WORKER_HOST))
-        stack.callback(target.network.close)
-        target.network.open()
-        command = target.network.command(DATABASE_HOST)
+    command = target.network.command(DATABASE_HOST) if target.network else []
     address = target.network.address(DATABASE_HOST) if target.network else None
     target.database = PostgresMember(place, command, address)
     target.database.start()
     stack.callback(target.database.stop)
-    os.environ[SERVER], os.environ[CHOICE] = str(place), "postgresql"
-    stack.callback(os.environ.pop, SERVER)
-    stack.callback(os.environ.pop, CHOICE)
+    _set_variables({SERVER: str(place), CHOICE: "postgresql"}, stack)
+
+
+def _start_store(folder: Path, target: Target, stack: ExitStack) -> str:
+    """Start the S3 server and let processes know it; returns the URL of the store."""
+    network = target.network
+    address = network.address(STORE_HOST) if network else "127.0.0.1"
+    command = network.command(STORE_HOST) if network else []
+    target.store = StoreMember(folder, address, free_port(), command)
+    target.store.start()
+    stack.callback(target.store.stop)
+    _set_variables(target.store.server.environment(), stack)
+    return target.store.server.new_bucket()
+
+
+def _set_variables(variables: dict[str, str], stack: ExitStack) -> None:
+    os.environ.update(variables)
+    for name in variables:
+        stack.callback(os.environ.pop, name)
 
 
 def _url_in_network(settings: Settings, target: Target) -> str:
@@ -241,18 +273,35 @@ def _name_in(url: str) -> str:
     return url.partition("@/")[2].partition("?")[0]
 
 
-def _start_members(plan: Plan, folder: Path, settings: Settings, target: Target) -> None:
-    """Add the processes; the last worker is on a machine of its own where there is one."""
-    make = partial(tril_member, logs=folder / "logs")
-    target.members += [make("server", settings), make("inference", settings)]
-    for number in range(1, plan.n_workers + 1):
-        of_worker, command = settings, list[str]()
-        if target.network is not None and number == plan.n_workers:
-            command = target.network.command(WORKER_HOST)
-            of_worker = settings.model_copy(
-                update={"data": folder / "data-2", "artifacts_url": settings.artifact_root}
-            )
-        target.members.append(make(f"worker {number}", of_worker, host=command))
+def _add_members(plan: Plan, folder: Path, settings: Settings, target: Target) -> list[Settings]:
+    """Add the processes; returns the settings of the servers.
+
+    Where there is a network, every server and every worker is on a machine of its own. Servers
+    have one data folder, as they have on one machine.
+    """
+    network, servers = target.network, list[Settings]()
+    library = build(folder) if target.database is not None else None
+    shared = settings.model_copy(
+        update={"learning_threads": 1, "database_url": _url_in_network(settings, target)}
+    )
+    target.members.append(tril_member("inference", shared, folder / "logs"))
+    for name in _names(plan):
+        kind, of_host = name.partition(" ")[0], dict[str, Any]()
+        if kind == "server":
+            of_host["port"] = free_port()
+            if network is not None:
+                of_host |= {"host": network.address(_host_of(name)), "plain_http": True}
+                of_host["allowed_hosts"] = of_host["host"]
+        elif network is not None:
+            of_host["data"] = folder / "disks" / _host_of(name)
+            of_host["artifacts_url"] = settings.artifact_root
+        mine = shared.model_copy(update=of_host)
+        if kind == "server":
+            servers.append(mine)
+        host = network.command(_host_of(name)) if network else []
+        clock = Clock(library, folder / f"{_host_of(name)}.clock") if library else None
+        target.members.append(tril_member(name, mine, folder / "logs", host, clock))
+    return servers
 
 
 class _Campaign:
@@ -263,6 +312,7 @@ class _Campaign:
         plan: Plan,
         workplace: Workplace,
         target: Target,
+        servers: Sequence[Settings],
         result: Result,
         rng: np.random.Generator,
         say: Callable[[str], None],
@@ -274,8 +324,9 @@ class _Campaign:
         self._rng = rng
         self._say = say
         self._settings = workplace.settings
+        self._servers = servers
         self._workers = target.of_kind("worker")
-        self._cookie = cookie(workplace.settings)
+        self._cookie = "; ".join(map(cookie, servers))  # each port has a name of its own for it
         self._descriptors: dict[int, int] = {}
 
     def run(self, began_s: float) -> None:
@@ -312,7 +363,7 @@ class _Campaign:
         result.violations += violations(requests, faults, found)
 
     def _clients(self) -> list[Client]:
-        common = (self._result.history, self._settings, self._cookie)
+        common = (self._result.history, self._servers, self._cookie)
         seeds = self._rng.spawn(3)
         return [
             Librarian(*common, seeds[0]),
@@ -349,9 +400,9 @@ class _Campaign:
                 heard = session.scalars(query).all()
             return any(at > since for at in heard)
 
-        def serves() -> bool:
+        def serves(server: Settings) -> bool:
             try:
-                with self._http() as http:
+                with self._http(server) as http:
                     return http.get("/api/runs").is_success
             except httpx2.HTTPError:
                 return False
@@ -368,7 +419,9 @@ class _Campaign:
                 if not member.is_alive:
                     member.start()
             return (
-                serves() and judges() and all(beats(member.pid) for member in self._target.members)
+                all(map(serves, self._servers))
+                and judges()
+                and all(beats(member.pid) for member in self._target.members)
             )
 
         wait_until(everything, RECOVERS_WITHIN_S, self._logs)
@@ -376,9 +429,9 @@ class _Campaign:
             process = psutil.Process(member.pid)
             self._descriptors.setdefault(member.pid, process.num_fds())
 
-    def _http(self) -> httpx2.Client:
+    def _http(self, server: Settings) -> httpx2.Client:
         return httpx2.Client(
-            base_url=f"http://127.0.0.1:{self._settings.port}",
+            base_url=f"http://{server.host}:{server.port}",
             headers={"Cookie": self._cookie},
             timeout=10.0,
         )
@@ -443,9 +496,24 @@ class _Campaign:
             runs={run.id: run.status for run in of_runs},
             ledger=self._result.ledger,
             left_behind=[*self._open_descriptors(), *self._left_on_disk(of_runs)],
-            damaged=corrupt_databases(self._settings.data),
+            damaged=[*corrupt_databases(self._settings.data), *self._missing_files()],
             unlike=unlike,
         )
+
+    def _missing_files(self) -> list[str]:
+        """Return the files that the database names and the store does not have as they were."""
+        store = ArtifactStore(self._settings.artifact_root)
+        with self._workplace.database.reading() as session:
+            named = {row.path: row.size_bytes for row in session.scalars(select(ArtifactRow))}
+        found = []
+        for path, size_bytes in named.items():
+            try:
+                stored = len(store.get(path))
+            except NotFound:
+                stored = None
+            if stored != size_bytes:
+                found.append(f"The file {path} of {size_bytes} bytes is {stored} in the store.")
+        return found
 
     def _open_descriptors(self) -> Iterator[str]:
         for member in self._target.members:

@@ -44,16 +44,20 @@ class Client(ABC):
 
     Args:
         history: Where everything asked is noted.
-        settings: Where the server is.
+        servers: Settings of the servers; one that does not answer is left for the next.
         cookie: Header of a browser that is signed in.
         rng: Draws what is asked.
     """
 
     def __init__(
-        self, history: History, settings: Settings, cookie: str, rng: np.random.Generator
+        self,
+        history: History,
+        servers: Sequence[Settings],
+        cookie: str,
+        rng: np.random.Generator,
     ) -> None:
         self._history = history
-        self._settings = settings
+        self._servers = itertools.cycle(servers)
         self._cookie = cookie
         self._rng = rng
         self._tokens = (f"{type(self).__name__} {number}" for number in itertools.count())
@@ -118,8 +122,10 @@ class Client(ABC):
         return request
 
     def _connect(self) -> httpx2.Client:
+        """Connect with the next server."""
+        self._settings = next(self._servers)
         return httpx2.Client(
-            base_url=f"http://127.0.0.1:{self._settings.port}",
+            base_url=f"http://{self._settings.host}:{self._settings.port}",
             headers={"Cookie": self._cookie},
             timeout=GIVE_UP_AFTER_S,
         )
@@ -259,6 +265,8 @@ class Player(Client):
                 problem = broken
             self._note(kind, subject, seen, began_s, status, repr(problem))
             kind = Kind.REJOIN
+            self._http.close()
+            self._http = self._connect()
             time.sleep(0.5)
 
     def _play_to_end(

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from testsupport.faults.members import Member, PostgresMember
+from testsupport.faults.members import Member, PostgresMember, StoreMember
 from testsupport.faults.network import MAIN, Network
 from tril.jobs.delivery import LOST_AFTER_S
 
@@ -25,6 +25,10 @@ LONG_PAUSE_S = (LOST_AFTER_S + 3.0, LOST_AFTER_S + 15.0)
 DATABASE_DOWN_S = (0.0, 15.0)
 PARTITION_S = (3.0, 75.0)
 DISK_S = (2.0, 15.0)
+STORE_AWAY_S = (2.0, 45.0)
+"""Longer than a request to the store may take, at most."""
+CLOCK_S = (5.0, 20.0)
+WRONG_BY_S = (60, 900)
 
 WRITES = ("pwrite64", "fsync,fdatasync", "ftruncate", "rename", "openat")
 """System calls by which databases, checkpoints and artifacts are written, and opened."""
@@ -39,6 +43,7 @@ class Target:
     Attributes:
         members: Processes of Tril.
         database: The PostgreSQL server, if that is the database.
+        store: The S3 server, if files are there.
         network: What lies between the hosts, if there are several.
         disk: Where the data folder is mounted, a file system of its own; None if it is not.
         disk_bytes: Size of that file system.
@@ -46,6 +51,7 @@ class Target:
 
     members: list[Member]
     database: PostgresMember | None = None
+    store: StoreMember | None = None
     network: Network | None = None
     disk: Path | None = None
     disk_bytes: int = 0
@@ -127,6 +133,22 @@ def _pause_database(target: Target, rng: np.random.Generator) -> None:
         _wait(rng, DATABASE_DOWN_S)
 
 
+def _pause_store(target: Target, rng: np.random.Generator) -> None:
+    assert target.store is not None
+    with _suspended(target.store.family()):
+        _wait(rng, STORE_AWAY_S)
+
+
+def _skew_clock(target: Target, rng: np.random.Generator) -> None:
+    clocks = [member.clock for member in target.members if member.clock is not None]
+    clock = clocks[int(rng.integers(len(clocks)))]
+    clock.set_wrong(int(rng.integers(*WRONG_BY_S)) * int(rng.choice([-1, 1])))
+    try:
+        _wait(rng, CLOCK_S)
+    finally:
+        clock.set_wrong(0)
+
+
 def _partition(target: Target, rng: np.random.Generator) -> None:
     assert target.network is not None
     host = str(rng.choice([host for host in target.network.hosts if host != MAIN]))
@@ -183,6 +205,14 @@ def _with_database(target: Target) -> bool:
     return target.database is not None
 
 
+def _with_store(target: Target) -> bool:
+    return target.store is not None
+
+
+def _with_clocks(target: Target) -> bool:
+    return any(member.clock is not None for member in target.members)
+
+
 def _with_strace(_target: Target) -> bool:
     return shutil.which("strace") is not None
 
@@ -199,7 +229,9 @@ KINDS: Mapping[str, FaultKind] = {
     "kill database": FaultKind(_kill_database, _with_database, weight=2.0),
     "restart database": FaultKind(_restart_database, _with_database, weight=2.0),
     "pause database": FaultKind(_pause_database, _with_database),
-    "partition": FaultKind(_partition, lambda target: target.network is not None, weight=2.0),
+    "pause store": FaultKind(_pause_store, _with_store),
+    "skew clock": FaultKind(_skew_clock, _with_clocks, weight=2.0),
+    "partition": FaultKind(_partition, lambda target: target.network is not None, weight=4.0),
     "fill disk": FaultKind(_fill_disk, lambda target: target.disk is not None, weight=2.0),
     "fail writes": FaultKind(_traced_writes(_error, WRITES), _with_strace, weight=2.0),
     "slow writes": FaultKind(

@@ -13,8 +13,10 @@ from pathlib import Path
 import psutil
 import psycopg
 
+from testsupport.faults.clocks import Clock
 from testsupport.postgres import ROLE, Cluster, owner, prepare
 from testsupport.processes import COMMAND, environment_of
+from testsupport.s3 import S3Server, command, installed
 from testsupport.waiting import wait_until
 from tril.settings import Settings
 
@@ -31,6 +33,7 @@ class Member:
         environment: Its environment.
         log: Where it writes to.
         user: Who runs it; None for whoever this is.
+        clock: Its clock, if that can be set wrong.
     """
 
     name: str
@@ -38,6 +41,7 @@ class Member:
     environment: Mapping[str, str]
     log: Path
     user: str | None = None
+    clock: Clock | None = None
     _process: subprocess.Popen[bytes] | None = field(default=None, init=False)
 
     @property
@@ -101,6 +105,7 @@ def tril_member(
     settings: Settings,
     logs: Path,
     host: Sequence[str] = (),
+    clock: Clock | None = None,
 ) -> Member:
     """Return a process of Tril, called as its command with a number after it.
 
@@ -109,10 +114,40 @@ def tril_member(
         settings: Its settings.
         logs: Folder for its output.
         host: What its command line begins with.
+        clock: Its clock, if that can be set wrong.
     """
     kind = name.partition(" ")[0]
-    command = [*host, *COMMAND, {"server": "serve"}.get(kind, kind)]
-    return Member(name, command, environment_of(settings), logs / f"{name}.log")
+    words = [*host, *COMMAND, {"server": "serve"}.get(kind, kind)]
+    environment = environment_of(settings) | (clock.environment() if clock else {})
+    return Member(name, words, environment, logs / f"{name}.log", clock=clock)
+
+
+class StoreMember(Member):
+    """An S3 server of the campaign's own; it forgets its objects when it ends.
+
+    Args:
+        folder: Folder for its output.
+        address: Its address.
+        port: Its port.
+        host: What its command line begins with.
+
+    Raises:
+        RuntimeError: Its packages can be neither found nor installed.
+    """
+
+    def __init__(self, folder: Path, address: str, port: int, host: Sequence[str] = ()) -> None:
+        packages = installed()
+        if packages is None:
+            raise RuntimeError("The packages of the S3 server can't be installed; use a folder.")
+        environment = {**os.environ, "PYTHONPATH": str(packages)}
+        words = [*host, *command(address, port)]
+        super().__init__("store", words, environment, folder / "store.log")
+        self.server = S3Server(f"http://{address}:{port}")
+
+    def start(self) -> None:
+        """Start the server and wait until it answers."""
+        super().start()
+        wait_until(self.server.answers, what_was_said=lambda: self.log.read_text()[-2000:])
 
 
 class PostgresMember(Member):

@@ -37,7 +37,7 @@ class Network:
         _ip("-n", switch, "link", "add", "bridge", "type", "bridge")
         _ip("-n", switch, "link", "set", "bridge", "up")
         for host in self.hosts:
-            here, there = _plugs(host)
+            here, there = self._plugs(host)
             _ip("link", "add", here, "type", "veth", "peer", "name", there, "netns", switch)
             place: list[str] = []
             if host != MAIN:
@@ -52,18 +52,18 @@ class Network:
     def close(self) -> None:
         """Remove everything."""
         # With the namespace it would go a little later.
-        subprocess.run(["ip", "link", "del", _plugs(MAIN)[0]], check=False)
+        subprocess.run(["ip", "link", "del", self._plugs(MAIN)[0]], check=False)
         for name in ("switch", *self._others()):
             subprocess.run(["ip", "netns", "del", self.namespace(name)], check=False)
 
     def cut(self, host: str) -> None:
         """Let nothing through to or from a host; nobody is told."""
-        _ip("-n", self.namespace("switch"), "link", "set", _plugs(host)[1], "nomaster")
+        _ip("-n", self.namespace("switch"), "link", "set", self._plugs(host)[1], "nomaster")
 
     def join(self, host: str) -> None:
         """Let everything through again."""
         switch = self.namespace("switch")
-        _ip("-n", switch, "link", "set", _plugs(host)[1], "master", "bridge")
+        _ip("-n", switch, "link", "set", self._plugs(host)[1], "master", "bridge")
 
     def address(self, host: str) -> str:
         """Return a host's address."""
@@ -80,11 +80,10 @@ class Network:
     def _others(self) -> list[str]:
         return [host for host in self.hosts if host != MAIN]
 
-
-def _plugs(host: str) -> tuple[str, str]:
-    # At most 15 characters; two campaigns of one machine must not meet.
-    name = f"{os.getpid()}{host[:4]}"
-    return f"a{name}", f"b{name}"
+    def _plugs(self, host: str) -> tuple[str, str]:
+        # At most 15 characters; two campaigns of one machine must not meet.
+        name = f"{os.getpid()}h{self.hosts.index(host)}"
+        return f"a{name}", f"b{name}"
 
 
 def _ip(*arguments: str) -> None:
