@@ -53,7 +53,8 @@ class Services:
         watching: The games that are watched in this process.
         changes: The change stream.
         storage: Measures disk usage.
-        read_limit: Limits requests that read. Together with those that write they are fewer than
+        read_limit: Limits requests that read. Their threads share Python's lock with the games, so
+            that more of them answer less. Together with those that write they have to be fewer than
             the pool's connections (15) and anyio's threads (40). Otherwise all threads wait for
             connections whose holders wait for a thread, in which FastAPI validates their answer.
         write_limit: Limits requests that write, so that reads do not wait for a busy database.
@@ -78,10 +79,10 @@ class Services:
     changes: ChangeStream
     storage: StorageMeter
     read_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=4, waiting=256, wait_s=20)
     )
     write_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=4, waiting=256, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, waiting=256, wait_s=20)
     )
     replay_limit: ConcurrencyLimit = field(
         default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=120)

@@ -25,8 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.play.support.pages import owners_cookie
 from server.play.wire.protocol import InputMessage, client_bytes
-from testsupport.live import cookie
 from tril.exchange.formats.recording_file import dump_recording
 from tril.game.controls import Keys
 from tril.game.episode import Start
@@ -90,7 +90,7 @@ class Attacker:
         """Return the head of a request."""
         lines = [f"{method} {path} HTTP/1.1", f"Host: {HOST}:{self.settings.port}"]
         if signed_in:
-            lines.append(f"Cookie: {cookie(self.settings)}")
+            lines.append(f"Cookie: {owners_cookie(self.settings.data, self.settings.port)}")
         if length is not None:
             lines += ["Content-Type: application/json", f"Content-Length: {length}"]
         return ("\r\n".join(lines) + "\r\nConnection: close\r\n\r\n").encode()
@@ -123,7 +123,7 @@ class Attacker:
         writer.write(
             f"GET {path} HTTP/1.1\r\nHost: {HOST}:{self.settings.port}\r\nUpgrade: websocket\r\n"
             f"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n"
-            f"Cookie: {cookie(self.settings)}\r\n\r\n".encode()
+            f"Cookie: {owners_cookie(self.settings.data, self.settings.port)}\r\n\r\n".encode()
         )
         head = await reader.readuntil(b"\r\n\r\n")
         self.counts[_status(head)] += 1

@@ -12,8 +12,11 @@ import json
 import re
 import secrets
 import struct
+import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import httpx2
@@ -61,15 +64,26 @@ class Counts:
         return Counts(**{name: mine[name] - others[name] for name in mine})
 
 
+@cache
+def owners_cookie(data: Path, port: int) -> str:
+    """Sign one browser of the owner in and return its Cookie header.
+
+    Once for each process: it writes to the database, which keeps an event loop, and the server,
+    waiting.
+    """
+    return cookie(Settings(data=data, port=port))
+
+
 class Page(asyncio.Protocol):
     """One connection to a game.
 
     Args:
-        settings: Whose cookie to send.
+        settings: Where the server is.
         path: The stream's path.
         counts: The counts to add to.
         rng: Chooses keys.
         on_frame: Called with every frame's sequence.
+        cookie_header: Who plays; the owner by default.
 
     Attributes:
         acknowledges: Whether frames are acknowledged.
@@ -84,8 +98,10 @@ class Page(asyncio.Protocol):
         counts: Counts,
         rng: np.random.Generator,
         on_frame: Callable[[int], None] = lambda _sequence: None,
+        cookie_header: str | None = None,
     ) -> None:
         self._settings = settings
+        self._cookie = cookie_header or owners_cookie(settings.data, settings.port)
         self._path = path
         self._counts = counts
         self._rng = rng
@@ -107,7 +123,8 @@ class Page(asyncio.Protocol):
         transport.write(
             f"GET {self._path} HTTP/1.1\r\nHost: {HOST}:{self._settings.port}\r\n"
             "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-            f"Sec-WebSocket-Key: {key}\r\nCookie: {cookie(self._settings)}\r\n\r\n".encode()
+            f"Sec-WebSocket-Key: {key}\r\n"
+            f"Cookie: {self._cookie}\r\n\r\n".encode()
         )
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -209,7 +226,10 @@ def client_of(settings: Settings) -> httpx2.AsyncClient:
     """Return a signed-in client that opens a connection for each request."""
     return httpx2.AsyncClient(
         base_url=f"http://{HOST}:{settings.port}",
-        headers={"Cookie": cookie(settings), "Connection": "close"},
+        headers={
+            "Cookie": owners_cookie(settings.data, settings.port),
+            "Connection": "close",
+        },
         timeout=TIMEOUT_S,
     )
 
@@ -219,6 +239,41 @@ async def join(settings: Settings, path: str, make: Callable[[str], Page]) -> Pa
     loop = asyncio.get_running_loop()
     _, page = await loop.create_connection(lambda: make(path), HOST, settings.port)
     return page
+
+
+async def arrive(settings: Settings, link: str, name: str) -> float:
+    """Come by an invitation as a browser does, begin a game, and leave.
+
+    Args:
+        settings: The server's settings.
+        link: The invitation's path.
+        name: Who comes.
+
+    Returns:
+        Seconds from opening the link to the game's first frame.
+    """
+    began_s, counts = time.monotonic(), Counts()
+    base_url = f"http://{HOST}:{settings.port}"
+    async with httpx2.AsyncClient(base_url=base_url, timeout=TIMEOUT_S) as http:
+        asked = (await http.get(link)).raise_for_status()
+        (signed,) = re.findall(r'name="invitation" value="([^"]+)"', asked.text)
+        joined = await http.post("/join", data={"invitation": signed, "name": name})
+        page = (await http.get(joined.headers["Location"])).raise_for_status()
+        files = set(re.findall(r'(?:src|href)="(/[^"]+)"', page.text))
+        await asyncio.gather(*(http.get(file) for file in files))
+        path = await new_game(http, counts)
+        if path is None:
+            raise RuntimeError("There was no place for a game.")
+        cookies = "; ".join(f"{key}={value}" for key, value in http.cookies.items())
+    seen = asyncio.Event()
+    rng = np.random.default_rng(0)
+    page_of = partial(
+        Page, settings, path, counts, rng, lambda _sequence: seen.set(), cookie_header=cookies
+    )
+    _, playing = await asyncio.get_running_loop().create_connection(page_of, HOST, settings.port)
+    await asyncio.wait_for(seen.wait(), TIMEOUT_S)
+    playing.transport.abort()
+    return time.monotonic() - began_s
 
 
 async def play_on_and_on(
