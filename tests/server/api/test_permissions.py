@@ -267,9 +267,11 @@ def _state(world: World) -> list[Any]:
     """Return what nobody may change who may not."""
     with world.workplace.database.reading() as session:
         rows = session.execute(
-            select(RecordingRow.id, RecordingRow.state, RecordingRow.deleted_at, RecordingRow.notes)
+            select(
+                RecordingRow.id, RecordingRow.state, RecordingRow.deleted_at, RecordingRow.notes
+            ).order_by(RecordingRow.id)
         ).all()
-        roles = session.execute(select(PlayerRow.id, PlayerRow.role)).all()
+        roles = session.execute(select(PlayerRow.id, PlayerRow.role).order_by(PlayerRow.id)).all()
         return [tuple(row) for row in [*rows, *roles]]
 
 
