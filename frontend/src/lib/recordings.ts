@@ -72,6 +72,11 @@ function describeLength({ n_steps }: Pick<Played, "n_steps">): string {
 
 const DEATHS: ReadonlySet<string | null> = new Set(["hit", "lives"]);
 
+/** Whether a game ended with the cannon hit or the aliens landed. */
+export function isLost(end: string | null): boolean {
+  return DEATHS.has(end) || end === "landed";
+}
+
 /** Says what a game lacks to be perfect: "it missed 2 targets"; empty if nothing. */
 export function imperfections(
   { targets, strays, order_errors: errors, end }: Omit<Scored, "hits">,

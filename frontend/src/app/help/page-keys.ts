@@ -49,6 +49,19 @@ const rank = (): KeySection => ({
   ],
 });
 
+const compare = (): KeySection => ({
+  title: t`Placing by comparing`,
+  rows: [
+    row(t`the left or upper game is better`, "←", "1"),
+    row(t`the right or lower game is better`, "→", "2"),
+    row(t`it is as good`, "=", "0"),
+    row(t`skip it`, "S"),
+    row(t`put it below the worst`, "W"),
+    row(t`take the last answer back`, "U", "⌫"),
+    row(t`play or pause`, t`Space`),
+  ],
+});
+
 const player = (): KeySection => ({
   title: t`Watching a recording`,
   rows: [
@@ -74,7 +87,7 @@ const PAGES: readonly (readonly [
   sections: (keys: KeyMap) => readonly KeySection[],
 ])[] = [
   ["/behaviours/:id/play", playing],
-  ["/behaviours/:id/rank", () => [rank(), player()]],
+  ["/behaviours/:id/rank", () => [rank(), compare(), player()]],
   ["/behaviours/:id/recordings", () => [player()]],
   ["/recordings/:id", () => [player()]],
   ["/runs/:id/watch", () => [watch()]],

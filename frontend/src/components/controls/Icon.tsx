@@ -7,6 +7,7 @@ const PATHS = {
   check: "M3 8.5 6.5 12 13 4.5",
   chevronDown: "M4 6l4 4 4-4",
   close: "M4 4l8 8M12 4l-8 8",
+  compare: "M2 3.5h5v9H2zM9 3.5h5v9H9z",
   clock: "M8 2.5a5.5 5.5 0 1 0 0 11 5.5 5.5 0 0 0 0-11M8 5v3.2l2 1.3",
   down: "M8 3v10M4 9l4 4 4-4",
   download: "M8 2.5v8M4.5 7.5 8 11l3.5-3.5M3 13.5h10",

@@ -20,7 +20,7 @@ import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
 import type { RecordedFrames } from "@/lib/game/codec";
-import { Playback, SPEEDS } from "@/lib/game/playback";
+import { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { stepOf } from "@/lib/recordings";
@@ -28,6 +28,7 @@ import { stepOf } from "@/lib/recordings";
 import styles from "./RecordingPlayer.module.css";
 import { RewardCurve, type ShownReward } from "./RewardCurve";
 import { Scrubber } from "./Scrubber";
+import { SpeedChoice } from "./SpeedChoice";
 
 interface RecordingPlayerProps {
   frames: RecordedFrames;
@@ -101,7 +102,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
 }
 
 function Controls({ playback, last }: { playback: Playback; last: number }) {
-  const { frame, playing, speed } = useSyncExternalStore(playback.subscribe, playback.snapshot);
+  const { frame, playing } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   return (
     <>
       <div className={styles.controls}>
@@ -113,22 +114,7 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
         />
         <IconButton icon="stepBack" label={t`One frame back`} onClick={() => playback.step(-1)} />
         <IconButton icon="stepOn" label={t`One frame forward`} onClick={() => playback.step(1)} />
-        <label>
-          <span className="visually-hidden">
-            <Trans>Speed</Trans>
-          </span>
-          <select
-            className={styles.speed}
-            value={speed}
-            onChange={(event) => playback.setSpeed(Number(event.currentTarget.value))}
-          >
-            {SPEEDS.map((one) => (
-              <option key={one} value={one}>
-                {one}×
-              </option>
-            ))}
-          </select>
-        </label>
+        <SpeedChoice playback={playback} />
         <span className={styles.time}>
           <Trans>
             {seconds(frame / FRAME_RATE_HZ, 2)} of {seconds(last / FRAME_RATE_HZ, 2)} · step{" "}

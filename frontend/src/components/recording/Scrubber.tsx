@@ -17,7 +17,8 @@ interface Hit {
 interface ScrubberProps {
   playback: Playback;
   last: number;
-  hits: readonly Hit[];
+  /** Omitted where the slider is of several recordings. */
+  hits?: readonly Hit[];
 }
 
 /** A slider over the frames, with marks at the hits. */
@@ -25,7 +26,7 @@ export function Scrubber({ playback, last, hits }: ScrubberProps) {
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   return (
     <div className={styles.scrubber}>
-      <HitMarks hits={hits} last={last} />
+      {hits && <HitMarks hits={hits} last={last} />}
       <input
         type="range"
         className={styles.range}

@@ -6,6 +6,9 @@ import type { Behaviour, Recording } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
+import { MAX_STEPS } from "@/lib/format";
+import { cellKey } from "@/lib/game/aliens";
+import { hitCells, isLost } from "@/lib/recordings";
 
 import styles from "./Hints.module.css";
 
@@ -58,22 +61,62 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
   ];
 }
 
+/** How many kinds are named at a time. */
+const MAX_KINDS = 2;
+
 /** Returns the kinds of games that a ranking of enough games lacks, and what to do about it. */
 function missingKinds(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
   const ranked = new Set(tiers.flat());
   const games = recordings.filter(({ id }) => ranked.has(id));
-  const missing = { done: false, optional: true } as const;
-  const kinds: Hint[] = [];
-  if (games.every(({ borrowed, source }) => !borrowed && source !== "varied")) {
-    const text = t`All ranked games are of one kind. Add varied games, which are bad in other ways.`;
-    kinds.push({ ...missing, id: "varied", text });
-  }
+  const isVaried = games.some(({ borrowed, source }) => borrowed || source === "varied");
+  const kinds = isVaried
+    ? []
+    : [
+        {
+          id: "varied",
+          text: t`All ranked games are of one kind. Add varied games, which are bad in other ways.`,
+        },
+      ];
+  // Only a behaviour with target cells scores games.
   const scored = games.filter(({ targets }) => targets !== null);
-  if (scored.length > 0 && !scored.some(({ targets, strays }) => targets && strays)) {
-    const text = t`No ranked game hits a target and a stray. Play one that does: it shows what a stray costs.`;
-    kinds.push({ ...missing, id: "mixed", text });
-  }
-  return kinds;
+  if (scored.length > 0) kinds.push(...missingOutcomes(scored));
+  return kinds.slice(0, MAX_KINDS).map((kind) => ({ ...kind, done: false, optional: true }));
+}
+
+const EARLY_STEPS = MAX_STEPS / 2;
+
+/** Returns the outcomes that no scored game has, the most telling first. */
+function missingOutcomes(
+  games: readonly Recording[],
+): { readonly id: string; readonly text: string }[] {
+  const outcomes = [
+    {
+      id: "mixed",
+      there: games.some(({ targets, strays }) => targets && strays),
+      text: t`No ranked game hits a target and a stray. Play one that does: it shows what a stray costs.`,
+    },
+    {
+      id: "survived",
+      there: games.some(({ end }) => !isLost(end)),
+      text: t`Every ranked game is lost. Play one that lasts to its end: it shows that surviving counts.`,
+    },
+    {
+      id: "lost",
+      there: games.some(({ end, n_steps }) => isLost(end) && n_steps < EARLY_STEPS),
+      text: t`No ranked game is lost early. Play one in which the cannon is hit soon: it shows what that costs.`,
+    },
+    {
+      id: "aliens",
+      there: new Set(games.map(aliensHit)).size > 1,
+      text: t`All ranked games hit the same aliens. Play some that hit others, or fewer: they show which ones count.`,
+    },
+  ];
+  return outcomes.filter(({ there }) => !there);
+}
+
+/** Names the aliens that a game hit, in whatever order. */
+function aliensHit(game: Recording): string {
+  return hitCells(game).map(cellKey).sort().join(" ");
 }
 
 /** Whether a run can be started. */

@@ -1,15 +1,25 @@
 import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useCallback, useMemo, useState } from "react";
+import { useSearchParams } from "react-router";
 
 import type { Behaviour, Ranking, Recording } from "@/api/types";
+import { Button } from "@/components/controls/Button";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
 import { DragBoard } from "@/features/ranking/board/DragBoard";
-import { allPlaces, isGap, describePlace, readPlace } from "@/features/ranking/board/places";
+import {
+  allPlaces,
+  describePlace,
+  describePosition,
+  isGap,
+  readPlace,
+} from "@/features/ranking/board/places";
 import { CardBody, type Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
+import { canCompare, CompareDialog } from "@/features/ranking/comparing/CompareDialog";
 import { Opinion } from "@/features/ranking/opinion/Opinion";
 import { OpinionBar } from "@/features/ranking/opinion/OpinionBar";
 import { useOpinions } from "@/features/ranking/opinion/use-opinions";
@@ -54,7 +64,11 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const { tiers } = state;
   const unranked = unrankedOf(state);
   const selected = [...tiers.flat(), ...unranked].filter((id) => chosen.has(id));
-  useUndoKeys(saver);
+  const [search, setSearch] = useSearchParams();
+  const [compared, setCompared] = useState(
+    search.has("compare") && canCompare(state, unranked) ? unranked : null,
+  );
+  useUndoKeys(saver, compared === null);
   const keepFocus = useKeptFocus(tiers);
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
@@ -79,6 +93,17 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       t`Dropped ${plural(selected.length, { one: "# recording", other: "# recordings" })}: ${nameOfPlace(to)}.`,
     );
     setChosen(new Set());
+  }
+
+  const isComparable = canCompare(state, unranked);
+  const selectedUnranked = selected.filter((id) => unranked.includes(id));
+  const placeByComparing = () =>
+    setCompared(selectedUnranked.length > 0 ? selectedUnranked : unranked);
+
+  function endComparing() {
+    setCompared(null);
+    setChosen(new Set(selectedUnranked));
+    if (search.has("compare")) setSearch({}, { replace: true });
   }
 
   const desk = {
@@ -161,6 +186,13 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
           )}
           <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
           <Tray {...desk} unranked={unranked}>
+            {isComparable && (
+              <div>
+                <Button icon="compare" onClick={placeByComparing}>
+                  <Trans>Place by comparing</Trans>
+                </Button>
+              </div>
+            )}
             <VariedGames
               behaviour={behaviour}
               unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
@@ -182,12 +214,24 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
         tiers={tiers}
         selected={selected}
         onPut={putSelected}
+        onCompare={isComparable && selectedUnranked.length > 0 ? placeByComparing : null}
         onSelectNone={() => setChosen(new Set())}
       />
       <p role="status" className="visually-hidden">
         {spoken}
       </p>
       {question}
+      {compared && (
+        <CompareDialog
+          ids={compared}
+          behaviour={behaviour}
+          recordings={byId}
+          opinions={opinions.of}
+          state={state}
+          saver={saver}
+          onClose={endComparing}
+        />
+      )}
       {state.conflict && (
         <ConflictDialog
           theirs={state.conflict.tiers}
@@ -203,14 +247,4 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
 function unrankedOf({ saved, tiers }: SaverState): readonly number[] {
   const ranked = new Set(tiers.flat());
   return [...saved.unranked, ...saved.tiers.flat()].filter((id) => !ranked.has(id));
-}
-
-function describePosition(tiers: Tiers, id: number): string {
-  const at = tierOf(tiers, id);
-  if (at < 0) return t`unranked`;
-  const others = (tiers[at]?.length ?? 1) - 1;
-  const [tier, of] = [at + 1, tiers.length];
-  return others === 0
-    ? t`tier ${tier} of ${of}, alone`
-    : t`tier ${tier} of ${of}, tied with ${others}`;
 }

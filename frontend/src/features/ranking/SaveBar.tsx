@@ -33,22 +33,27 @@ export function SaveBar({ state, saver }: { state: SaverState; saver: RankingSav
           onClick={() => void saver.step("redo")}
         />
       </div>
-      {error !== null && (
-        <Notice tone="bad" live>
-          <p>
-            <Trans>The order could not be saved: {messageOf(error)}</Trans>
-            {isPassing(error) && (
-              <>
-                {" "}
-                <Trans>Tril tries again by itself; your order stays on this page.</Trans>
-              </>
-            )}
-          </p>
-          <Button onClick={() => saver.retry()}>
-            <Trans>Try again</Trans>
-          </Button>
-        </Notice>
-      )}
+      {error !== null && <SaveError error={error} saver={saver} />}
     </>
+  );
+}
+
+/** Why the order could not be saved. */
+export function SaveError({ error, saver }: { error: unknown; saver: RankingSaver }) {
+  return (
+    <Notice tone="bad" live>
+      <p>
+        <Trans>The order could not be saved: {messageOf(error)}</Trans>
+        {isPassing(error) && (
+          <>
+            {" "}
+            <Trans>Tril tries again by itself; your order stays on this page.</Trans>
+          </>
+        )}
+      </p>
+      <Button onClick={() => saver.retry()}>
+        <Trans>Try again</Trans>
+      </Button>
+    </Notice>
   );
 }

@@ -13,11 +13,19 @@ interface SelectionBarProps {
   selected: readonly number[];
   /** Puts all selected recordings into one place. */
   onPut: (place: string) => void;
+  /** Places the unranked ones by comparing; null if there are none, or nothing to compare with. */
+  onCompare: (() => void) | null;
   onSelectNone: () => void;
 }
 
 /** Moves all selected recordings at once; in sight wherever the page is scrolled to. */
-export function SelectionBar({ tiers, selected, onPut, onSelectNone }: SelectionBarProps) {
+export function SelectionBar({
+  tiers,
+  selected,
+  onPut,
+  onCompare,
+  onSelectNone,
+}: SelectionBarProps) {
   const [wanted, setWanted] = useState<number | null>(null);
   if (selected.length === 0) return null;
   const worst = tiers.length - 1;
@@ -51,6 +59,11 @@ export function SelectionBar({ tiers, selected, onPut, onSelectNone }: Selection
             <Trans>Put into tier {tier + 1}</Trans>
           </Button>
         </span>
+      )}
+      {onCompare && (
+        <Button icon="compare" onClick={onCompare}>
+          <Trans>Place by comparing</Trans>
+        </Button>
       )}
       {selected.some((id) => tierOf(tiers, id) >= 0) && (
         <Button icon="tray" onClick={() => onPut(TRAY)}>

@@ -19,7 +19,10 @@ describe("the keys of a page", () => {
     ["/", ["Everywhere"]],
     ["/behaviours/3/train", ["Everywhere"]],
     ["/behaviours/3/play", ["Playing", "After a game", "Everywhere"]],
-    ["/behaviours/3/rank", ["Ranking", "Watching a recording", "Everywhere"]],
+    [
+      "/behaviours/3/rank",
+      ["Ranking", "Placing by comparing", "Watching a recording", "Everywhere"],
+    ],
     ["/recordings/3", ["Watching a recording", "Everywhere"]],
     ["/runs/abc/watch", ["Watching a policy play", "Everywhere"]],
     ["/runs/compare", ["On a chart", "Everywhere"]],

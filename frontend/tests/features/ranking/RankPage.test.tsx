@@ -451,6 +451,54 @@ describe("what training needs", () => {
     expect(hints.queryByText(/a target and a stray/)).toBeNull();
   });
 
+  describe("names the outcomes that a ranking of enough games lacks:", () => {
+    /** A dozen ranked games that have every outcome, with a change to each. */
+    async function openWith(change: (at: number) => Partial<Recording>) {
+      const outcomes = (at: number): Partial<Recording> => ({
+        targets: 1,
+        strays: 1,
+        end: at === 0 ? "hit" : "steps",
+        n_steps: at === 0 ? 80 : 300,
+        hits: [{ row: 0, column: at % 2, frame: 120, on_target: true }],
+        source: "varied",
+      });
+      const more = Array.from({ length: 12 }, (_, at) =>
+        recording({ id: 10 + at, ...outcomes(at), ...change(at) }),
+      );
+      await open({ tiers: more.map(({ id }) => [id]), unranked: [1] }, undefined, more);
+      return within(screen.getByRole("region", { name: "What training needs" }));
+    }
+    const MISSING = /No ranked game|Every ranked game|All ranked games/;
+
+    it("none if all are there", async () => {
+      const hints = await openWith(() => ({}));
+      expect(hints.getByText("12 recordings ranked")).toBeVisible();
+      expect(hints.queryByText(MISSING)).toBeNull();
+    });
+
+    it.each([
+      [/hits a target and a stray/, (at: number) => (at % 2 ? { targets: 0 } : { strays: 0 })],
+      [/Every ranked game is lost/, (at: number) => ({ end: at > 6 ? "landed" : "hit" })],
+      [/is lost early/, () => ({ n_steps: 200 })],
+      [/hit the same aliens/, () => ({ hits: [] })],
+    ] as const)("%s", async (text, change) => {
+      const hints = await openWith(change);
+      expect(hints.getByText(text)).toBeVisible();
+      expect(hints.getAllByText(MISSING)).toHaveLength(1);
+    });
+
+    it("no more than two at a time", async () => {
+      const bad = { strays: 0, end: "hit", n_steps: 200, hits: [] };
+      const hints = await openWith(() => bad);
+      expect(hints.getAllByText(MISSING)).toHaveLength(2);
+    });
+
+    it("none without target cells", async () => {
+      const hints = await openWith(() => ({ targets: null, strays: null, end: "hit", hits: [] }));
+      expect(hints.queryByText(MISSING)).toBeNull();
+    });
+  });
+
   it("begins with a game", async () => {
     serve({
       "GET /api/behaviours/1/ranking": () => ranking(),

@@ -591,6 +591,19 @@ describe("teaching more", () => {
     expect(asked.find(({ method }) => method === "POST")?.body).toEqual({ recording_ids: [21] });
   });
 
+  it("leads to placing by comparing once some are among the unranked", async () => {
+    openTaught();
+    const list = await games();
+    const compare = { name: "Place by comparing" };
+    const add = await list.findByRole("button", { name: "Add to the ranking: Recording 20" });
+    expect(screen.queryByRole("link", compare)).toBeNull();
+    await userEvent.click(add);
+    expect(await screen.findByRole("link", compare)).toHaveAttribute(
+      "href",
+      "/behaviours/1/rank?compare",
+    );
+  });
+
   it("trains the imitator further, even if there are no games yet", async () => {
     openTaught({ proposed: [], games: [], comparison: [] });
     const further = await screen.findByRole("link", { name: "Train further from this imitator" });

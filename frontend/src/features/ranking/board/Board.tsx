@@ -154,7 +154,7 @@ export function Tray(props: BoardProps & { unranked: readonly number[]; children
       className={classes(styles.tray, isOver && styles.over)}
       aria-label={t`Unranked, ${plural(unranked.length, { one: "# recording", other: "# recordings" })}`}
     >
-      <h3>
+      <h3 data-tray tabIndex={-1}>
         <Trans>Unranked ({unranked.length})</Trans>
       </h3>
       {children}

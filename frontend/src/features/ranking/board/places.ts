@@ -2,7 +2,7 @@
 
 import { plural, t } from "@lingui/core/macro";
 
-import type { Place, Tiers } from "@/features/ranking/order/order";
+import { type Place, tierOf, type Tiers } from "@/features/ranking/order/order";
 
 export const TRAY = "tray";
 
@@ -44,4 +44,15 @@ export function describePlace(place: string, tiers: Tiers): string {
   if (to.before === 0) return t`new tier, best of all`;
   if (to.before === tiers.length) return t`new tier, worst of all`;
   return t`new tier between tiers ${to.before} and ${to.before + 1}`;
+}
+
+/** Describes where a recording is, for announcements. */
+export function describePosition(tiers: Tiers, id: number): string {
+  const at = tierOf(tiers, id);
+  if (at < 0) return t`unranked`;
+  const others = (tiers[at]?.length ?? 1) - 1;
+  const [tier, of] = [at + 1, tiers.length];
+  return others === 0
+    ? t`tier ${tier} of ${of}, alone`
+    : t`tier ${tier} of ${of}, tied with ${others}`;
 }

@@ -2,9 +2,10 @@ import { useEffect } from "react";
 
 import type { RankingSaver } from "./saver";
 
-/** Ctrl+Z undoes, Ctrl+Shift+Z or Ctrl+Y redoes. */
-export function useUndoKeys(saver: RankingSaver): void {
+/** Ctrl+Z undoes, Ctrl+Shift+Z or Ctrl+Y redoes, while that is enabled. */
+export function useUndoKeys(saver: RankingSaver, enabled: boolean): void {
   useEffect(() => {
+    if (!enabled) return undefined;
     const down = (event: KeyboardEvent) => {
       const target = event.target as HTMLElement;
       if (!(event.ctrlKey || event.metaKey) || target.matches("input, textarea")) return;
@@ -15,5 +16,5 @@ export function useUndoKeys(saver: RankingSaver): void {
     };
     window.addEventListener("keydown", down);
     return () => window.removeEventListener("keydown", down);
-  }, [saver]);
+  }, [saver, enabled]);
 }

@@ -124,33 +124,40 @@ function ProposedGame({
   );
 }
 
-/** Adds all games to the unranked ones and leads there. */
+/** Adds all games to the unranked ones and leads there, or to placing those that are. */
 function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourId: number }) {
   const { data: borrowed } = useQuery(borrowedQuery(behaviourId));
   const { add, isPending } = useBorrowing(behaviourId);
   const navigate = useNavigate();
   const rank = `/behaviours/${behaviourId}/rank`;
-  const held = new Set(borrowed?.map(({ id }) => id));
-  const missing = games.map(({ recording }) => recording.id).filter((id) => !held.has(id));
-  if (missing.length === 0) {
-    return (
-      <ButtonLink kind="primary" to={rank}>
-        <Trans>Rank them</Trans>
-      </ButtonLink>
-    );
-  }
+  const held = new Map(borrowed?.map(({ id, ranked }) => [id, ranked]));
+  const ids = games.map(({ recording }) => recording.id);
+  const missing = ids.filter((id) => !held.has(id));
   return (
-    <Button
-      kind="primary"
-      icon="plus"
-      disabled={isPending}
-      onClick={() => void add(missing).then((added) => added && navigate(rank))}
-    >
-      <Plural
-        value={missing.length}
-        one="Add # game and rank it"
-        other="Add # games and rank them"
-      />
-    </Button>
+    <>
+      {missing.length === 0 ? (
+        <ButtonLink kind="primary" to={rank}>
+          <Trans>Rank them</Trans>
+        </ButtonLink>
+      ) : (
+        <Button
+          kind="primary"
+          icon="plus"
+          disabled={isPending}
+          onClick={() => void add(missing).then((added) => added && navigate(rank))}
+        >
+          <Plural
+            value={missing.length}
+            one="Add # game and rank it"
+            other="Add # games and rank them"
+          />
+        </Button>
+      )}
+      {ids.some((id) => held.get(id) === false) && (
+        <ButtonLink kind="quiet" icon="compare" to={`${rank}?compare`}>
+          <Trans>Place by comparing</Trans>
+        </ButtonLink>
+      )}
+    </>
   );
 }

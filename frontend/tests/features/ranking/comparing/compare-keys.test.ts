@@ -1,0 +1,34 @@
+import { expect, it } from "vitest";
+
+import { actOf } from "@/features/ranking/comparing/compare-keys";
+
+const key = (name: string, more = {}) =>
+  actOf({ key: name, ctrlKey: false, metaKey: false, altKey: false, shiftKey: false, ...more });
+
+it("keys answer by arrows, digits and letters, in either case", () => {
+  expect(["ArrowLeft", "1", "=", "0", "ArrowRight", "2"].map((name) => key(name))).toEqual([
+    "game",
+    "game",
+    "equal",
+    "equal",
+    "opponent",
+    "opponent",
+  ]);
+  expect(["s", "S", "w", "u", "Backspace", " "].map((name) => key(name))).toEqual([
+    "skip",
+    "skip",
+    "worst",
+    "undo",
+    "undo",
+    "play",
+  ]);
+});
+
+it("keys with a modifier are the browser's, but for Ctrl+Z", () => {
+  expect(key("s", { ctrlKey: true })).toBeNull();
+  expect(key("ArrowLeft", { altKey: true })).toBeNull();
+  expect(key("z", { ctrlKey: true })).toBe("undo");
+  expect(key("z", { metaKey: true })).toBe("undo");
+  expect(key("Z", { ctrlKey: true, shiftKey: true })).toBeNull();
+  expect(key("x")).toBeNull();
+});
