@@ -96,7 +96,8 @@ def _import_three(page: Page, folder: Path) -> None:
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("File of recordings").set_input_files(file)
     dialog.get_by_role("button", name="Import").click()
-    expect(dialog.get_by_text(re.compile("4"))).to_be_visible()
+    # Each recording is replayed first, after the game that was played just now.
+    expect(dialog.get_by_text(re.compile("4"))).to_be_visible(timeout=30_000)
     dialog.get_by_role("button", name=re.compile("Done|Close")).first.click()
     expect(page.get_by_role("article")).to_have_count(4)
 
@@ -132,6 +133,7 @@ def _rank(page: Page) -> None:
         expect(page.get_by_text(announced)).to_be_attached()
     _expect_order(tiers, ["Recording 2", "Recording 4", "Recording 3"])
 
+    expect(page.get_by_role("status").get_by_text("Saved")).to_be_visible()
     page.keyboard.press("Control+z")
     _expect_order(tiers, ["Recording 2", "Recording 3", "Recording 4"])
     expect(page.get_by_text("Saved")).to_be_visible()
