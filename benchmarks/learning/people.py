@@ -47,7 +47,7 @@ from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
-from trainer.reward.pretraining import read_aliens
+from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN, Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
@@ -282,7 +282,7 @@ def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
     size = network.output.in_features
     products, sums = torch.zeros(size + 1, size + 1), torch.zeros(size + 1)
     for seen in games.trajectories:
-        read = read_aliens(seen.observations)
+        read = read_features(seen.observations)
         inputs = torch.cat([read, torch.ones(len(read), 1)], 1)
         products += inputs.T @ inputs
         sums += inputs.T @ torch.from_numpy(hit_worth(behaviour, seen) / len(behaviour.target))

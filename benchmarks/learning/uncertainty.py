@@ -23,7 +23,7 @@ from benchmarks.learning.people import Lesson, Ranked, arguments_of
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
 from trainer.reward.model import RewardModel
-from trainer.reward.pretraining import read_aliens
+from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
 from tril.recording import LEVEL_STEPS
 
@@ -35,7 +35,7 @@ def judged(model: RewardModel, games: Ranked) -> dict[str, float]:
     assert model.spread is not None
     scale = model.one - model.zero
     ends = [one.observations[-LEVEL_STEPS:] for one in games.trajectories]
-    features = torch.stack([read_aliens(one).mean(0) for one in ends])
+    features = torch.stack([read_features(one).mean(0) for one in ends])
     levels = np.array([model.level(model.score(one)).mean() for one in ends], np.float64)
     deviations = np.array([_deviation(model, one) for one in ends]) / scale
     merits = games.merits

@@ -21,9 +21,14 @@ from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
 from tril.game.observation import check_observations
+from tril.game.space_invaders import COLUMNS, ROWS
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
+N_GAPS = ROWS * (COLUMNS - 1)
+"""Pairs of aliens beside each other."""
+_GAP_SCALE = 0.5
+"""Holds down the share of gaps in R, which most behaviours are not about: see decision 37."""
 _SPREAD = "spread"
 """Prefix of the tensors of a Spread in a file."""
 
@@ -36,14 +41,16 @@ class RewardNetwork(nn.Module):
     first layer's weights, which gives the same sums and saves a pass over the inputs.
 
     A pretrained network has one more layer below the output, which reads off the screen which
-    aliens are left; R is linear in their probabilities. See trainer.reward.pretraining. In
-    networks of earlier versions it reads bits of the console's memory.
+    aliens are left; R is linear in their probabilities and in those of gaps between neighbours.
+    See trainer.reward.pretraining. In networks of earlier versions R is linear in the probabilities
+    alone, of aliens or of bits of the console's memory.
 
     Args:
         n_flags: Size of that layer; 0 leaves it out.
+        gaps: Whether R is linear in ``gaps_between``, too; for flags of the 36 aliens.
     """
 
-    def __init__(self, n_flags: int = 0) -> None:
+    def __init__(self, n_flags: int = 0, gaps: bool = False) -> None:
         super().__init__()
         self.convolutions = nn.ModuleList(
             [
@@ -55,7 +62,8 @@ class RewardNetwork(nn.Module):
         )
         self.hidden = nn.Linear(784, 64)
         self.memory = nn.Linear(64, n_flags) if n_flags else None
-        self.output = nn.Linear(n_flags or 64, 1)
+        self.gaps = gaps
+        self.output = nn.Linear(n_flags + N_GAPS * gaps if n_flags else 64, 1)
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @property
@@ -97,10 +105,14 @@ class RewardNetwork(nn.Module):
         """Return what R is linear in, from the second layer before its activation.
 
         Returns:
-            float32 (N, 64); of a pretrained network (N, n_flags), probabilities.
+            float32 (N, 64); of a pretrained network (N, n_flags) or (N, n_flags + 30), all from 0
+            to 1.
         """
         values = self.hidden_values(second)
-        return values if self.memory is None else self.memory(values).sigmoid()
+        if self.memory is None:
+            return values
+        flags = self.memory(values).sigmoid()
+        return torch.cat([flags, gaps_between(flags)], 1) if self.gaps else flags
 
     def hidden_values(self, second: Tensor) -> Tensor:
         """Return the hidden layer's values, float32 (N, 64), from the same."""
@@ -108,6 +120,19 @@ class RewardNetwork(nn.Module):
         for layer in self.layers[2:]:
             values = F.leaky_relu(layer(values))
         return F.leaky_relu(self.hidden(values.flatten(1)))
+
+
+def gaps_between(aliens: Tensor) -> Tensor:
+    """Return where an alien is left and its right neighbour is not, float32 (N, 30), 0 to 0.5.
+
+    A row that is swept from left to right never has such a gap: what single aliens add to R cannot
+    say this, as each of them is to be hit in the end.
+
+    Args:
+        aliens: float32 (N, 36), the probability that each is left, row by row.
+    """
+    grid = aliens.unflatten(1, (ROWS, COLUMNS))
+    return _GAP_SCALE * (grid[:, :, :-1] * (1.0 - grid[:, :, 1:])).flatten(1)
 
 
 def new_network(rng: np.random.Generator) -> RewardNetwork:
@@ -122,7 +147,9 @@ def network_of(weights: Mapping[str, Tensor]) -> RewardNetwork:
     Raises:
         RuntimeError: They are not a reward network's.
     """
-    network = RewardNetwork(len(weights.get("memory.bias", ())))
+    n_flags = len(weights.get("memory.bias", ()))
+    n_features = weights["output.weight"].shape[1]
+    network = RewardNetwork(n_flags, gaps=n_features == n_flags + N_GAPS)
     network.load_state_dict(weights)
     return network
 

@@ -14,7 +14,7 @@ from torch import Tensor
 from trainer.reward.fragments import Fragmenter, FragmentStarts, preference_pairs
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration
-from trainer.reward.pretraining import read_aliens
+from trainer.reward.pretraining import read_features
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -42,8 +42,8 @@ class ObservedTrajectory:
 
     @cached_property
     def memory_bits(self) -> Tensor:
-        """What a pretrained network reads off the observations, see read_aliens."""
-        return read_aliens(self.observations)
+        """What a pretrained network reads off the observations, see read_features."""
+        return read_features(self.observations)
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,9 @@
 A dozen ranked games say little about which screens mean the same, and a network that learns both
 this and what is good from them orders games of other kinds hardly better than chance. Here the
 first part is learned once, for all behaviours, from varied play that nobody ranks. A behaviour's
-reward is then linear in the probabilities that each alien of the full grid is left, so that a few
-rankings determine it. Rewards are computed from screens alone.
+reward is then linear in the probabilities that each alien of the full grid is left, and in those
+that one is left whose right neighbour is gone, so that a few rankings determine it. Rewards are
+computed from screens alone.
 
     python -m trainer.reward.pretraining
 
@@ -46,7 +47,7 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
     rng = np.random.default_rng(seed)
     targets = [screens.aliens()]
     with torch_seeded(rng):
-        network = RewardNetwork(targets[0].flags.shape[1])
+        network = RewardNetwork(targets[0].flags.shape[1], gaps=True)
     assert network.memory is not None
     memory = network.memory
 
@@ -74,14 +75,15 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
     return network
 
 
-def read_aliens(observations: Observations) -> Tensor:
+def read_features(observations: Observations) -> Tensor:
     """Return what every pretrained network's R is linear in: they differ in their outputs alone.
 
     Args:
         observations: uint8 (N, 4, 84, 84).
 
     Returns:
-        float32 (N, 36), the probability that each alien is left, row by row.
+        float32 (N, 66), the probability that each alien is left, row by row, and of the gaps
+        between them.
     """
     network = _shipped_network()
     batches = torch.split(channels_last_screens(observations), forward_batch(CPU))

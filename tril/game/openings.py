@@ -21,6 +21,9 @@ _ACTIONS = (Action.RIGHT, Action.RIGHT, Action.LEFT, Action.NOOP)
 _EVALUATION = 1
 """Seed of the evaluation openings, the first with which the cannon survives all of them."""
 
+_REDRAWN = {9: 2}
+"""Seeds of those which that one draws so that no player survives the step after them."""
+
 
 @dataclass(frozen=True)
 class Opening:
@@ -57,7 +60,8 @@ def evaluation_opening(number: int) -> Opening:
     Raises:
         UnknownStart: The number is out of range.
     """
-    return draw_opening(evaluation_start(number), np.random.default_rng((_EVALUATION, number)))
+    seed = _REDRAWN.get(number, _EVALUATION)
+    return draw_opening(evaluation_start(number), np.random.default_rng((seed, number)))
 
 
 def evaluation_beginning(number: int, openings: bool) -> Start | Opening:

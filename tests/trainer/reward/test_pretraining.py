@@ -15,13 +15,13 @@ from trainer.nn.checkpoints import load_tensors
 from trainer.nn.memory_reading import Screens, play_games
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking, jackknife
-from trainer.reward.model import RewardModel
+from trainer.reward.model import RewardModel, gaps_between
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import (
     WEIGHTS,
     pretrain,
     pretrained_network,
-    read_aliens,
+    read_features,
 )
 from trainer.reward.reward_trainer import train_reward_model
 from tril.game.console import Console
@@ -63,7 +63,7 @@ def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
 def test_r_from_what_was_read_is_r_from_the_screens(screens: Screens) -> None:
     network = pretrained_network(np.random.default_rng(3))
     model = RewardModel((network,), (0.5,), (2.0,))
-    left = read_aliens(screens.observations[:150])
+    left = read_features(screens.observations[:150])
     assert left.shape == (150, network.output.in_features)
     assert ((left >= 0) & (left <= 1)).all()
     wanted = model.score(screens.observations[:150])
@@ -72,7 +72,8 @@ def test_r_from_what_was_read_is_r_from_the_screens(screens: Screens) -> None:
 
 def test_pretraining_learns_what_is_on_the_screen(screens: Screens) -> None:
     network, figures = pretrain(screens, seed=0)
-    assert network.output.in_features == figures["aliens"]["n_flags"] == 36
+    assert figures["aliens"]["n_flags"] == 36
+    assert network.output.in_features == 36 + 30
     assert 0.5 < figures["aliens"]["accuracy"] <= 1.0
     assert figures["aliens"]["known"] < 1.0
 
@@ -92,7 +93,16 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
         second = network.layers[1](F.leaky_relu(network.first(screen)))
         read = network.features(second)
     assert read.shape == (1, network.output.in_features)
-    assert (read > 0.9).all()
+    # All aliens are left, so that no gap is between any.
+    assert (read[:, :36] > 0.9).all()
+    assert (read[:, 36:] < 0.1).all()
+
+
+def test_a_gap_is_an_alien_left_whose_right_neighbour_is_gone() -> None:
+    left = torch.ones(1, 36)
+    left[0, [0, 8, 35]] = 0.0
+    # Row by row, five pairs a row: (row 1, column 2) is left of (1, 3), and (5, 5) of (5, 6).
+    assert gaps_between(left)[0].nonzero().flatten().tolist() == [1 * 5 + 1, 5 * 5 + 4]
 
 
 def test_only_the_output_is_learned_and_the_model_is_saved_whole(tmp_path: Path) -> None:
@@ -137,7 +147,7 @@ def test_the_jackknife_is_that_of_its_definition() -> None:
         values.append(alone.score(states) / np.concatenate(every).std())
     # What all states have in common depends on the offsets.
     apart = np.asarray(values) - np.mean(values, 0)
-    shifts = (spread.weight @ read_aliens(states).T + spread.bias[:, None]).numpy()
+    shifts = (spread.weight @ read_features(states).T + spread.bias[:, None]).numpy()
     expected = np.sqrt(3 / 4) * (apart - apart[:, :1])
     np.testing.assert_allclose(shifts - shifts[:, :1], expected, atol=1e-3)
     assert jackknife(networks[:1], dataset) is None

@@ -32,9 +32,10 @@ class RewardNetwork(nn.Module):
 
     Args:
         n_flags: Size of a further layer below the output, of probabilities; 0 leaves it out.
+        n_features: Number of values that the output is linear in.
     """
 
-    def __init__(self, n_flags: int) -> None:
+    def __init__(self, n_flags: int, n_features: int) -> None:
         super().__init__()
         self.convolutions = nn.ModuleList(
             [
@@ -46,7 +47,7 @@ class RewardNetwork(nn.Module):
         )
         self.hidden = nn.Linear(784, 64)
         self.memory = nn.Linear(64, n_flags) if n_flags else None
-        self.output = nn.Linear(n_flags or 64, 1)
+        self.output = nn.Linear(n_features, 1)
 
     def forward(self, observations: Tensor) -> Tensor:
         """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
@@ -56,6 +57,11 @@ class RewardNetwork(nn.Module):
         values = F.leaky_relu(self.hidden(values.flatten(1)))
         if self.memory is not None:
             values = self.memory(values).sigmoid()
+            if self.output.in_features > values.shape[1]:
+                # Where an alien of the 6 x 6 grid is left and its right neighbour is not.
+                grid = values.unflatten(1, (6, 6))
+                gaps = 0.5 * grid[:, :, :-1] * (1.0 - grid[:, :, 1:])
+                values = torch.cat([values, gaps.flatten(1)], 1)
         rewards: Tensor = self.output(values).squeeze(1)
         return rewards
 
@@ -86,7 +92,8 @@ class RewardModel:
                 for name, one in weights.items()
                 if name.startswith(prefix)
             }
-            network = RewardNetwork(len(own.get("memory.bias", ())))
+            n_flags, n_features = len(own.get("memory.bias", ())), own["output.weight"].shape[1]
+            network = RewardNetwork(n_flags, n_features)
             network.load_state_dict(own)
             self._networks.append(network.eval())
 

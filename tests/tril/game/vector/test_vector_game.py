@@ -23,7 +23,8 @@ from tril.game.episode import (
     Start,
 )
 from tril.game.observation import Observation
-from tril.game.openings import evaluation_opening
+from tril.game.openings import Opening, evaluation_opening
+from tril.game.space_invaders import Action
 from tril.game.vector.vector_game import (
     DemonstrationLog,
     FinishedGame,
@@ -188,6 +189,21 @@ def test_an_evaluation_opening_is_fixed_and_differs_from_the_others() -> None:
         steps = games.step(np.zeros(len(openings), np.int64)).steps
     # All survive their openings, which count towards the length of the game.
     assert steps.tolist() == [len(opening.actions) + 1 for opening in openings]
+
+
+def test_every_evaluation_opening_leaves_a_game_that_can_be_survived(console: Console) -> None:
+    def survives(opening: Opening, action: Action) -> bool:
+        game = AgentGame(console)
+        game.begin(opening)
+        for _ in range(25):
+            if game.end is None:
+                game.step(int(action))
+        return game.end is None
+
+    moves = (Action.NOOP, Action.LEFT, Action.RIGHT)
+    for number in range(EVALUATION_START_COUNT):
+        opening = evaluation_opening(number)
+        assert any(survives(opening, move) for move in moves), number
 
 
 def test_a_demonstration_state_is_observed_as_it_was(console: Console) -> None:
