@@ -23,8 +23,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from testsupport.faults.campaign import Plan, Result, campaign_folder, run_campaign
+from testsupport.faults.campaign import campaign_folder, run_campaign
 from testsupport.faults.injection import KINDS
+from testsupport.faults.plan import Plan, Result
 
 
 def main() -> None:

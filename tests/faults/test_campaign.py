@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from testsupport.faults.campaign import Plan, run_campaign
+from testsupport.faults.campaign import run_campaign
+from testsupport.faults.plan import Plan
 
 KILLS = ("kill server", "kill worker", "kill inference", "pause worker")
 
