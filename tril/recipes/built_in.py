@@ -79,6 +79,7 @@ FAST = replace(
             "evaluation.openings": True,
         },
     ),
+    default_steps=300_000,
     summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
 )
 
