@@ -2,11 +2,12 @@
 
     python -m benchmarks.learning.people_table docs/results/people.jsonl
 
-Prints one table in Markdown for each way of training (games learned from, steps, changed values),
-a row a behaviour, of the trainings that began with today's pretrained weights. Intervals are 95%
-bootstrap intervals over trainings and games; the last row has interquartile means over behaviours
-with stratified intervals (Agarwal et al. 2021). Then the taus of what the check of the ranking said
-and of how well the reward orders unseen games with the targets hit, over all trainings.
+Prints one table in Markdown for each way of training (games learned from, steps, changed values)
+that several behaviours were trained in, a row a behaviour, of the trainings that began with today's
+pretrained weights. Intervals are 95% bootstrap intervals over trainings and games; the last row has
+interquartile means over behaviours with stratified intervals (Agarwal et al. 2021). Then a row for
+each training, by behaviour, and the taus of what the check of the ranking said and of how well the
+reward orders unseen games with the targets hit, over all trainings.
 """
 
 from __future__ import annotations
@@ -40,6 +41,9 @@ CONDITION = (
 )
 """What trainings of one table share."""
 
+SEVERAL = 4
+"""Behaviours that a way of training has a table of its own from."""
+
 FIGURES = ("targets", "strays", "died", "perfect")
 HEADINGS = ("targets", "strays", "lost", "perfect games")
 
@@ -55,7 +59,10 @@ def main() -> None:
     for line in lines:
         tables.setdefault(json.dumps([line[name] for name in CONDITION]), []).append(line)
     for trainings in tables.values():
-        sys.stdout.write(f"\n{_title(trainings[0])}\n\n{table(trainings)}\n")
+        if len({line["behaviour"] for line in trainings}) >= SEVERAL:
+            title = f"**{_title(trainings[0])}** (digest {trainings[0]['digest']})"
+            sys.stdout.write(f"\n{title}\n\n{table(trainings)}\n")
+    sys.stdout.write(f"\n{each(lines)}\n")
     if checked := [line for line in lines if "held_out_accuracy" in last_round(line)]:
         sys.stdout.write(f"\n{calibration(checked)}\n")
 
@@ -82,6 +89,22 @@ def table(trainings: Sequence[Line]) -> str:
         rows.append(_row([behaviour, seeds], own, lambda groups: nested_interval(groups)))
     if len(behaviours) > 1:
         rows.append(_row(["**interquartile mean**", ""], trainings, None))
+    return "\n".join(rows)
+
+
+def each(trainings: Sequence[Line]) -> str:
+    """Return a table in Markdown with a row for each training, means over its sticky games."""
+    rows = [
+        "| behaviour | seed | learned from | targets | strays | lost | perfect games |",
+        "|---|---:|---|---:|---:|---:|---:|",
+    ]
+    for line in sorted(trainings, key=lambda line: (line["behaviour"], _title(line))):
+        found = last_round(line)["sticky"]
+        rows.append(
+            f"| {line['behaviour']} | {line['training_seed']} | {_title(line)} |"
+            f" {found['targets']:.1f} | {found['strays']:.1f} | {found['died']:.0%} |"
+            f" {found['perfect']:.0%} |"
+        )
     return "\n".join(rows)
 
 
@@ -158,7 +181,8 @@ def _mean(values: Iterable[float]) -> float:
 
 
 def _title(line: Line) -> str:
-    parts = [f"{line['demonstrations']}, {line['varied_games']} varied games"]
+    varied = f"{line['varied_games'] or 'no'} varied games"
+    parts = [line["demonstrations"], varied]
     if line["unsorted"]:
         parts.append("unsorted")
     if line["bulk_answers"]:
@@ -168,7 +192,7 @@ def _title(line: Line) -> str:
     if line["rounds_asked"] > 1:
         parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
     parts += [f"{line['steps']:,} steps", *line["set"]]
-    return f"**{', '.join(parts)}** (digest {line['digest']})"
+    return ", ".join(parts)
 
 
 if __name__ == "__main__":
