@@ -131,8 +131,9 @@ def gaps_between(aliens: Tensor) -> Tensor:
     Args:
         aliens: float32 (N, 36), the probability that each is left, row by row.
     """
-    grid = aliens.unflatten(1, (ROWS, COLUMNS))
-    return _GAP_SCALE * (grid[:, :, :-1] * (1.0 - grid[:, :, 1:])).flatten(1)
+    grid = aliens.reshape(-1, ROWS, COLUMNS)
+    gaps: Tensor = grid[:, :, :-1] * (1.0 - grid[:, :, 1:])
+    return _GAP_SCALE * gaps.flatten(1)
 
 
 def new_network(rng: np.random.Generator) -> RewardNetwork:

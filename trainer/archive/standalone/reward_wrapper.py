@@ -59,7 +59,7 @@ class RewardNetwork(nn.Module):
             values = self.memory(values).sigmoid()
             if self.output.in_features > values.shape[1]:
                 # Where an alien of the 6 x 6 grid is left and its right neighbour is not.
-                grid = values.unflatten(1, (6, 6))
+                grid = values.reshape(-1, 6, 6)
                 gaps = 0.5 * grid[:, :, :-1] * (1.0 - grid[:, :, 1:])
                 values = torch.cat([values, gaps.flatten(1)], 1)
         rewards: Tensor = self.output(values).squeeze(1)
