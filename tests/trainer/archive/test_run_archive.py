@@ -20,8 +20,10 @@ from tests.trainer.samples import observations
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import write_archive
+from trainer.archive.standalone import reward_wrapper
 from trainer.policy.networks import load_policy
 from trainer.reward.model import RewardModel
+from trainer.reward.pretraining import pretrained_network
 from tril.errors import Conflict, NotFound
 from tril.exchange.formats.recording_file import load_recording
 from tril.files.artifact_store import ArtifactStore
@@ -172,6 +174,14 @@ def test_the_wrapper_adds_the_learned_reward_where_there_is_no_tril(
     with artifacts.local_file(workplace.database, store, run_id, "reward_model") as file:
         expected = RewardModel.load(file).score(observations(6)[1:])
     np.testing.assert_allclose(np.load(unpacked / "rewards.npy"), expected, rtol=1e-4, atol=1e-5)
+
+
+def test_the_wrapper_reads_a_pretrained_reward_as_tril_does(tmp_path: Path) -> None:
+    model = RewardModel((pretrained_network(np.random.default_rng(5)),), (0.2,), (2.0,))
+    model.save(tmp_path / "reward-model.safetensors")
+    read = reward_wrapper.RewardModel(tmp_path / "reward-model.safetensors")
+    found = read.score(observations(6))
+    np.testing.assert_allclose(found, model.score(observations(6)), rtol=1e-4, atol=1e-5)
 
 
 def test_the_report_is_one_page_that_loads_nothing_and_says_everything(unpacked: Path) -> None:
