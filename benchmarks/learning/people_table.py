@@ -1,6 +1,6 @@
 """Tables of what `python -m benchmarks.learning.people` has written to a ledger.
 
-    python -m benchmarks.learning.people_table docs/results/people.jsonl
+    python -m benchmarks.learning.people_table docs/results/people.jsonl --seed 12 --seed 13
 
 Prints one table in Markdown for each way of training (games learned from, steps, changed values)
 that several behaviours were trained in, a row a behaviour, of the trainings that began with today's
@@ -53,8 +53,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("ledger", type=Path, nargs="+")
     parser.add_argument("--weights", default=weights_digest(), help="digest of the weights")
+    parser.add_argument("--seed", type=int, action="append", help="of these training seeds alone")
     arguments = parser.parse_args()
-    lines = [line for path in arguments.ledger for line in _lines(path, arguments.weights)]
+    lines = [
+        line
+        for path in arguments.ledger
+        for line in _lines(path, arguments.weights)
+        if not arguments.seed or line["training_seed"] in arguments.seed
+    ]
     tables: dict[str, list[Line]] = {}
     for line in lines:
         tables.setdefault(json.dumps([line[name] for name in CONDITION]), []).append(line)
