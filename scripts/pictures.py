@@ -63,6 +63,8 @@ def photograph(page: Page, path: str, name: str, anchor: str | None = None) -> N
             "heading => window.scrollTo(0, heading.getBoundingClientRect().top + scrollY - 24)"
         )
         page.wait_for_timeout(1500)
+    # Opinions on a ranking come once its games have been replayed.
+    page.get_by_text("Looking at how").wait_for(state="hidden", timeout=60_000)
     page.screenshot(path=FOLDER / f"{name}.png")
 
 
