@@ -60,6 +60,7 @@ SAME_WORDS = r"""() => {
 """Replaces dates and names that are never the same: they could break a line elsewhere."""
 
 WIDTHS = {360: 740, 1280: 800, 2560: 1440}
+MOST_PICTURES = 8
 THEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 PAGES = (
     "behaviours",
@@ -105,11 +106,18 @@ class Loads:
 
 
 def picture_of(page: Page, loads: Loads) -> bytes:
-    """Return a picture of the whole page, once it has come to rest."""
+    """Return a picture of the whole page, once it has come to rest.
+
+    Some buttons' edges go on changing by a shade that nobody sees, so there is an end to waiting.
+    """
     loads.finish()
     page.evaluate(SAME_WORDS)
     before = b""
-    while before != (before := page.screenshot(full_page=True, animations="disabled")):
+    for _ in range(MOST_PICTURES):
+        now = page.screenshot(full_page=True, animations="disabled")
+        if now == before:
+            break
+        before = now
         page.wait_for_timeout(100)
     return before
 
