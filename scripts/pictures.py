@@ -9,6 +9,7 @@ photographed into docs/pictures.
 
 from __future__ import annotations
 
+import re
 import sys
 from io import BytesIO
 from pathlib import Path
@@ -64,7 +65,9 @@ def photograph(page: Page, path: str, name: str, anchor: str | None = None) -> N
         )
         page.wait_for_timeout(1500)
     # Opinions on a ranking come once its games have been replayed.
-    page.get_by_text("Looking at how").wait_for(state="hidden", timeout=60_000)
+    page.get_by_text(re.compile("Looking at how|Working it out")).wait_for(
+        state="hidden", timeout=60_000
+    )
     page.screenshot(path=FOLDER / f"{name}.png")
 
 
