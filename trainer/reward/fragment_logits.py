@@ -121,7 +121,7 @@ class PrefixSumLogits(_Logits):
         """Read the screens of all trajectories if the layers that do so don't learn."""
         if self.recipe.pretrained:
             for trajectory in self.dataset.trajectories:
-                _ = trajectory.memory_bits
+                _ = trajectory.features
                 on_trajectory()
 
     def __call__(self, update: int) -> Tensor:
@@ -153,7 +153,7 @@ class PrefixSumLogits(_Logits):
         # A trajectory that ends before counts with its last observation.
         begin = min(begin, len(trajectory.observations) - 1)
         if self.recipe.pretrained:
-            return trajectory.memory_bits[begin::stride], first
+            return trajectory.features[begin::stride], first
         return channels_last_screens(trajectory.observations[begin::stride]), first
 
     def _prefix_sums(self, taken: tuple[Tensor, ...], begins: Sequence[int]) -> Tensor:

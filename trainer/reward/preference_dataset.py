@@ -41,7 +41,7 @@ class ObservedTrajectory:
     first_step: int = 0
 
     @cached_property
-    def memory_bits(self) -> Tensor:
+    def features(self) -> Tensor:
         """What a pretrained network reads off the observations, see read_features."""
         return read_features(self.observations)
 
@@ -156,7 +156,7 @@ class PreferenceDataset:
         """Return R of a trajectory's observations, float32 (N,), by a model of this recipe."""
         observed = self.trajectories[index]
         if self.recipe.pretrained:
-            return model.score_features(observed.memory_bits)
+            return model.score_features(observed.features)
         return model.score(observed.observations)
 
     def without(self, held_out: Collection[int]) -> PreferenceDataset:

@@ -22,7 +22,7 @@ _EVALUATION = 1
 """Seed of the evaluation openings, the first with which the cannon survives all of them."""
 
 _REDRAWN = {9: 2}
-"""Seeds of those which that one draws so that no player survives the step after them."""
+"""Seeds of the openings that seed 1 would end with a bomb that no move avoids."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def changed(run: RunObject, **values: Any) -> RunObject:
 
 def test_an_example_is_one_command(shipped: RunObject) -> None:
     assert commands(changed(shipped, recipe=FAST.to_dict()), BUILT_IN[0]) == [
-        "tril demo --behaviour column-1 --recipe fast --steps 300000 --training-seed 0"
+        f"tril demo --behaviour column-1 --recipe fast --steps {shipped.steps} --training-seed 0"
     ]
 
 
@@ -39,7 +39,7 @@ def test_a_persons_run_is_its_recordings_and_a_training(shipped: RunObject) -> N
     assert commands(run, BUILT_IN[0]) == [
         "tril recordings import recordings/ranked.jsonl --behaviour column-1 --rank",
         "tril recordings import recordings/perfect.jsonl --behaviour column-1 --perfect",
-        "tril train column-1 --recipe fast --steps 300000 --training-seed 0",
+        f"tril train column-1 --recipe fast --steps {shipped.steps} --training-seed 0",
     ]
     own = Behaviour("two", "Two of them", "", ((0, 0), (1, 5)), ordered=True)
     assert commands(run, own)[0] == (
@@ -72,5 +72,5 @@ def test_the_commands_make_the_recipe_that_the_run_had(
     assert train[0] == "tril"
     done = CliRunner().invoke(app, [*train[1:], "--no-wait"])
     assert done.exit_code == 0, done.output
-    assert asked == [(recipe_from_dict(recipe.to_dict()), 300_000, 7)]
+    assert asked == [(recipe_from_dict(recipe.to_dict()), shipped.steps, 7)]
     assert data_folder.exists()
