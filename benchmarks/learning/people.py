@@ -64,7 +64,7 @@ from tril.game.starts import (
     TRAINING_IDLE_FRAMES,
     Start,
 )
-from tril.ranking import kendall_tau, normalise
+from tril.ranking import best_ranked, kendall_tau, normalise
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recording, Trajectory, trajectory
 from tril.store.training.evaluations import ActionSelection
@@ -318,6 +318,9 @@ class Lesson:
         if arguments.reward == "shuffled":
             np.random.default_rng([self.seed, 3]).shuffle(self.ranked.tiers)
         self.perfect = [one.recording for one in shown if one.perfect]
+        if arguments.ranked_alone:
+            best = best_ranked(self.ranked.tiers)
+            self.perfect = [self.ranked.recordings[index] for index in best]
         self.seen = [trajectory(recording, self.console) for recording in self.perfect]
         self.unseen = UnseenGames(self.behaviour, self.console)
         self._copies: list[PerturbedDemonstration] | None = None
@@ -449,6 +452,11 @@ def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
         "--bulk-answers", type=int, default=0, help="sort them by so many answers instead of fully"
     )
     parser.add_argument("--reward", choices=REWARDS, default="ranking", help="is learned from this")
+    parser.add_argument(
+        "--ranked-alone",
+        action="store_true",
+        help="no best efforts: the best ranked games in their place",
+    )
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--answers", type=int, default=8, help="games inserted between two rounds")
     parser.add_argument(

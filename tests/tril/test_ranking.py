@@ -7,7 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tril.errors import Invalid
-from tril.ranking import Ranking, agreement, contradictions, kendall_tau, normalise
+from tril.ranking import (
+    Ranking,
+    agreement,
+    best_ranked,
+    contradictions,
+    kendall_tau,
+    normalise,
+)
 
 
 @st.composite
@@ -118,3 +125,11 @@ def test_tau_needs_two_tiers_and_numbers() -> None:
         kendall_tau([[0, 1]], [1.0, 2.0])
     with pytest.raises(Invalid, match="not a number"):
         kendall_tau([[0], [1]], [1.0, math.nan])
+
+
+def test_the_best_ranked_are_whole_tiers_from_the_top() -> None:
+    tiers = [[3], [1, 2], [0], [4, 5, 6, 7]]
+    assert best_ranked(tiers, 0.0) == [3]
+    assert best_ranked(tiers, 0.3) == [3]
+    assert best_ranked(tiers, 0.4) == [3, 1, 2]
+    assert best_ranked(tiers, 1.0) == [3, 1, 2, 0, 4, 5, 6, 7]

@@ -16,7 +16,6 @@ from stable_baselines3.common.callbacks import BaseCallback
 from trainer.nn.devices import CPU
 from trainer.nn.precision import Precision
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
-from trainer.policy.cloning import best_demonstrations
 from trainer.policy.discriminator import Discriminator
 from trainer.policy.imitation import (
     ImitationTask,
@@ -37,6 +36,7 @@ from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
 from tril.game.episode import Ending
 from tril.game.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
+from tril.ranking import best_ranked
 
 CHECKPOINT_INTERVAL_S = 45.0
 """A killed training loses at most this and one rollout."""
@@ -147,7 +147,7 @@ def _training_starts(task: ImitationTask) -> TrainingStarts:
     opening_share = task.recipe.policy.opening_share
     if not share:
         return TrainingStarts(idle_frames, opening_share=opening_share)
-    best = best_demonstrations(task.tiers, task.recipe.policy.best_share)
+    best = best_ranked(task.tiers, task.recipe.policy.best_share)
     logs = [
         DemonstrationLog(recording.start, recording.actions)
         for recording in (*(task.recordings[i] for i in best), *task.perfect)

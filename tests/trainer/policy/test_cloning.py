@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from tests.trainer.samples import RecordingProgress, same
-from trainer.policy.cloning import Transitions, best_demonstrations, train_clone
+from trainer.policy.cloning import Transitions, train_clone
 from trainer.policy.networks import Policy
 from trainer.progress import NullProgress, RunCancelled
 from tril.errors import Invalid
@@ -91,11 +91,3 @@ def test_rare_actions_weigh_more_and_the_mean_weight_is_one(
     assert weights[1] > weights[2] > weights[0] > 0
     assert weights[3:].tolist() == [0.0, 0.0, 0.0]
     assert weights[transitions.actions].mean().item() == pytest.approx(1.0, rel=1e-4)
-
-
-def test_the_best_demonstrations_are_whole_tiers_from_the_top() -> None:
-    tiers = [[3], [1, 2], [0], [4, 5, 6, 7]]
-    assert best_demonstrations(tiers, 0.0) == [3]
-    assert best_demonstrations(tiers, 0.3) == [3]
-    assert best_demonstrations(tiers, 0.4) == [3, 1, 2]
-    assert best_demonstrations(tiers, 1.0) == [3, 1, 2, 0, 4, 5, 6, 7]

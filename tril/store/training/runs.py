@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from tril.analysis.outcome import RunSnapshot
 from tril.demonstrator import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
+from tril.ranking import best_ranked
 from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
 from tril.store import audit, behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
@@ -161,6 +162,8 @@ def _refuse_unfit_parent(
 def snapshot(session: Session, behaviour_id: int) -> RunSnapshot:
     """Freeze a behaviour's ranking and perfect demonstrations for a run.
 
+    Where none is marked as perfect, the best ranked recordings are what the clone copies.
+
     Raises:
         Invalid: They don't suffice for learning.
     """
@@ -172,13 +175,8 @@ def snapshot(session: Session, behaviour_id: int) -> RunSnapshot:
             "and put them into an order first."
         )
     rankings.refuse_unrankable(session, behaviour_id, ranking)
-    perfect = recordings.perfect_ids(session, behaviour_id)
-    if not perfect:
-        raise Invalid(
-            "The clone learns from perfect demonstrations and there are none. Mark at least one "
-            "recording as perfect first."
-        )
     tiers = [list(tier) for tier in ranking.tiers]
+    perfect = recordings.perfect_ids(session, behaviour_id) or best_ranked(tiers)
     return RunSnapshot(ranking_revision=row.revision, tiers=tiers, perfect=perfect)
 
 

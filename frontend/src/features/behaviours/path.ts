@@ -41,7 +41,7 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
     {
       id: "rank" as const,
       name: t`Rank`,
-      done: behaviour.n_ranked >= 2 && behaviour.n_perfect >= 1,
+      done: behaviour.n_ranked >= 2,
       caption:
         behaviour.n_ranked === 0
           ? t`best to worst`

@@ -47,7 +47,8 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
       : {
           id: "perfect",
           done: false,
-          text: t`No recording is marked as perfect. The clone copies those: mark one with its star.`,
+          optional: true,
+          text: t`None is marked as perfect: the clone copies the best ranked ones. Mark others with their star.`,
         },
     nRanked >= GOOD_NUMBER
       ? { id: "number", done: true, text: t`${nRanked} recordings ranked` }

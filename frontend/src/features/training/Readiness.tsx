@@ -19,15 +19,29 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
     return (
       <Notice tone="calm" icon="check">
         <p>
-          <Trans>
-            <Plural
-              value={behaviour.n_ranked}
-              one="# ranked recording"
-              other="# ranked recordings"
-            />{" "}
-            and <Plural value={behaviour.n_perfect} one="# perfect one" other="# perfect ones" /> go
-            into the run. <Link to={`${at}/rank`}>Look at the ranking</Link>
-          </Trans>
+          {behaviour.n_perfect > 0 ? (
+            <Trans>
+              <Plural
+                value={behaviour.n_ranked}
+                one="# ranked recording"
+                other="# ranked recordings"
+              />{" "}
+              and <Plural value={behaviour.n_perfect} one="# perfect one" other="# perfect ones" />{" "}
+              go into the run.
+            </Trans>
+          ) : (
+            <Trans>
+              <Plural
+                value={behaviour.n_ranked}
+                one="# ranked recording"
+                other="# ranked recordings"
+              />{" "}
+              go into the run. None is marked as perfect: the clone copies the best ranked ones.
+            </Trans>
+          )}{" "}
+          <Link to={`${at}/rank`}>
+            <Trans>Look at the ranking</Trans>
+          </Link>
         </p>
       </Notice>
     );
@@ -60,8 +74,5 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
 /** What prevents a run; null if nothing does. */
 export function missingFor(behaviour: Behaviour): string | null {
   if (behaviour.n_ranked < 2) return t`Rank at least two recordings, in two tiers or more.`;
-  if (behaviour.n_perfect < 1) {
-    return t`Mark at least one recording as perfect: the clone learns from those.`;
-  }
   return null;
 }

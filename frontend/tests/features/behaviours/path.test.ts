@@ -15,7 +15,8 @@ describe("the path", () => {
     const running = { status: "running" as const, progress: 0.426, headline: null };
     expect(nextOf(none, [])).toEqual(["play"]);
     expect(nextOf(played, [])).toEqual(["rank"]);
-    expect(nextOf({ ...played, n_ranked: 3 }, [])).toEqual(["rank"]);
+    expect(nextOf({ ...played, n_ranked: 1 }, [])).toEqual(["rank"]);
+    expect(nextOf({ ...played, n_ranked: 3 }, [])).toEqual(["train"]);
     expect(nextOf(ranked, [])).toEqual(["train"]);
     expect(nextOf(ranked, [running])).toEqual([]);
     expect(nextOf(ranked, [{ ...running, status: "done" }])).toEqual([]);

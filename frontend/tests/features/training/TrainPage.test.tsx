@@ -27,6 +27,12 @@ describe("training", () => {
     expect(screen.getByRole("button", { name: "Train" })).toBeDisabled();
   });
 
+  it("says that the best ranked stand in where none is marked as perfect", async () => {
+    open({ ...RANKED, n_perfect: 0 });
+    expect(await screen.findByText(/the clone copies the best ranked ones/)).toBeVisible();
+    expect(screen.getByRole("button", { name: "Train" })).toBeEnabled();
+  });
+
   it("works on the scripted example where nothing was played", async () => {
     const { asked, router } = open(behaviour(), {
       "POST /api/runs": () => run({ id: "r3", status: "queued", example: true }),

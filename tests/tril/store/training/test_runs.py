@@ -46,11 +46,13 @@ def test_fewer_than_two_tiers_are_refused(workplace: Workplace) -> None:
         workplace.make_run()
 
 
-def test_no_perfect_demonstrations_are_refused(workplace: Workplace) -> None:
+def test_the_best_ranked_stand_in_where_none_is_marked_as_perfect(workplace: Workplace) -> None:
+    best = workplace.ranked[0]
     with workplace.database.writing() as session:
-        recordings.update(session, recordings.get(session, workplace.ranked[0]), perfect=False)
-    with pytest.raises(Invalid, match="Mark at least one recording as perfect"):
-        workplace.make_run()
+        recordings.update(session, recordings.get(session, best), perfect=False)
+    found = workplace.run(workplace.make_run()).snapshot
+    assert found is not None
+    assert found.perfect == [best]
 
 
 def test_a_ranking_whose_recordings_are_deleted_or_unverified_is_refused(
