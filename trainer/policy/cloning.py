@@ -172,19 +172,3 @@ def _validate(
         logits = torch.cat([policy.logits_and_values(batch)[0] for batch in batches])
     loss = F.cross_entropy(logits, transitions.actions, weights).item()
     return loss, (logits.argmax(1) == transitions.actions).float().mean().item()
-
-
-def best_demonstrations(tiers: Sequence[Sequence[int]], share: float) -> list[int]:
-    """Return the indices of the best demonstrations: whole tiers from the top, at least one.
-
-    Args:
-        tiers: Indices, best tier first.
-        share: Further tiers are added as long as they fit into this share of all demonstrations.
-    """
-    limit = share * sum(len(tier) for tier in tiers)
-    best = list(tiers[0])
-    for tier in tiers[1:]:
-        if len(best) + len(tier) > limit:
-            break
-        best += tier
-    return best
