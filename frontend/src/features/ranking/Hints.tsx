@@ -69,18 +69,9 @@ const MAX_KINDS = 2;
 function missingKinds(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
   const ranked = new Set(tiers.flat());
   const games = recordings.filter(({ id }) => ranked.has(id));
-  const isVaried = games.some(({ borrowed, source }) => borrowed || source === "varied");
-  const kinds = isVaried
-    ? []
-    : [
-        {
-          id: "varied",
-          text: t`All ranked games are of one kind. Add varied games, which are bad in other ways.`,
-        },
-      ];
   // Only a behaviour with target cells scores games.
   const scored = games.filter(({ targets }) => targets !== null);
-  if (scored.length > 0) kinds.push(...missingOutcomes(scored));
+  const kinds = scored.length > 0 ? missingOutcomes(scored) : [];
   return kinds.slice(0, MAX_KINDS).map((kind) => ({ ...kind, done: false, optional: true }));
 }
 

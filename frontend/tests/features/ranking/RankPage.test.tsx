@@ -438,15 +438,11 @@ describe("what training needs", () => {
   it("says which kinds of games a ranking of enough games lacks", async () => {
     const more = Array.from({ length: 12 }, (_, at) => recording({ id: 10 + at }));
     const mixed = recording({ id: 22, strays: 2 });
-    const varied = recording({ id: 23, source: "varied", strays: 1, targets: 0 });
     const tiers = more.map(({ id }) => [id]);
-    await open({ tiers, unranked: [22, 23] }, undefined, [...more, mixed, varied]);
+    await open({ tiers, unranked: [22] }, undefined, [...more, mixed]);
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
-    expect(hints.getByText(/All ranked games are of one kind/)).toBeVisible();
     expect(hints.getByText(/No ranked game hits a target and a stray/)).toBeVisible();
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
-    await press("Rank as worst: Recording 23");
-    expect(hints.queryByText(/of one kind/)).toBeNull();
     await press("Rank as worst: Recording 22");
     expect(hints.queryByText(/a target and a stray/)).toBeNull();
   });
@@ -460,7 +456,6 @@ describe("what training needs", () => {
         end: at === 0 ? "hit" : "steps",
         n_steps: at === 0 ? 80 : 300,
         hits: [{ row: 0, column: at % 2, frame: 120, on_target: true }],
-        source: "varied",
       });
       const more = Array.from({ length: 12 }, (_, at) =>
         recording({ id: 10 + at, ...outcomes(at), ...change(at) }),
