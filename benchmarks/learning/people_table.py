@@ -32,6 +32,7 @@ CONDITION = (
     "varied_games",
     "unsorted",
     "bulk_answers",
+    "ranked_alone",
     "reward",
     "rounds_asked",
     "answers",
@@ -166,7 +167,7 @@ def calibration(checked: Sequence[Line]) -> str:
 def _lines(path: Path, weights: str) -> list[Line]:
     lines = [json.loads(text) for text in path.read_text().splitlines()]
     return [
-        {"bulk_answers": 0} | line | {"rounds_asked": len(line["rounds"])}
+        {"bulk_answers": 0, "ranked_alone": False} | line | {"rounds_asked": len(line["rounds"])}
         for line in lines
         if line.get("weights") == weights
     ]
@@ -189,6 +190,8 @@ def _mean(values: Iterable[float]) -> float:
 def _title(line: Line) -> str:
     varied = f"{line['varied_games'] or 'no'} varied games"
     parts = [line["demonstrations"], varied]
+    if line["ranked_alone"]:
+        parts.append("no best efforts")
     if line["unsorted"]:
         parts.append("unsorted")
     if line["bulk_answers"]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -25,10 +26,10 @@ from tril.game.space_invaders import COLUMNS, ROWS
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
-N_GAPS = ROWS * (COLUMNS - 1)
-"""Pairs of aliens beside each other."""
-_GAP_SCALE = 0.5
-"""Holds down the share of gaps in R, which most behaviours are not about: see decision 37."""
+Order = Literal["", "gaps", "sweeps"]
+"""What of the order of hits R is linear in, besides which aliens are left."""
+N_ORDER = ROWS * (COLUMNS - 1)
+"""Values that say something of it."""
 _SPREAD = "spread"
 """Prefix of the tensors of a Spread in a file."""
 
@@ -41,17 +42,22 @@ class RewardNetwork(nn.Module):
     first layer's weights, which gives the same sums and saves a pass over the inputs.
 
     A pretrained network has one more layer below the output, which reads off the screen which
-    aliens are left; R is linear in their probabilities and in those of gaps between neighbours.
-    See trainer.reward.pretraining. In networks of earlier versions R is linear in the probabilities
-    alone, of aliens or of bits of the console's memory.
+    aliens are left; R is linear in their probabilities and in how far each row has been swept. See
+    trainer.reward.pretraining. In networks of earlier versions R is linear in the probabilities
+    alone, of aliens or of bits of the console's memory, or in gaps between the aliens, too.
 
     Args:
         n_flags: Size of that layer; 0 leaves it out.
-        gaps: Whether R is linear in ``gaps_between``, too; for flags of the 36 aliens.
+        order: What else R is linear in; for flags of the 36 aliens.
+
+    Raises:
+        ValueError: Nothing is known of this order.
     """
 
-    def __init__(self, n_flags: int = 0, gaps: bool = False) -> None:
+    def __init__(self, n_flags: int = 0, order: Order = "") -> None:
         super().__init__()
+        if order not in get_args(Order):
+            raise ValueError(f"No reward is linear in {order!r}.")
         self.convolutions = nn.ModuleList(
             [
                 nn.Conv2d(4, 16, kernel_size=7, stride=3),
@@ -62,8 +68,8 @@ class RewardNetwork(nn.Module):
         )
         self.hidden = nn.Linear(784, 64)
         self.memory = nn.Linear(64, n_flags) if n_flags else None
-        self.gaps = gaps
-        self.output = nn.Linear(n_flags + N_GAPS * gaps if n_flags else 64, 1)
+        self.order = order
+        self.output = nn.Linear(n_flags + N_ORDER * bool(order) if n_flags else 64, 1)
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @property
@@ -112,7 +118,10 @@ class RewardNetwork(nn.Module):
         if self.memory is None:
             return values
         flags = self.memory(values).sigmoid()
-        return torch.cat([flags, gaps_between(flags)], 1) if self.gaps else flags
+        if not self.order:
+            return flags
+        of_order = swept_to(flags) if self.order == "sweeps" else gaps_between(flags)
+        return torch.cat([flags, of_order], 1)
 
     def hidden_values(self, second: Tensor) -> Tensor:
         """Return the hidden layer's values, float32 (N, 64), from the same."""
@@ -122,18 +131,28 @@ class RewardNetwork(nn.Module):
         return F.leaky_relu(self.hidden(values.flatten(1)))
 
 
-def gaps_between(aliens: Tensor) -> Tensor:
-    """Return where an alien is left and its right neighbour is not, float32 (N, 30), 0 to 0.5.
+def swept_to(aliens: Tensor) -> Tensor:
+    """Return how surely each row has been swept from its left end on, float32 (N, 30), 0 to 1.
 
-    A row that is swept from left to right never has such a gap: what single aliens add to R cannot
-    say this, as each of them is to be hit in the end.
+    Of each row, the probabilities that its first two, three, … six aliens are all gone. What single
+    aliens add to R cannot say in which order they are hit, as each is gone in the end.
 
     Args:
         aliens: float32 (N, 36), the probability that each is left, row by row.
     """
+    gone = 1.0 - aliens.reshape(-1, ROWS, COLUMNS)
+    swept: Tensor = gone.cumprod(2)[:, :, 1:]
+    return swept.flatten(1)
+
+
+def gaps_between(aliens: Tensor) -> Tensor:
+    """Return where an alien is left and its right neighbour is not, float32 (N, 30), 0 to 0.5.
+
+    Networks were saved with these before sweeps (decision 38); the arguments are the same.
+    """
     grid = aliens.reshape(-1, ROWS, COLUMNS)
-    gaps: Tensor = grid[:, :, :-1] * (1.0 - grid[:, :, 1:])
-    return _GAP_SCALE * gaps.flatten(1)
+    gaps: Tensor = 0.5 * grid[:, :, :-1] * (1.0 - grid[:, :, 1:])
+    return gaps.flatten(1)
 
 
 def new_network(rng: np.random.Generator) -> RewardNetwork:
@@ -142,15 +161,19 @@ def new_network(rng: np.random.Generator) -> RewardNetwork:
         return RewardNetwork()
 
 
-def network_of(weights: Mapping[str, Tensor]) -> RewardNetwork:
+def network_of(weights: Mapping[str, Tensor], order: Order = "gaps") -> RewardNetwork:
     """Return a network with these weights, pretrained if they are.
+
+    Args:
+        weights: By name.
+        order: What R is linear in if it is in something of the order of hits.
 
     Raises:
         RuntimeError: They are not a reward network's.
     """
     n_flags = len(weights.get("memory.bias", ()))
     n_features = weights["output.weight"].shape[1]
-    network = RewardNetwork(n_flags, gaps=n_features == n_flags + N_GAPS)
+    network = RewardNetwork(n_flags, order if n_features == n_flags + N_ORDER else "")
     network.load_state_dict(weights)
     return network
 
@@ -345,6 +368,7 @@ class RewardModel:
             "scales": self.scales,
             "zero": self.zero,
             "one": self.one,
+            "order": self.members[0].order,
         }
         metadata = {
             "format": FORMAT,
@@ -373,7 +397,9 @@ class RewardModel:
             weights = by_prefix(tensors, ".")
             members = []
             for number in range(len(header["offsets"])):
-                members.append(network_of(weights[str(number)]))
+                # Files from before sweeps do not say it.
+                order = header.get("order", "gaps")
+                members.append(network_of(weights[str(number)], order))
             return cls(
                 tuple(members),
                 tuple(header["offsets"]),

@@ -47,7 +47,7 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
     rng = np.random.default_rng(seed)
     targets = [screens.aliens()]
     with torch_seeded(rng):
-        network = RewardNetwork(targets[0].flags.shape[1], gaps=True)
+        network = RewardNetwork(targets[0].flags.shape[1], "sweeps")
     assert network.memory is not None
     memory = network.memory
 
@@ -67,7 +67,7 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
         rng: Source of the output's first weights.
     """
     tensors, _ = load_tensors(WEIGHTS)
-    network = network_of({name: one.float() for name, one in tensors.items()})
+    network = network_of({name: one.float() for name, one in tensors.items()}, "sweeps")
     with torch_seeded(rng):
         network.output = nn.Linear(network.output.in_features, 1)
     for name, weight in network.named_parameters():
@@ -82,8 +82,8 @@ def read_features(observations: Observations) -> Tensor:
         observations: uint8 (N, 4, 84, 84).
 
     Returns:
-        float32 (N, 66), the probability that each alien is left, row by row, and of the gaps
-        between them.
+        float32 (N, 66), the probability that each alien is left, row by row, and how far the rows
+        have been swept.
     """
     network = _shipped_network()
     batches = torch.split(channels_last_screens(observations), forward_batch(CPU))
@@ -107,7 +107,8 @@ def main() -> None:
     screens = play_games(arguments.games, arguments.seed, arguments.processes)
     network, figures = pretrain(screens, arguments.seed)
     halves = {name: one.half() for name, one in network.state_dict().items()}
-    save_tensors(arguments.output, halves, {"figures": json.dumps(figures)})
+    metadata = {"figures": json.dumps(figures), "order": network.order}
+    save_tensors(arguments.output, halves, metadata)
     sys.stdout.write(f"{json.dumps(figures)}\n")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,11 +12,12 @@ import torch
 from torch.nn import functional as F
 
 from tests.trainer.samples import TIERS, planted_trajectories
-from trainer.nn.checkpoints import load_tensors
+from trainer.nn.checkpoints import load_tensors, save_tensors
 from trainer.nn.memory_reading import Screens, play_games
+from trainer.nn.seeding import torch_seeded
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking, jackknife
-from trainer.reward.model import RewardModel, gaps_between
+from trainer.reward.model import Order, RewardModel, RewardNetwork, gaps_between, swept_to
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import (
     WEIGHTS,
@@ -24,6 +26,7 @@ from trainer.reward.pretraining import (
     read_features,
 )
 from trainer.reward.reward_trainer import train_reward_model
+from tril.errors import Invalid
 from tril.game.console import Console
 from tril.game.episode import Episode
 from tril.game.observation import AgentView
@@ -93,9 +96,36 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
         second = network.layers[1](F.leaky_relu(network.first(screen)))
         read = network.features(second)
     assert read.shape == (1, network.output.in_features)
-    # All aliens are left, so that no gap is between any.
+    # All aliens are left, so that nothing has been swept.
     assert (read[:, :36] > 0.9).all()
     assert (read[:, 36:] < 0.1).all()
+
+
+def test_a_row_is_swept_as_far_as_all_aliens_from_its_left_end_are_gone() -> None:
+    left = torch.ones(1, 36)
+    left[0, [0, 1, 2, 8, 30, 31, 33]] = 0.0
+    # Row by row, five values a row: two and three of row 1, two of row 6.
+    assert swept_to(left)[0].nonzero().flatten().tolist() == [0, 1, 5 * 5]
+
+
+@pytest.mark.parametrize("order", ["gaps", "sweeps"])
+def test_a_model_is_read_as_it_was_saved(tmp_path: Path, screens: Screens, order: Order) -> None:
+    with torch_seeded(np.random.default_rng(1)):
+        model = RewardModel((RewardNetwork(36, order),))
+    path = tmp_path / "model.safetensors"
+    model.save(path)
+    wanted = model.score(screens.observations[:9])
+    assert np.array_equal(RewardModel.load(path).score(screens.observations[:9]), wanted)
+    tensors, metadata = load_tensors(path)
+    header = json.loads(metadata["model"])
+    assert header.pop("order") == order
+    # Files from before sweeps have gaps and do not say so.
+    save_tensors(path, tensors, metadata | {"model": json.dumps(header)})
+    older = RewardModel.load(path).score(screens.observations[:9])
+    assert np.array_equal(older, wanted) == (order == "gaps")
+    save_tensors(path, tensors, metadata | {"model": json.dumps(header | {"order": "luck"})})
+    with pytest.raises(Invalid, match="No reward is linear in 'luck'"):
+        RewardModel.load(path)
 
 
 def test_a_gap_is_an_alien_left_whose_right_neighbour_is_gone() -> None:

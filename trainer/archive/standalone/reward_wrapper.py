@@ -33,10 +33,12 @@ class RewardNetwork(nn.Module):
     Args:
         n_flags: Size of a further layer below the output, of probabilities; 0 leaves it out.
         n_features: Number of values that the output is linear in.
+        order: "sweeps" or "gaps" if some of these say in which order aliens were hit, else "".
     """
 
-    def __init__(self, n_flags: int, n_features: int) -> None:
+    def __init__(self, n_flags: int, n_features: int, order: str) -> None:
         super().__init__()
+        self.order = order
         self.convolutions = nn.ModuleList(
             [
                 nn.Conv2d(4, 16, kernel_size=7, stride=3),
@@ -57,9 +59,12 @@ class RewardNetwork(nn.Module):
         values = F.leaky_relu(self.hidden(values.flatten(1)))
         if self.memory is not None:
             values = self.memory(values).sigmoid()
-            if self.output.in_features > values.shape[1]:
-                # Where an alien of the 6 x 6 grid is left and its right neighbour is not.
-                grid = values.reshape(-1, 6, 6)
+            grid = values.reshape(-1, 6, 6) if self.order else values
+            if self.order == "sweeps":
+                # Whether the first two, three, ... six aliens of a row of the grid are all gone.
+                values = torch.cat([values, (1.0 - grid).cumprod(2)[:, :, 1:].flatten(1)], 1)
+            elif self.order == "gaps":
+                # Where an alien of the grid is left and its right neighbour is not.
                 gaps = 0.5 * grid[:, :, :-1] * (1.0 - grid[:, :, 1:])
                 values = torch.cat([values, gaps.flatten(1)], 1)
         rewards: Tensor = self.output(values).squeeze(1)
@@ -93,7 +98,8 @@ class RewardModel:
                 if name.startswith(prefix)
             }
             n_flags, n_features = len(own.get("memory.bias", ())), own["output.weight"].shape[1]
-            network = RewardNetwork(n_flags, n_features)
+            order = model.get("order", "gaps") if n_features > n_flags > 0 else ""
+            network = RewardNetwork(n_flags, n_features, order)
             network.load_state_dict(own)
             self._networks.append(network.eval())
 
