@@ -117,7 +117,7 @@ class RewardNetwork(nn.Module):
         values = self.hidden_values(second)
         if self.memory is None:
             return values
-        flags = self.memory(values).sigmoid()
+        flags: Tensor = self.memory(values).sigmoid()
         if not self.order:
             return flags
         of_order = swept_to(flags) if self.order == "sweeps" else gaps_between(flags)
