@@ -83,10 +83,6 @@ def test_dagger_is_refused_where_its_expert_knows_nothing(
     answer = client.post("/api/runs", json=new)
     assert answer.status_code == 422
     assert "Play nicely has no target cells" in answer.json()["detail"]
-    client.patch(f"/api/recordings/{workplace.ranked[0]}", json={"perfect": False})
-    answer = client.post("/api/runs", json={"behaviour_id": 1})
-    assert answer.status_code == 422
-    assert "perfect" in answer.json()["detail"]
     unknown = client.post("/api/runs", json={"behaviour_id": 1, "recipe": "secret"})
     assert unknown.status_code == 422
     assert "fast" in unknown.json()["detail"]
