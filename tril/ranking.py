@@ -16,9 +16,8 @@ from tril.errors import Invalid
 Pair = tuple[int, int]
 """(better, worse): a preference between two recordings."""
 
-
 BEST_SHARE = 0.25
-"""Of ranked recordings: they are copied where none is marked as perfect."""
+"""Share of the ranked recordings that stand in where none is marked as perfect."""
 
 
 class Values(Protocol):
@@ -109,6 +108,22 @@ def normalise(tiers: Iterable[Iterable[int]]) -> Ranking:
     return Ranking(tuple(tier for tier in filled if tier))
 
 
+def best_ranked(tiers: Sequence[Sequence[int]], share: float = BEST_SHARE) -> list[int]:
+    """Return the best of what is ranked: whole tiers from the top, at least one.
+
+    Args:
+        tiers: Ids or indices, best tier first.
+        share: Further tiers are added as long as they fit into this share of all.
+    """
+    limit = share * sum(len(tier) for tier in tiers)
+    best = list(tiers[0])
+    for tier in tiers[1:]:
+        if len(best) + len(tier) > limit:
+            break
+        best += tier
+    return best
+
+
 def contradictions(first: Ranking, second: Ranking) -> list[Pair]:
     """Return the pairs (better, worse) of the first ranking that the second inverts."""
     place = second.tier_numbers()
@@ -172,19 +187,3 @@ def _tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
     if untied == 0:
         return None
     return float(np.sum(one * other, dtype=np.int64) / np.sqrt(untied))
-
-
-def best_ranked(tiers: Sequence[Sequence[int]], share: float = BEST_SHARE) -> list[int]:
-    """Return the best of what is ranked: whole tiers from the top, at least one.
-
-    Args:
-        tiers: Ids or indices, best tier first.
-        share: Further tiers are added as long as they fit into this share of all.
-    """
-    limit = share * sum(len(tier) for tier in tiers)
-    best = list(tiers[0])
-    for tier in tiers[1:]:
-        if len(best) + len(tier) > limit:
-            break
-        best += tier
-    return best

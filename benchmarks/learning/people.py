@@ -9,7 +9,8 @@ the order is by outcome, with three swaps of neighbours. `--varied-games` are ga
 that are inserted into the order, or, with `--unsorted`, put below the worst, or, with
 `--bulk-answers`, sorted by a few answers that each put many of them into one tier. With `--rounds`
 the training is interrupted: some of the imitator's own games are inserted into the order (one
-answer in ten is wrong), and the reward is learned anew. The imitator is judged on the 32 evaluation
+answer in ten is wrong), and the reward is learned anew. With `--ranked-alone` the best ranked games
+stand in for best efforts. The imitator is judged on the 32 evaluation
 starts with their openings, greedily and with sticky actions, and without openings.
 
 Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome

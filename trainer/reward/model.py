@@ -6,8 +6,8 @@ import json
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from pathlib import Path
-from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -26,12 +26,18 @@ from tril.game.space_invaders import COLUMNS, ROWS
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
-Order = Literal["", "gaps", "sweeps"]
-"""What of the order of hits R is linear in, besides which aliens are left."""
 N_ORDER = ROWS * (COLUMNS - 1)
-"""Values that say something of it."""
+"""How many values of the order of hits R is linear in, see Order."""
 _SPREAD = "spread"
 """Prefix of the tensors of a Spread in a file."""
+
+
+class Order(StrEnum):
+    """What of the order of hits R is linear in, besides which aliens are left."""
+
+    NONE = ""
+    GAPS = "gaps"
+    SWEEPS = "sweeps"
 
 
 class RewardNetwork(nn.Module):
@@ -49,15 +55,10 @@ class RewardNetwork(nn.Module):
     Args:
         n_flags: Size of that layer; 0 leaves it out.
         order: What else R is linear in; for flags of the 36 aliens.
-
-    Raises:
-        ValueError: Nothing is known of this order.
     """
 
-    def __init__(self, n_flags: int = 0, order: Order = "") -> None:
+    def __init__(self, n_flags: int = 0, order: Order = Order.NONE) -> None:
         super().__init__()
-        if order not in get_args(Order):
-            raise ValueError(f"No reward is linear in {order!r}.")
         self.convolutions = nn.ModuleList(
             [
                 nn.Conv2d(4, 16, kernel_size=7, stride=3),
@@ -120,7 +121,7 @@ class RewardNetwork(nn.Module):
         flags: Tensor = self.memory(values).sigmoid()
         if not self.order:
             return flags
-        of_order = swept_to(flags) if self.order == "sweeps" else gaps_between(flags)
+        of_order = swept_to(flags) if self.order is Order.SWEEPS else gaps_between(flags)
         return torch.cat([flags, of_order], 1)
 
     def hidden_values(self, second: Tensor) -> Tensor:
@@ -161,19 +162,19 @@ def new_network(rng: np.random.Generator) -> RewardNetwork:
         return RewardNetwork()
 
 
-def network_of(weights: Mapping[str, Tensor], order: Order = "gaps") -> RewardNetwork:
+def network_of(weights: Mapping[str, Tensor], order: Order) -> RewardNetwork:
     """Return a network with these weights, pretrained if they are.
 
     Args:
         weights: By name.
-        order: What R is linear in if it is in something of the order of hits.
+        order: What of the order of hits R is linear in, if its output is as wide as that takes.
 
     Raises:
         RuntimeError: They are not a reward network's.
     """
     n_flags = len(weights.get("memory.bias", ()))
     n_features = weights["output.weight"].shape[1]
-    network = RewardNetwork(n_flags, order if n_features == n_flags + N_ORDER else "")
+    network = RewardNetwork(n_flags, order if n_features == n_flags + N_ORDER else Order.NONE)
     network.load_state_dict(weights)
     return network
 
@@ -398,7 +399,7 @@ class RewardModel:
             members = []
             for number in range(len(header["offsets"])):
                 # Files from before sweeps do not say it.
-                order = header.get("order", "gaps")
+                order = Order(header.get("order", Order.GAPS))
                 members.append(network_of(weights[str(number)], order))
             return cls(
                 tuple(members),

@@ -30,7 +30,7 @@ from trainer.nn.devices import CPU, forward_batch
 from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_games
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
-from trainer.reward.model import RewardNetwork, network_of
+from trainer.reward.model import Order, RewardNetwork, network_of
 from tril.game.observation import Observations
 
 WEIGHTS = Path(__file__).with_name("pretrained.safetensors")
@@ -47,7 +47,7 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
     rng = np.random.default_rng(seed)
     targets = [screens.aliens()]
     with torch_seeded(rng):
-        network = RewardNetwork(targets[0].flags.shape[1], "sweeps")
+        network = RewardNetwork(targets[0].flags.shape[1], Order.SWEEPS)
     assert network.memory is not None
     memory = network.memory
 
@@ -66,8 +66,9 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
     Args:
         rng: Source of the output's first weights.
     """
-    tensors, _ = load_tensors(WEIGHTS)
-    network = network_of({name: one.float() for name, one in tensors.items()}, "sweeps")
+    tensors, metadata = load_tensors(WEIGHTS)
+    weights = {name: one.float() for name, one in tensors.items()}
+    network = network_of(weights, Order(metadata["order"]))
     with torch_seeded(rng):
         network.output = nn.Linear(network.output.in_features, 1)
     for name, weight in network.named_parameters():

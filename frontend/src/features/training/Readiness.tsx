@@ -19,26 +19,19 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
     return (
       <Notice tone="calm" icon="check">
         <p>
-          {behaviour.n_perfect > 0 ? (
-            <Trans>
-              <Plural
-                value={behaviour.n_ranked}
-                one="# ranked recording"
-                other="# ranked recordings"
-              />{" "}
-              and <Plural value={behaviour.n_perfect} one="# perfect one" other="# perfect ones" />{" "}
-              go into the run.
-            </Trans>
-          ) : (
-            <Trans>
-              <Plural
-                value={behaviour.n_ranked}
-                one="# ranked recording"
-                other="# ranked recordings"
-              />{" "}
-              go into the run. None is marked as perfect: the clone copies the best ranked ones.
-            </Trans>
-          )}{" "}
+          <Trans>
+            <Plural
+              value={behaviour.n_ranked}
+              one="# ranked recording goes into the run."
+              other="# ranked recordings go into the run."
+            />{" "}
+            <Plural
+              value={behaviour.n_perfect}
+              _0="None is marked as perfect: the clone copies the best ranked ones."
+              one="The clone copies the one that is marked as perfect."
+              other="The clone copies the # that are marked as perfect."
+            />
+          </Trans>{" "}
           <Link to={`${at}/rank`}>
             <Trans>Look at the ranking</Trans>
           </Link>
