@@ -92,7 +92,8 @@ def test_three_games_are_placed_by_keyboard_and_by_mouse(
 
         place(page, one, lambda _opponent: page.keyboard.press("ArrowLeft"))
         assert compared(page)[0] == other
-        button = {name: dialog.get_by_role("button", name=name) for name in ("Left", "Right")}
+        sides = ("Left", "Right")
+        button = {side: dialog.get_by_role("button", name=f"{side} is better") for side in sides}
         place(
             page,
             other,

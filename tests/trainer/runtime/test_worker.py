@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import select, text
+from sqlalchemy.exc import OperationalError
 from stable_baselines3 import PPO
 
 from testsupport import s3
@@ -192,6 +193,18 @@ def test_resuming_a_cancelled_run_goes_on_with_the_stage_that_was_left(
         assert worker.log.read_text().count("stage reward begins") == 1
 
 
+def put_to_sleep(workplace: Workplace, worker: WorkerProcess) -> None:
+    """Stop a worker while it does not write: asleep, it would keep others from writing."""
+    while True:
+        os.kill(worker.pid, signal.SIGSTOP)
+        try:
+            with workplace.database.writing() as session:
+                session.execute(text("SELECT 1"))
+                return
+        except OperationalError:
+            os.kill(worker.pid, signal.SIGCONT)
+
+
 def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
@@ -200,7 +213,7 @@ def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
     data = workplace.settings.data
     with zygote.running(data) as sleeper:
         until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
-        os.kill(sleeper.pid, signal.SIGSTOP)
+        put_to_sleep(workplace, sleeper)
         with zygote.running(data, lost_after_s=SOON_S) as other:
             # Until it is leased the run waits in the queue, from which anybody may take it.
             until(lambda: workplace.run(run_id).worker.startswith("worker-1"), other)
