@@ -19,19 +19,17 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
     return (
       <Notice tone="calm" icon="check">
         <p>
-          <Trans>
-            <Plural
-              value={behaviour.n_ranked}
-              one="# ranked recording goes into the run."
-              other="# ranked recordings go into the run."
-            />{" "}
-            <Plural
-              value={behaviour.n_perfect}
-              _0="None is marked as perfect: the clone copies the best ranked ones."
-              one="The clone copies the one that is marked as perfect."
-              other="The clone copies the # that are marked as perfect."
-            />
-          </Trans>{" "}
+          <Plural
+            value={behaviour.n_ranked}
+            one="# ranked recording goes into the run."
+            other="# ranked recordings go into the run."
+          />{" "}
+          <Plural
+            value={behaviour.n_perfect}
+            _0="None is marked as perfect: the clone copies the best ranked ones."
+            one="The clone copies the one that is marked as perfect."
+            other="The clone copies the # that are marked as perfect."
+          />{" "}
           <Link to={`${at}/rank`}>
             <Trans>Look at the ranking</Trans>
           </Link>
