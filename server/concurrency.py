@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections import Counter, OrderedDict, deque
+from collections.abc import AsyncIterator, Hashable
 from contextlib import asynccontextmanager
 
 from fastapi import HTTPException
@@ -12,45 +13,90 @@ RETRY_AFTER_S = 5
 
 
 class ConcurrencyLimit:
-    """Lets some requests work at once; the others wait in the order in which they came.
+    """Lets some requests work at once; the others wait, clients in turn and those of each in order.
 
     A request that waits holds neither a thread nor a connection to the database.
 
     Args:
         at_once: Most requests that work.
-        waiting: Most that wait.
+        each: Most of one client's that work.
+        waiting: Most of one client's that wait.
         wait_s: How long one waits.
     """
 
-    def __init__(self, at_once: int, waiting: int, wait_s: float) -> None:
-        self._free = asyncio.Semaphore(at_once)
+    def __init__(self, at_once: int, each: int, waiting: int, wait_s: float) -> None:
+        self._n_free = at_once
+        self._each = each
         self._places = waiting
         self._wait_s = wait_s
+        self._at_work: Counter[Hashable] = Counter()
+        self._waiting: OrderedDict[Hashable, deque[asyncio.Future[None]]] = OrderedDict()
 
     @asynccontextmanager
-    async def slot(self) -> AsyncIterator[None]:
+    async def slot(self, client: Hashable) -> AsyncIterator[None]:
         """Wait for a slot and hold it for the block.
 
+        Args:
+            client: Who asks.
+
         Raises:
-            HTTPException: 503, because too many requests wait or this one has waited for too long.
+            HTTPException: 503, because too many of the client's requests wait or this one has
+                waited for too long.
         """
-        await self._acquire()
+        await self._acquire(client)
         try:
             yield
         finally:
-            self._free.release()
+            self._release(client)
 
-    async def _acquire(self) -> None:
-        if not self._places:
+    async def _acquire(self, client: Hashable) -> None:
+        queue = self._waiting.setdefault(client, deque())
+        if len(queue) >= self._places:
             raise _too_busy()
-        self._places -= 1
+        turn = asyncio.get_running_loop().create_future()
+        queue.append(turn)
+        self._go_on()
         try:
             async with asyncio.timeout(self._wait_s):
-                await self._free.acquire()
-        except TimeoutError:
-            raise _too_busy() from None
-        finally:
-            self._places += 1
+                await turn
+        except BaseException as error:
+            if turn.cancelled():
+                self._forget(client, turn)
+            else:
+                self._release(client)
+            if isinstance(error, TimeoutError):
+                raise _too_busy() from None
+            raise
+
+    def _release(self, client: Hashable) -> None:
+        self._n_free += 1
+        self._at_work[client] -= 1
+        if not self._at_work[client]:
+            del self._at_work[client]
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Give free slots to those that may have them."""
+        for client in list(self._waiting):
+            if not self._n_free:
+                return
+            if self._at_work[client] >= self._each:
+                continue
+            turn = next((turn for turn in self._waiting[client] if not turn.done()), None)
+            if turn is None:
+                # Those who waited are about to forget their turns.
+                continue
+            self._forget(client, turn)
+            if client in self._waiting:
+                self._waiting.move_to_end(client)
+            self._n_free -= 1
+            self._at_work[client] += 1
+            turn.set_result(None)
+
+    def _forget(self, client: Hashable, turn: asyncio.Future[None]) -> None:
+        self._waiting[client].remove(turn)
+        if not self._waiting[client]:
+            del self._waiting[client]
 
 
 def _too_busy() -> HTTPException:

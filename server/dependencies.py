@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 from uuid import UUID
 
@@ -60,10 +60,19 @@ Who = Annotated[Identity, Depends(identity_of)]
 """Who makes the request."""
 
 
+def _client_of(connection: HTTPConnection) -> Hashable:
+    """Return whose turn a request takes: that of a browser or key, or of an address."""
+    identity: Identity | None = connection.scope.get("identity")
+    if identity is not None:
+        return identity.credential_id
+    return connection.client and connection.client.host
+
+
 def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:
     """Return a dependency that holds a slot of a limit while a request is handled.
 
     The slot is taken after FastAPI has read the body and released before the answer is sent.
+    Browsers and keys wait in turn.
 
     Args:
         limit_of: Chooses the limit, told whether the request may write.
@@ -71,7 +80,7 @@ def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:
 
     async def hold_slot(connection: HTTPConnection) -> AsyncIterator[None]:
         writes = connection.scope["method"] not in {"GET", "HEAD"}
-        async with limit_of(services_of(connection), writes).slot():
+        async with limit_of(services_of(connection), writes).slot(_client_of(connection)):
             yield
 
     return Depends(hold_slot, scope="function")

@@ -53,10 +53,11 @@ class Services:
         watching: The games that are watched in this process.
         changes: The change stream.
         storage: Measures disk usage.
-        read_limit: Limits requests that read. Their threads share Python's lock with the games, so
-            that more of them answer less. Together with those that write they have to be fewer than
-            the pool's connections (15) and anyio's threads (40). Otherwise all threads wait for
-            connections whose holders wait for a thread, in which FastAPI validates their answer.
+        read_limit: Limits requests that read, one at a time of each browser or key. Their threads
+            share Python's lock with the games, so that more of them answer less. Together with
+            those that write they have to be fewer than the pool's connections (15) and anyio's
+            threads (40). Otherwise all threads wait for connections whose holders wait for a
+            thread, in which FastAPI validates their answer.
         write_limit: Limits requests that write, so that reads do not wait for a busy database.
         replay_limit: Limits requests that make clips or archives, replay, query a network or read
             the artifact store. They hold a connection only briefly, but a thread for seconds.
@@ -79,16 +80,16 @@ class Services:
     changes: ChangeStream
     storage: StorageMeter
     read_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=4, waiting=256, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=4, each=1, waiting=64, wait_s=20)
     )
     write_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=2, waiting=256, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, each=1, waiting=64, wait_s=20)
     )
     replay_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=8, waiting=256, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=8, each=4, waiting=128, wait_s=120)
     )
     upload_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=1, waiting=8, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=1, each=1, waiting=8, wait_s=120)
     )
 
 
