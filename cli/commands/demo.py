@@ -48,7 +48,7 @@ def demo(
             workspace,
             behaviour,
             chosen,
-            steps or chosen.default_steps,
+            steps,
             training_seed,
             go_on_anyway=True,
             example=True,

@@ -39,7 +39,7 @@ def start_run(
     workspace: Workspace,
     behaviour: str,
     recipe: Recipe,
-    steps: int,
+    steps: int | None,
     training_seed: int,
     *,
     go_on_anyway: bool = False,
@@ -66,7 +66,7 @@ def start_run(
         lacks_gpu = device is RunDevice.GPU and not processes.is_gpu_worker_alive(session)
         cost = estimate(session, recipe)
         run_id = row.id
-    expected_s = steps / cost.steps_per_s + cost.overhead_s
+        expected_s = row.steps / cost.steps_per_s + cost.overhead_s
     basis = "as measured here" if cost.measured else "on two 2.5 GHz cores"
     errors.print(f"Run {run_id}: about {duration(expected_s)} {basis}.")
     if lacks_gpu:
@@ -111,7 +111,7 @@ def train(
             workspace,
             behaviour,
             chosen,
-            steps or chosen.default_steps,
+            steps,
             training_seed,
             go_on_anyway=go_on_anyway,
             parent_run_id=continue_from,

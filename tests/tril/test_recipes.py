@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
@@ -64,6 +65,13 @@ def test_what_is_no_recipe_is_refused(data: dict[str, Any]) -> None:
 @pytest.mark.parametrize("ending", Ending)
 def test_a_recipe_can_have_every_ending(ending: Ending) -> None:
     assert Ending(with_values(FAST, {"ending": str(ending)}).ending) is ending
+
+
+def test_a_recipe_may_propose_more_steps_for_aliens_in_order() -> None:
+    recipe = replace(FAST, default_steps=5, ordered_steps=7)
+    assert recipe.proposed_steps(ordered=False) == 5
+    assert recipe.proposed_steps(ordered=True) == 7
+    assert replace(recipe, ordered_steps=0).proposed_steps(ordered=True) == 5
 
 
 def test_values_are_replaced_by_their_path() -> None:

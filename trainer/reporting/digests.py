@@ -20,7 +20,8 @@ def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
     """Return eight hexadecimal digits that change when a value of the recipe does.
 
     Values that equal their field's default are left out, so that a new field does not change the
-    digest of a recipe that keeps its default. So are the name, the summary and the default steps.
+    digest of a recipe that keeps its default. So are the name, the summary and the steps that it
+    proposes.
     Pretrained weights that the recipe begins with count as values.
     """
     values = {k: v for k, v in _non_default_values(recipe).items() if k not in FOR_PEOPLE}

@@ -28,7 +28,7 @@ class RunFigures:
     Attributes:
         ended: How it ended.
         steps: Steps of the imitator's training.
-        default_steps: What its recipe proposes.
+        default_steps: What its recipe proposes for the behaviour.
         warm_up_steps: Steps in which the imitator does not learn yet.
         n_targets: Target cells of the behaviour; None without any.
         best_targets: Targets that the best demonstration hits; None if that is not known.

@@ -80,6 +80,7 @@ FAST = replace(
         },
     ),
     default_steps=300_000,
+    ordered_steps=900_000,
     summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
 )
 

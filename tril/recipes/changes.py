@@ -17,7 +17,7 @@ from tril.recipes.values import EvaluationRecipe, Recipe
 
 T = TypeVar("T")
 
-FOR_PEOPLE = ("name", "summary", "default_steps")
+FOR_PEOPLE = ("name", "summary", "default_steps", "ordered_steps")
 """Values of a recipe that do not affect what is learned."""
 
 FORMER_NAMES = {

@@ -304,6 +304,7 @@ class Recipe:
         name: A key of RECIPES, or another name.
         summary: One sentence for people.
         default_steps: Training steps of the imitator that the page proposes.
+        ordered_steps: The same where targets have an order; 0 for as many.
         ending: Which event ends a training or evaluation game, see tril.game.episode.Ending.
         method: What trains the imitator: "ppo" on the learned reward, "dagger" on the corrections
             of the scripted demonstrator, "gail" by PPO against a discriminator of the perfect
@@ -327,6 +328,15 @@ class Recipe:
     evaluation: EvaluationRecipe = EvaluationRecipe()
     dagger: DaggerRecipe = DaggerRecipe()
     gail: GailRecipe = GailRecipe()
+    ordered_steps: CountOrNone = 0
+
+    def proposed_steps(self, *, ordered: bool) -> int:
+        """Return the training steps to propose for a behaviour.
+
+        Args:
+            ordered: Whether its targets have an order.
+        """
+        return (ordered and self.ordered_steps) or self.default_steps
 
     @property
     def warm_up_steps(self) -> int:

@@ -2155,6 +2155,7 @@ export interface components {
          * Recipe
          * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
+         *     ``ordered_steps`` are proposed where targets have an order, else ``default_steps``.
          *     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it. A training of
          *     ``warm_up_steps`` or fewer learns nothing.
          */
@@ -2165,6 +2166,8 @@ export interface components {
             learning_rate: number;
             /** Name */
             name: string;
+            /** Ordered Steps */
+            ordered_steps: number;
             /** Overhead S */
             overhead_s: number;
             /** Stages */
@@ -2491,9 +2494,9 @@ export interface components {
          * RunNew
          * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
-         *     ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
-         *     training in place of the clone; with ``cancel_parent``, that training is cancelled if it is not
-         *     over.
+         *     ``steps`` defaults to what the recipe proposes for the behaviour. With ``parent_run_id``, PPO
+         *     begins with the imitator of that training in place of the clone; with ``cancel_parent``, that
+         *     training is cancelled if it is not over.
          */
         RunNew: {
             /** Behaviour Id */

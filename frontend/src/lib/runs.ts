@@ -63,6 +63,11 @@ function estimateSeconds(recipe: Recipe, steps: number): number {
   return recipe.overhead_s + steps / recipe.steps_per_s;
 }
 
+/** Returns how many steps a recipe proposes for a behaviour. */
+export function proposedSteps(recipe: Recipe, { ordered }: { readonly ordered: boolean }): number {
+  return ordered ? recipe.ordered_steps : recipe.default_steps;
+}
+
 /** Describes the estimated duration of a run: "about 17 min". */
 export function describeEstimate(recipe: Recipe, steps: number): string {
   return t`about ${duration(estimateSeconds(recipe, steps))}`;

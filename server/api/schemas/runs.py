@@ -31,6 +31,7 @@ class RunStage(Schema):
 class Recipe(Schema):
     """A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
 
+    ``ordered_steps`` are proposed where targets have an order, else ``default_steps``.
     ``steps_per_s`` and ``overhead_s`` are measured on this machine or expected of it. A training of
     ``warm_up_steps`` or fewer learns nothing.
     """
@@ -38,6 +39,7 @@ class Recipe(Schema):
     name: str
     summary: str
     default_steps: int
+    ordered_steps: int
     warm_up_steps: int
     learning_rate: float
     values: dict[str, Any]
@@ -50,9 +52,9 @@ class Recipe(Schema):
 class RunNew(Schema):
     """A training to start. ``example`` first makes and ranks missing scripted demonstrations.
 
-    ``steps`` defaults to the recipe's. With ``parent_run_id``, PPO begins with the imitator of that
-    training in place of the clone; with ``cancel_parent``, that training is cancelled if it is not
-    over.
+    ``steps`` defaults to what the recipe proposes for the behaviour. With ``parent_run_id``, PPO
+    begins with the imitator of that training in place of the clone; with ``cancel_parent``, that
+    training is cancelled if it is not over.
     """
 
     behaviour_id: Id

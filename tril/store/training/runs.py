@@ -29,7 +29,7 @@ def create(
     session: Session,
     behaviour_id: int,
     recipe: Recipe,
-    steps: int,
+    steps: int | None,
     training_seed: int,
     go_on_anyway: bool = False,
     example: bool = False,
@@ -48,7 +48,7 @@ def create(
         session: The transaction.
         behaviour_id: What is taught.
         recipe: How it is learned; stored in full.
-        steps: Steps of the imitator's training games.
+        steps: Steps of the imitator's training games; None for what the recipe proposes.
         training_seed: Feeds every random choice of learning.
         go_on_anyway: Whether the imitator is trained even when the check of the ranking fails.
         example: Whether missing scripted demonstrations are made and ranked first; the snapshot is
@@ -67,6 +67,8 @@ def create(
         Conflict: The parent has no imitator yet.
     """
     behaviour = behaviours.get(session, behaviour_id)
+    if steps is None:
+        steps = recipe.proposed_steps(ordered=behaviour.ordered)
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")
     if recipe.method == "dagger":

@@ -26,11 +26,12 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
     if not status.is_over:
         return None
     recipe = recipe_from_dict(run.recipe)
+    behaviour = session.get_one(BehaviourRow, run.behaviour_id)
     return verdict(
         RunFigures(
             ended=cast(Ended, str(status)),
             steps=run.steps,
-            default_steps=recipe.default_steps,
+            default_steps=recipe.proposed_steps(ordered=behaviour.ordered),
             warm_up_steps=recipe.warm_up_steps,
             n_targets=behaviours.n_targets(session, run.behaviour_id),
             best_targets=_best_targets(session, run),

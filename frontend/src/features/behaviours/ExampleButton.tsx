@@ -8,7 +8,7 @@ import { createRun, recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
-import { describeEstimate } from "@/lib/runs";
+import { describeEstimate, proposedSteps } from "@/lib/runs";
 
 /** Starts a run on a scripted example: generated games, ranked automatically. */
 export function ExampleButton({
@@ -41,7 +41,7 @@ export function ExampleButton({
         start.mutate({
           behaviour_id: behaviour.id,
           recipe: recipe.name,
-          steps: recipe.default_steps,
+          steps: proposedSteps(recipe, behaviour),
           training_seed: 0,
           // The user has no ranking of their own to improve first.
           go_on_anyway: true,
@@ -53,7 +53,7 @@ export function ExampleButton({
     >
       <span>
         <Trans>See a full example</Trans>{" "}
-        {recipe && <small>({describeEstimate(recipe, recipe.default_steps)})</small>}
+        {recipe && <small>({describeEstimate(recipe, proposedSteps(recipe, behaviour))})</small>}
       </span>
     </Button>
   );

@@ -15,17 +15,23 @@ interface StepsFieldProps {
   value: string;
   error: string | undefined;
   recipe: Recipe;
+  /** Whether aliens are to be hit in order. */
+  ordered: boolean;
   onChange: (text: string) => void;
 }
 
 /** The number of environment steps, typed or chosen from presets. */
-export function StepsField({ value, error, recipe, onChange }: StepsFieldProps) {
+export function StepsField({ value, error, recipe, ordered, onChange }: StepsFieldProps) {
   return (
     <div>
       <Field
         label={t`Steps`}
         error={error}
-        hint={t`How many steps the imitator plays while it learns. More is slower and better.`}
+        hint={
+          ordered && recipe.ordered_steps > recipe.default_steps
+            ? t`How many steps the imitator plays while it learns. More is slower and better, and aliens in order take more than others.`
+            : t`How many steps the imitator plays while it learns. More is slower and better.`
+        }
       >
         {(control) => (
           <input

@@ -12,7 +12,7 @@ import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import { RunName } from "@/components/RunName";
 import { whole } from "@/lib/format";
-import { describeEstimate, isActive } from "@/lib/runs";
+import { describeEstimate, isActive, proposedSteps } from "@/lib/runs";
 
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
@@ -43,7 +43,7 @@ export function TrainForm(props: TrainFormProps) {
   const { data: parent } = useQuery({ ...runQuery(parentId ?? ""), enabled: parentId !== null });
   const cancelParent = parent !== undefined && isActive(parent);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
-  const values = { ...defaultsOf(recipe), ...edits };
+  const values = { ...defaultsOf(recipe, behaviour), ...edits };
   const missing = missingFor(behaviour);
   const example = missing !== null && behaviour.built_in && behaviour.n_recordings === 0;
   const errors = errorsIn(values);
@@ -98,9 +98,10 @@ export function TrainForm(props: TrainFormProps) {
         value={values.steps}
         error={errors.steps}
         recipe={recipe}
+        ordered={behaviour.ordered}
         onChange={(text) => change({ steps: text })}
       />
-      {steps > 0 && steps <= recipe.warm_up_steps && <TooShort recipe={recipe} />}
+      {steps > 0 && steps <= recipe.warm_up_steps && <TooShort recipe={recipe} behaviour={behaviour} />}
       <MoreSettings
         values={values}
         errors={errors}
@@ -147,14 +148,14 @@ function showInvalid(form: Element): void {
 }
 
 /** A run that ends before the imitator begins to learn. */
-function TooShort({ recipe }: { recipe: Recipe }) {
+function TooShort({ recipe, behaviour }: { recipe: Recipe; behaviour: Behaviour }) {
   return (
     <Notice live>
       <p>
         <Trans>
           This is too short to learn anything: in the first {whole(recipe.warm_up_steps)} steps only
           the critic learns, and the imitator plays as it began. The recipe proposes{" "}
-          {whole(recipe.default_steps)}.
+          {whole(proposedSteps(recipe, behaviour))}.
         </Trans>
       </p>
     </Notice>

@@ -2,8 +2,9 @@
 
 import { t } from "@lingui/core/macro";
 
-import type { Recipe, RunNew } from "@/api/types";
+import type { Behaviour, Recipe, RunNew } from "@/api/types";
 import { decimalSign, thousandsSign, whole } from "@/lib/format";
+import { proposedSteps } from "@/lib/runs";
 
 /** As text, so that incomplete numbers stay as typed. */
 export interface FormValues {
@@ -25,11 +26,11 @@ export interface FormErrors {
 const MOST_STEPS = 100_000_000;
 const MOST_SEED = 2 ** 31 - 1;
 
-/** Returns the values of a recipe. */
-export function defaultsOf(recipe: Recipe): FormValues {
+/** Returns the values that a recipe proposes for a behaviour. */
+export function defaultsOf(recipe: Recipe, behaviour: Pick<Behaviour, "ordered">): FormValues {
   return {
     recipe: recipe.name,
-    steps: whole(recipe.default_steps),
+    steps: whole(proposedSteps(recipe, behaviour)),
     learningRate: String(recipe.learning_rate).replace(".", decimalSign()),
     trainingSeed: "0",
     goOnAnyway: false,

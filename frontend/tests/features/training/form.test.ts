@@ -7,6 +7,7 @@ const RECIPE = {
   name: "fast",
   summary: "Fast.",
   default_steps: 300_000,
+  ordered_steps: 900_000,
   warm_up_steps: 12_000,
   learning_rate: 0.0003,
   values: {},
@@ -17,12 +18,17 @@ const RECIPE = {
 };
 
 function values(change: Partial<FormValues> = {}): FormValues {
-  return { ...defaultsOf(RECIPE), ...change };
+  return { ...defaultsOf(RECIPE, { ordered: false }), ...change };
 }
 
 afterEach(() => i18n.activate("en"));
 
 describe("the training form", () => {
+  it("proposes more steps for aliens in order", () => {
+    expect(defaultsOf(RECIPE, { ordered: false }).steps).toBe("300,000");
+    expect(defaultsOf(RECIPE, { ordered: true }).steps).toBe("900,000");
+  });
+
   it("begins with a recipe that can be sent as it is", () => {
     expect(errorsIn(values())).toEqual({});
     expect(runOf(values(), 3, false, null, false)).toEqual({
