@@ -2,12 +2,13 @@
 
     python -m benchmarks.learning.people_table docs/results/people.jsonl --seed 12 --seed 13
 
-Prints one table in Markdown for each way of training (games learned from, steps, changed values)
-that several behaviours were trained in, a row a behaviour, of the trainings that began with today's
-pretrained weights. Intervals are 95% bootstrap intervals over trainings and games; the last row has
-interquartile means over behaviours with stratified intervals (Agarwal et al. 2021). Then a row for
-each training, by behaviour, and the taus of what the check of the ranking said and of how well the
-reward orders unseen games with the targets hit, over all trainings.
+Prints one table in Markdown for each way of training (games learned from, changed values, steps
+where they are not as many as `fast` proposes) that several behaviours were trained in, a row a
+behaviour, of the trainings that began with today's pretrained weights. Intervals are 95% bootstrap
+intervals over trainings and games; the last row has interquartile means over behaviours with
+stratified intervals (Agarwal et al. 2021). Then a row for each training, by behaviour, and the taus
+of what the check of the ranking said and of how well the reward orders unseen games with the
+targets hit, over all trainings.
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ import numpy as np
 
 from trainer.reporting.digests import weights_digest
 from tril.analysis.summary import Interval, interquartile_interval, nested_interval
+from tril.behaviours import BUILT_IN
 from tril.ranking import kendall_tau
+from tril.recipes import FAST
 
 Line = dict[str, Any]
 
@@ -36,7 +39,7 @@ CONDITION = (
     "reward",
     "rounds_asked",
     "answers",
-    "steps",
+    "length",
     "set",
     "digest",
 )
@@ -167,10 +170,20 @@ def calibration(checked: Sequence[Line]) -> str:
 def _lines(path: Path, weights: str) -> list[Line]:
     lines = [json.loads(text) for text in path.read_text().splitlines()]
     return [
-        {"bulk_answers": 0, "ranked_alone": False} | line | {"rounds_asked": len(line["rounds"])}
+        {"bulk_answers": 0, "ranked_alone": False}
+        | line
+        | {"rounds_asked": len(line["rounds"]), "length": _length(line)}
         for line in lines
         if line.get("weights") == weights
     ]
+
+
+def _length(line: Line) -> str:
+    """Return how long a training was, if it was not as long as `fast` proposes."""
+    ordered = next(one.ordered for one in BUILT_IN if one.slug == line["behaviour"])
+    if line["steps"] == FAST.proposed_steps(ordered=ordered):
+        return ""
+    return f"{line['steps']:,} steps"
 
 
 def _games(judged: Line, name: str) -> list[float]:
@@ -200,8 +213,7 @@ def _title(line: Line) -> str:
         parts.append(f"reward from {line['reward']}")
     if line["rounds_asked"] > 1:
         parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
-    parts += [f"{line['steps']:,} steps", *line["set"]]
-    return ", ".join(parts)
+    return ", ".join([*parts, *filter(None, [line["length"]]), *line["set"]])
 
 
 if __name__ == "__main__":
