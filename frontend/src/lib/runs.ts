@@ -63,8 +63,16 @@ function estimateSeconds(recipe: Recipe, steps: number): number {
   return recipe.overhead_s + steps / recipe.steps_per_s;
 }
 
+interface Proposal {
+  readonly default_steps: number;
+  readonly ordered_steps: number;
+}
+
 /** Returns how many steps a recipe proposes for a behaviour. */
-export function proposedSteps(recipe: Recipe, { ordered }: { readonly ordered: boolean }): number {
+export function proposedSteps(
+  recipe: Proposal,
+  { ordered }: { readonly ordered: boolean },
+): number {
   return ordered ? recipe.ordered_steps : recipe.default_steps;
 }
 
