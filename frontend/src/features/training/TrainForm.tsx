@@ -101,7 +101,9 @@ export function TrainForm(props: TrainFormProps) {
         ordered={behaviour.ordered}
         onChange={(text) => change({ steps: text })}
       />
-      {steps > 0 && steps <= recipe.warm_up_steps && <TooShort recipe={recipe} behaviour={behaviour} />}
+      {steps > 0 && steps <= recipe.warm_up_steps && (
+        <TooShort recipe={recipe} behaviour={behaviour} />
+      )}
       <MoreSettings
         values={values}
         errors={errors}
