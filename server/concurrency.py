@@ -59,14 +59,19 @@ class ConcurrencyLimit:
         try:
             async with asyncio.timeout(self._wait_s):
                 await turn
-        except BaseException as error:
-            if turn.cancelled():
-                self._forget(client, turn)
-            else:
-                self._release(client)
-            if isinstance(error, TimeoutError):
-                raise _too_busy() from None
+        except TimeoutError:
+            self._give_up(client, turn)
+            raise _too_busy() from None
+        except asyncio.CancelledError:
+            self._give_up(client, turn)
             raise
+
+    def _give_up(self, client: Hashable, turn: asyncio.Future[None]) -> None:
+        if turn.cancelled():
+            self._forget(client, turn)
+        else:
+            # The turn has come in the same moment.
+            self._release(client)
 
     def _release(self, client: Hashable) -> None:
         self._n_free += 1
