@@ -33,7 +33,10 @@ _WORDS = {
     Stage.TRAJECTORIES: ("Replay", "Each ranked recording is replayed as an agent sees it."),
     Stage.REWARD: ("Reward model", "A network learns what makes better games better."),
     Stage.CHECK: ("Check", "Does the learned reward agree with the ranking?"),
-    Stage.CLONE: ("Clone", "A baseline copies the perfect recordings."),
+    Stage.CLONE: (
+        "Clone",
+        "A baseline copies the perfect recordings or, without any, the best ranked ones.",
+    ),
     Stage.IMITATOR: ("Imitator", "An agent plays to earn the learned reward."),
     Stage.EVALUATION: ("Evaluation", "Both play from starts they were not trained on."),
     Stage.ATTENTION: ("Attention", "What on the screen does the reward model look at?"),

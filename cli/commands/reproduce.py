@@ -40,6 +40,8 @@ ONE_AT_A_TIME = (
     " ordinary result by itself. Run the command once for each."
 )
 
+_BEHAVIOURS = {one.slug: one for one in BUILT_IN}
+
 
 def reproduce(
     behaviour: Annotated[
@@ -52,7 +54,7 @@ def reproduce(
     ] = None,
     recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
     steps: Annotated[
-        int | None, typer.Option(min=1, help="PPO steps. Default: the recipe's.")
+        int | None, typer.Option(min=1, help="PPO steps. Default: what the recipe proposes.")
     ] = None,
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
@@ -104,29 +106,22 @@ def reproduce(
     Each finished result is written at once: the command can be stopped at any time and continues
     where it was. Runs are queued like any other, so more workers make it faster.
     """
-    from trainer.reporting.ledger import Ledger, LedgerCell
+    from trainer.reporting.ledger import Ledger
     from trainer.reporting.results_page import write_page
 
     chosen = chosen_recipe(recipe, value)
-    chosen_steps = steps or chosen.default_steps
-    slugs = behaviour or [one.slug for one in BUILT_IN]
-    if unknown := [slug for slug in slugs if slug not in {one.slug for one in BUILT_IN}]:
+    slugs = behaviour or list(_BEHAVIOURS)
+    if unknown := [slug for slug in slugs if slug not in _BEHAVIOURS]:
         raise typer.BadParameter(
             f"There is no scripted example of {', '.join(unknown)}; choose among"
-            f" {', '.join(one.slug for one in BUILT_IN)}."
+            f" {', '.join(_BEHAVIOURS)}."
         )
     with open_workspace() as workspace:
         kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
         if (kinds != [SCRIPTED.name]) + own_starts + ablation > 1:
             raise Invalid(ONE_AT_A_TIME)
         recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
-        cells = {
-            LedgerCell.of(slug, one, chosen_steps, seed, kind): one
-            for seed in training_seed or [0, 1, 2]
-            for slug in slugs
-            for kind in kinds
-            for one in recipes
-        }
+        cells = cells_of(recipes, slugs, training_seed or [0, 1, 2], kinds, steps)
         missing = [] if page_only else Ledger(output).missing(cells)
         if missing:
             errors.print(f"{len(missing)} of {len(cells)} results are missing.")
@@ -144,6 +139,39 @@ def reproduce(
                 f"{failed} of {len(missing)} runs were not finished; see tril runs list. Run the"
                 " command again to repeat them."
             )
+
+
+def cells_of(
+    recipes: Sequence[Recipe],
+    slugs: Sequence[str],
+    training_seeds: Sequence[int],
+    kinds: Sequence[str],
+    steps: int | None,
+) -> dict[LedgerCell, Recipe]:
+    """Return the results to be computed, in this order, and the recipe of each.
+
+    Args:
+        recipes: The recipes to train.
+        slugs: Short names of built-in behaviours.
+        training_seeds: Seeds of all random choices.
+        kinds: Kinds of demonstrations.
+        steps: Steps of the imitator's training; None takes what a recipe proposes.
+    """
+    from trainer.reporting.ledger import LedgerCell
+
+    return {
+        LedgerCell.of(
+            slug,
+            recipe,
+            steps or recipe.proposed_steps(ordered=_BEHAVIOURS[slug].ordered),
+            seed,
+            kind,
+        ): recipe
+        for seed in training_seeds
+        for slug in slugs
+        for kind in kinds
+        for recipe in recipes
+    }
 
 
 def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:

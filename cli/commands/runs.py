@@ -28,7 +28,9 @@ from tril.store.training import evaluations, runs
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
 RecipeOption = Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")]
-StepsOption = Annotated[int | None, typer.Option(min=1, help="Steps. Default: the recipe's.")]
+StepsOption = Annotated[
+    int | None, typer.Option(min=1, help="Steps. Default: what the recipe proposes.")
+]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]
 SetOption = Annotated[
     list[str] | None, typer.Option("--set", help="Change a value of the recipe: NAME=VALUE.")

@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from cli.commands.reproduce import _runs_of
+from cli.commands.reproduce import _runs_of, cells_of
 from cli.main import app
 from cli.workspace import Workspace
 from testsupport.workplace import TINY, Workplace
 from trainer.reporting.ledger import LedgerCell
+from tril.recipes import FAST
 from tril.store import behaviours
 from tril.store.models import RunStatus
 from tril.store.training import runs
@@ -35,6 +36,13 @@ def runs_of(workplace: Workplace) -> list[str]:
 def test_a_run_that_is_there_is_not_started_again(workplace: Workplace, status: RunStatus) -> None:
     run_id = example_run(workplace, workplace.behaviour_id, status)
     assert runs_of(workplace) == [run_id]
+
+
+def test_each_behaviour_is_trained_for_as_many_steps_as_the_recipe_proposes() -> None:
+    cells = cells_of([FAST], ["column-1", "row-1"], [0], ["scripted"], None)
+    assert [cell.steps for cell in cells] == [FAST.default_steps, FAST.ordered_steps]
+    cells = cells_of([FAST], ["column-1", "row-1"], [0], ["scripted"], 5_000)
+    assert [cell.steps for cell in cells] == [5_000, 5_000]
 
 
 def test_failed_runs_and_runs_on_other_demonstrations_are_started_again(

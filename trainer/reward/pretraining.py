@@ -3,9 +3,9 @@
 A dozen ranked games say little about which screens mean the same, and a network that learns both
 this and what is good from them orders games of other kinds hardly better than chance. Here the
 first part is learned once, for all behaviours, from varied play that nobody ranks. A behaviour's
-reward is then linear in the probabilities that each alien of the full grid is left, and in those
-that one is left whose right neighbour is gone, so that a few rankings determine it. Rewards are
-computed from screens alone.
+reward is then linear in the probabilities that each alien of the full grid is left, and that the
+first two, three, ... six aliens of each row are all gone (`swept_to`), so that a few rankings
+determine it. Rewards are computed from screens alone.
 
     python -m trainer.reward.pretraining
 

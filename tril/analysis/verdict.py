@@ -19,6 +19,10 @@ GOOD_SHARE = 0.9
 MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
+FEW_MISTAKES = 0.25
+"""Strays and targets out of order a game, together, up to which they are not worth teaching."""
+_SHOWN_MISTAKES = 0.05
+"""From here on they are not rounded to zero."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,10 @@ def verdict(run: RunFigures) -> Verdict:
             "train",
         )
     better = _better(imitator.targets, clone)
-    sentence = f"{_hits(run, imitator.targets, clone)}{better} {_lost(imitator.death_rate)}"
+    sentence = (
+        f"{_hits(run, imitator.targets, clone)}{better}{_mistakes(imitator)}"
+        f" {_lost(imitator.death_rate)}"
+    )
     return _advised(run, imitator, imitator.targets, clone, sentence)
 
 
@@ -113,7 +120,9 @@ def _advised(
             " belong, and train again.",
             "teach",
         )
-    if targets.mean >= GOOD_SHARE * best and lost <= FEW_LOST:
+    strays, order_errors = _mean_of(imitator.strays), _mean_of(imitator.order_errors)
+    makes_mistakes = strays + order_errors > FEW_MISTAKES
+    if targets.mean >= GOOD_SHARE * best and lost <= FEW_LOST and not makes_mistakes:
         advice = "It plays about as well as the best demonstration. Watch some of its games."
         return Verdict("good", sentence, advice, "games")
     tone: Tone = "bad" if is_no_better or lost > MOST_LOST else "fair"
@@ -127,10 +136,17 @@ def _advised(
         return Verdict(tone, sentence, advice, "train")
     if is_no_better:
         advice = (
-            "The reward taught it nothing that the clone can't do. Add varied games to the ranking,"
-            " so that it sees what is bad, and train again."
+            "The reward taught it nothing that the clone can't do. Check the order, or rank some of"
+            " its own games among the others, and train again."
         )
         return Verdict(tone, sentence, advice, "rank")
+    if makes_mistakes:
+        what = "other aliens" if strays >= order_errors else "targets out of order"
+        advice = (
+            f"Teach it more: rank games in which it hits {what} low among the others, and train"
+            " further."
+        )
+        return Verdict(tone, sentence, advice, "teach")
     advice = "Teach it more: rank some of its own games among the others, and train further."
     return Verdict(tone, sentence, advice, "teach")
 
@@ -172,11 +188,11 @@ def _without_games(run: RunFigures) -> Verdict:
 
 
 def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Verdict:
-    against = "" if clone is None else f", the clone in {_percent(clone.death_rate.mean)}"
+    against = "" if clone is None else f", the clone {_percent(clone.death_rate.mean)}"
     n = imitator.death_rate.n
     return Verdict(
         "none",
-        f"The imitator is lost in {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}."
+        f"The imitator loses {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}."
         " This behaviour has no target cells, so how well it plays can't be counted.",
         "Watch some of its games, and rank those that show something new.",
         "teach",
@@ -206,9 +222,23 @@ def _better(targets: Interval, clone: PolicySummary | None) -> str:
 
 def _lost(death_rate: Interval) -> str:
     if death_rate.mean == 0:
-        return "It is never lost."
+        return "It loses no game."
     often = "most" if death_rate.mean > MOST_LOST else "some"
-    return f"It is lost in {often} games, {_percent(death_rate.mean)}."
+    return f"It loses {often} of its games ({_percent(death_rate.mean)})."
+
+
+def _mistakes(imitator: PolicySummary) -> str:
+    strays, order_errors = _mean_of(imitator.strays), _mean_of(imitator.order_errors)
+    mistakes = []
+    if strays >= _SHOWN_MISTAKES:
+        mistakes.append(f"other aliens ({_mean(strays)} a game)")
+    if order_errors >= _SHOWN_MISTAKES:
+        mistakes.append(f"targets out of order ({_mean(order_errors)} a game)")
+    return f" It also hits {' and '.join(mistakes)}." if mistakes else ""
+
+
+def _mean_of(figure: Interval | None) -> float:
+    return 0.0 if figure is None else figure.mean
 
 
 def _mean(value: float) -> str:

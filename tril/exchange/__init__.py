@@ -1,1 +1,1 @@
-"""Import and export: recordings, whole behaviours, backups."""
+"""Import and export: recordings, behaviours, runs, backups."""

@@ -87,7 +87,7 @@ FAST = replace(
 DAGGER = Recipe(
     name="dagger",
     summary=(
-        "Yardstick with a privileged teacher: the scripted player, which reads the game's memory,"
+        "Baseline with a privileged teacher: the scripted player, which reads the game's memory,"
         " corrects the policy's own games."
     ),
     default_steps=15_000,
@@ -107,7 +107,7 @@ DAGGER = Recipe(
 GAIL = Recipe(
     name="gail",
     summary=(
-        "Yardstick without a ranking: PPO from the clone on, against a network that tells its games"
+        "Baseline without a ranking: PPO from the clone on, against a network that tells its games"
         " from the perfect ones."
     ),
     default_steps=300_000,

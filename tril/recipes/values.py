@@ -209,7 +209,7 @@ class PolicyRecipe:
 
 @dataclass(frozen=True)
 class CloningRecipe:
-    """How the clone is learned from the perfect demonstrations (Ross and Bagnell 2010).
+    """How the clone is learned from the perfect or best ranked demonstrations (Ross and Bagnell 2010).
 
     Attributes:
         network: As in PolicyRecipe.

@@ -1,4 +1,4 @@
-"""The people who play and rank: the owner, and those whose games were imported."""
+"""The people who play and rank: the owner, those invited, those whose games were imported."""
 
 from __future__ import annotations
 

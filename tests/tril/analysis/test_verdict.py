@@ -11,14 +11,20 @@ from tril.analysis.summary import GameFigures, PolicySummary, summarise
 from tril.analysis.verdict import Ended, RunFigures, verdict
 
 
-def games(targets: list[int] | None, lost: float = 0.0, n: int = 20) -> PolicySummary:
+def games(
+    targets: list[int] | None,
+    lost: float = 0.0,
+    n: int = 20,
+    strays: int = 0,
+    order_errors: int = 0,
+) -> PolicySummary:
     """Summarise games that hit these targets in turn, of which a share is lost."""
     return summarise(
         [
             GameFigures(
                 targets=None if targets is None else targets[i % len(targets)],
-                strays=None if targets is None else 0,
-                order_errors=0,
+                strays=None if targets is None else strays,
+                order_errors=order_errors,
                 steps=300,
                 died=i < lost * n,
                 predicted_return=float(i),
@@ -52,15 +58,15 @@ def test_a_run_that_went_well_is_praised_with_its_figures() -> None:
     assert (said.tone, said.next_step) == ("good", "games")
     assert said.sentence.startswith("The imitator hits 5.8 of 6 targets (95% interval 5.5 to 5.9,")
     assert "20 games); the clone hits 1.5, the best demonstration 6." in said.sentence
-    assert said.sentence.endswith("It is clearly better than the clone. It is never lost.")
+    assert said.sentence.endswith("It is clearly better than the clone. It loses no game.")
 
 
-def test_one_that_is_no_better_than_the_clone_needs_varied_games() -> None:
+def test_one_that_is_no_better_than_the_clone_needs_another_ranking() -> None:
     same = games([3, 4], lost=0.3)
     said = verdict(replace(DONE, headline=headline(same, same)))
     assert (said.tone, said.next_step) == ("bad", "rank")
     assert "do not tell it apart from the clone" in said.sentence
-    assert "varied games" in said.advice
+    assert "Check the order" in said.advice
 
 
 def test_one_that_did_not_train_for_long_is_to_train_for_longer() -> None:
@@ -74,8 +80,28 @@ def test_one_that_loses_most_games_is_to_see_them_ranked() -> None:
     lost = headline(games([5, 6], lost=0.6), games([1, 2]))
     said = verdict(replace(DONE, headline=lost))
     assert (said.tone, said.next_step) == ("bad", "teach")
-    assert said.sentence.endswith("It is lost in most games, 60%.")
+    assert said.sentence.endswith("It loses most of its games (60%).")
     assert "games that it loses" in said.advice
+
+
+@pytest.mark.parametrize(
+    ("mistakes", "what"),
+    [
+        ({"strays": 1}, "other aliens (1 a game)"),
+        ({"order_errors": 2}, "targets out of order (2 a game)"),
+        (
+            {"strays": 1, "order_errors": 2},
+            "other aliens (1 a game) and targets out of order (2 a game)",
+        ),
+    ],
+)
+def test_one_that_also_hits_what_it_should_not_is_not_praised(
+    mistakes: dict[str, int], what: str
+) -> None:
+    said = verdict(replace(DONE, headline=headline(games([6], **mistakes), games([1]))))
+    assert (said.tone, said.next_step) == ("fair", "teach")
+    assert f"It also hits {what}." in said.sentence
+    assert said.advice.startswith("Teach it more: rank games in which it hits")
 
 
 def test_one_in_between_is_to_be_taught_more() -> None:
@@ -121,7 +147,7 @@ def test_without_target_cells_nothing_is_counted() -> None:
     shown = headline(games(None, lost=0.25), games(None, lost=0.5))
     said = verdict(replace(DONE, n_targets=None, best_targets=None, headline=shown))
     assert (said.tone, said.next_step) == ("none", "teach")
-    assert said.sentence.startswith("The imitator is lost in 25% of its 20 games, the clone in 50%")
+    assert said.sentence.startswith("The imitator loses 25% of its 20 games, the clone 50%")
 
 
 def test_one_game_is_counted_in_the_singular() -> None:

@@ -29,7 +29,7 @@ export function StepsField({ value, error, recipe, ordered, onChange }: StepsFie
         error={error}
         hint={
           ordered && recipe.ordered_steps > recipe.default_steps
-            ? t`How many steps the imitator plays while it learns. More is slower and better, and aliens in order take more than others.`
+            ? t`How many steps the imitator plays while it learns. More take longer and usually teach more; targets that must be hit in order need more.`
             : t`How many steps the imitator plays while it learns. More is slower and better.`
         }
       >

@@ -16,11 +16,11 @@ const steps = () =>
     },
     {
       title: t`Keep`,
-      text: t`After a game, keep it or discard it. Give a star to games that went perfectly: the clone, a plain copy of them, learns from those.`,
+      text: t`After a game, keep it or discard it. Give a star to games that went perfectly: the clone copies them, and the reward learns from them, too.`,
     },
     {
       title: t`Rank`,
-      text: t`Drag your games into an order from best to worst, ties allowed. The order is all that Tril learns from; it never sees a score.`,
+      text: t`Drag your games into an order from best to worst, ties allowed. Tril learns from this order and from the games with a star; it never sees a score.`,
     },
     {
       title: t`Train`,
