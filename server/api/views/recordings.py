@@ -57,6 +57,7 @@ class RecordingViews:
         borrowed = shown_for != row.behaviour_id or row.id in self._borrowed_by(shown_for)
         hits = hits_of(row)
         cells = tuple((hit.row, hit.column) for hit in hits)
+        columns = [column for _, column in cells]
         behaviour = self._behaviour(shown_for)
         found = score(behaviour, cells)
         recording = as_recording(row)
@@ -72,10 +73,15 @@ class RecordingViews:
             evaluation_start=evaluation_number(recording.start),
             n_steps=recording.n_steps,
             hits=[
-                Hit.of(hit, on_target=behaviour.target and cell in behaviour.target)
+                Hit(
+                    row=hit.row,
+                    column=hit.column,
+                    frame=hit.frame,
+                    on_target=behaviour.target and cell in behaviour.target,
+                )
                 for hit, cell in zip(hits, cells, strict=True)
             ],
-            hits_per_column=[sum(column == at for _, at in cells) for column in range(COLUMNS)],
+            hits_per_column=[columns.count(column) for column in range(COLUMNS)],
             targets=None if found is None else found.targets,
             strays=None if found is None else found.strays,
             order_errors=None if found is None else found.order_errors,
