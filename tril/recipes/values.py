@@ -209,7 +209,9 @@ class PolicyRecipe:
 
 @dataclass(frozen=True)
 class CloningRecipe:
-    """How the clone is learned from the perfect or best ranked demonstrations (Ross and Bagnell 2010).
+    """How the clone is learned from perfect, or the best ranked, demonstrations.
+
+    Behavioural cloning (Ross and Bagnell 2010).
 
     Attributes:
         network: As in PolicyRecipe.
