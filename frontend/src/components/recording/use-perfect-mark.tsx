@@ -37,18 +37,16 @@ export function usePerfectMark({ target }: Behaviour): PerfectMark {
           <Trans>{asked.sentence} The clone copies what is marked as perfect.</Trans>
         </p>
         <div className={styles.buttons}>
+          <Button kind="primary" data-first onClick={() => setAsked(null)}>
+            <Trans>Don&rsquo;t mark</Trans>
+          </Button>
           <Button
-            kind="primary"
-            data-first
             onClick={() => {
               setAsked(null);
               asked.confirmed();
             }}
           >
             <Trans>Mark all the same</Trans>
-          </Button>
-          <Button onClick={() => setAsked(null)}>
-            <Trans>Don&rsquo;t mark</Trans>
           </Button>
         </div>
       </div>

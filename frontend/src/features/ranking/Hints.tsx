@@ -33,8 +33,8 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
           id: "tiers",
           done: true,
           text: plural(pairs, {
-            one: "# preference pair to learn from",
-            other: "# preference pairs to learn from",
+            one: "# comparison to learn from",
+            other: "# comparisons to learn from",
           }),
         }
       : {

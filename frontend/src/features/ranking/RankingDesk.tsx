@@ -1,10 +1,11 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useCallback, useMemo, useState } from "react";
-import { useSearchParams } from "react-router";
+import { useLocation, useSearchParams } from "react-router";
 
 import type { Behaviour, Ranking, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { useToast } from "@/components/feedback/Toasts";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
@@ -30,6 +31,7 @@ import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
 import { classes } from "@/lib/classes";
 import { recordingName } from "@/lib/recordings";
+import { selectedBy } from "@/lib/selection";
 
 import { ConflictDialog } from "./ConflictDialog";
 import { Hints } from "./Hints";
@@ -52,7 +54,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [state, saver] = useRankingSaver(ranking);
   const [previewed, setPreviewed] = useState<number | null>(null);
   const [spoken, setSpoken] = useState("");
-  const [chosen, setChosen] = useState<ReadonlySet<number>>(new Set());
+  const toast = useToast();
   const [advised, setAdvised] = useState(true);
   const [kept, setKept] = useState<ReadonlySet<number>>(new Set());
   const opinions = useOpinions(behaviour.id, state, advised);
@@ -63,6 +65,10 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
   const unranked = unrankedOf(state);
+  const { state: arrivedWith } = useLocation();
+  const [chosen, setChosen] = useState<ReadonlySet<number>>(
+    () => new Set(selectedBy(arrivedWith).filter((id) => unranked.includes(id))),
+  );
   const selected = [...tiers.flat(), ...unranked].filter((id) => chosen.has(id));
   const [search, setSearch] = useSearchParams();
   const [compared, setCompared] = useState(
@@ -196,14 +202,17 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             <VariedGames
               behaviour={behaviour}
               unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
-              onAdded={(ids) => {
+              onAdded={(added) => {
+                // One that hits a target may be better than the worst.
+                const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
                 setChosen(new Set(ids));
-                setSpoken(
-                  plural(ids.length, {
-                    one: "# varied game added and selected.",
-                    other: "# varied games added and selected.",
-                  }),
-                );
+                const games = plural(added.length, {
+                  one: "# varied game added",
+                  other: "# varied games added",
+                });
+                const done = t`${games}, ${ids.length} of them selected: those that hit no target.`;
+                setSpoken(done);
+                toast(done);
               }}
               onSelect={(ids) => setChosen(new Set(ids))}
             />

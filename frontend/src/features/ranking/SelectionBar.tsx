@@ -38,7 +38,7 @@ export function SelectionBar({
       <Button kind="quiet" className={styles.none} onClick={onSelectNone}>
         <Trans>Select none</Trans>
       </Button>
-      <Button kind="primary" icon="down" onClick={() => onPut(gapPlace(tiers.length))}>
+      <Button icon="down" onClick={() => onPut(gapPlace(tiers.length))}>
         <Trans>Put below the worst</Trans>
       </Button>
       {tiers.length > 0 && (

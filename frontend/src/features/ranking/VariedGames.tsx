@@ -14,7 +14,7 @@ import styles from "./VariedGames.module.css";
 interface VariedGamesProps {
   behaviour: Behaviour;
   unranked: readonly Recording[];
-  onAdded: (ids: readonly number[]) => void;
+  onAdded: (added: readonly Recording[]) => void;
   onSelect: (ids: readonly number[]) => void;
 }
 
@@ -26,7 +26,7 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
     mutationFn: () => addVariedGames(behaviour.id),
     onSuccess: async (added) => {
       await refresh();
-      onAdded(added.map(({ id }) => id));
+      onAdded(added);
     },
     onError: (error) => toast(messageOf(error)),
   });
@@ -37,8 +37,8 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
     <div className={styles.varied}>
       <p>
         <Trans>
-          Two dozen games of other kinds: most are bad in ways that yours are not. Tell Tril roughly
-          where they belong.
+          Two dozen ready-made games, most of them bad in ways that yours are not. Put each roughly
+          where it belongs.
         </Trans>
       </p>
       <div className={styles.buttons}>

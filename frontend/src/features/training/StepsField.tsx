@@ -4,7 +4,7 @@ import type { Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
 import { shortCount, whole } from "@/lib/format";
-import { describeEstimate } from "@/lib/runs";
+import { describeEstimate, proposedSteps } from "@/lib/runs";
 
 import { readWhole } from "./form";
 import styles from "./StepsField.module.css";
@@ -22,6 +22,7 @@ interface StepsFieldProps {
 
 /** The number of environment steps, typed or chosen from presets. */
 export function StepsField({ value, error, recipe, ordered, onChange }: StepsFieldProps) {
+  const presets = [...new Set([...PRESETS, proposedSteps(recipe, { ordered })])];
   return (
     <div>
       <Field
@@ -30,7 +31,7 @@ export function StepsField({ value, error, recipe, ordered, onChange }: StepsFie
         hint={
           ordered && recipe.ordered_steps > recipe.default_steps
             ? t`How many steps the imitator plays while it learns. More take longer and usually teach more; targets that must be hit in order need more.`
-            : t`How many steps the imitator plays while it learns. More is slower and better.`
+            : t`How many steps the imitator plays while it learns. More take longer and usually teach more.`
         }
       >
         {(control) => (
@@ -44,16 +45,18 @@ export function StepsField({ value, error, recipe, ordered, onChange }: StepsFie
         )}
       </Field>
       <div className={styles.presets} role="group" aria-label={t`Preset numbers of steps`}>
-        {PRESETS.map((steps) => (
-          <Button
-            key={steps}
-            aria-pressed={readWhole(value) === steps}
-            title={describeEstimate(recipe, steps)}
-            onClick={() => onChange(whole(steps))}
-          >
-            {shortCount(steps)}
-          </Button>
-        ))}
+        {presets
+          .toSorted((one, other) => one - other)
+          .map((steps) => (
+            <Button
+              key={steps}
+              aria-pressed={readWhole(value) === steps}
+              title={describeEstimate(recipe, steps)}
+              onClick={() => onChange(whole(steps))}
+            >
+              {shortCount(steps)}
+            </Button>
+          ))}
       </div>
     </div>
   );

@@ -500,7 +500,8 @@ describe("after the end", () => {
       "it missed 1 target, it ended with the cannon hit",
     );
     expect(did()).toEqual(["/api/games"]);
-    await userEvent.keyboard("{Enter}");
+    expect(screen.getByRole("button", { name: "Don’t mark" })).toHaveFocus();
+    await userEvent.click(screen.getByRole("button", { name: "Mark all the same" }));
     expect(await screen.findByText("Kept as recording 7, marked as perfect.")).toBeVisible();
     expect(did()).toContain("/api/recordings/7/keep");
     expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ perfect: true });

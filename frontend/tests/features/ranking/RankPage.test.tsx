@@ -38,9 +38,9 @@ function rankingServer(
     return standing;
   };
   const varied = [
-    recording({ id: 11, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true }),
-    recording({ id: 12, source: "varied", player: null }),
-    recording({ id: 13, source: "varied", player: null }),
+    recording({ id: 11, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true, targets: 0 }),
+    recording({ id: 12, source: "varied", player: null, targets: 0 }),
+    recording({ id: 13, source: "varied", player: null, targets: 6 }),
   ];
   const borrowed = () => all.filter((one) => one.borrowed);
   const asked = serve({
@@ -208,22 +208,23 @@ describe("ranking by keyboard", () => {
 });
 
 describe("varied games", () => {
-  it("are added, marked, selected, and put below the worst in one revision", async () => {
+  it("are added and marked, and those without a target put below the worst in one revision", async () => {
     const server = await open({ tiers: [[1], [2]], unranked: [3] });
     await press("Add varied games");
-    expect(await screen.findByText("3 varied games added and selected.")).toBeInTheDocument();
+    const done = "3 varied games added, 2 of them selected: those that hit no target.";
+    expect((await screen.findAllByText(done))[0]).toBeInTheDocument();
     const borrowed = within(screen.getByRole("article", { name: "Recording 11" }));
     expect(borrowed.getByText("from Column 2")).toBeVisible();
     expect(borrowed.queryByRole("button", { name: /perfect/ })).toBeNull();
     const varied = within(screen.getByRole("article", { name: "Recording 12" }));
     expect(varied.getByText("varied play")).toBeVisible();
     await press("Put below the worst");
-    expect(board()).toEqual([["1"], ["2"], ["11", "12", "13"]]);
-    expect(screen.getByText("Dropped 3 recordings: new tier, worst of all.")).toBeInTheDocument();
+    expect(board()).toEqual([["1"], ["2"], ["11", "12"]]);
+    expect(screen.getByText("Dropped 2 recordings: new tier, worst of all.")).toBeInTheDocument();
     expect(screen.queryByRole("group", { name: "Selected recordings" })).toBeNull();
     expect(screen.getByRole("button", { name: "Move Recording 11" })).toHaveFocus();
     await waitFor(() =>
-      expect(server.now()).toMatchObject({ revision: 2, tiers: [[1], [2], [11, 12, 13]] }),
+      expect(server.now()).toMatchObject({ revision: 2, tiers: [[1], [2], [11, 12]] }),
     );
     expect(server.asked.find(({ method }) => method === "POST")?.body).toEqual({ count: 24 });
   });
@@ -231,7 +232,7 @@ describe("varied games", () => {
   it("can be selected again, and given back", async () => {
     await open({ tiers: [[1], [2]], unranked: [3, 4] });
     await press("Add varied games");
-    await screen.findByText("3 recordings selected");
+    await screen.findByText("2 recordings selected");
     await press("Select none");
     expect(screen.queryByText(/recordings selected/)).toBeNull();
     await press("Select all varied (3)");
@@ -325,7 +326,7 @@ describe("what the other games suggest", () => {
     expect(await screen.findByText("The others suggest tier 1 (1 to 2)")).toBeVisible();
     expect(card(4).getByText("Probably tier 2")).toBeVisible();
     expect(card(2).queryByText(/suggest/)).toBeNull();
-    expect(screen.getByText(/the wider the band, the less sure it is/)).toBeVisible();
+    expect(screen.getByText(/A wide band means that it is unsure/)).toBeVisible();
   });
 
   it("names a contradiction and moves the game where they suggest", async () => {
@@ -379,7 +380,7 @@ describe("what the other games suggest", () => {
     }));
     expect(await screen.findByText("Looking at how 2 more games end…")).toBeVisible();
     expect(await screen.findByText("Looking at how 1 more game ends…")).toBeVisible();
-    expect(await screen.findByText(/the less sure it is/)).toBeVisible();
+    expect(await screen.findByText(/it is unsure/)).toBeVisible();
     const times = () => server.asked.filter(({ path }) => path.endsWith("/opinion")).length;
     const before = times();
     await press("Up: Recording 3");
@@ -431,7 +432,7 @@ describe("what training needs", () => {
     expect(hints.getByText(/At least two tiers are needed/)).toBeVisible();
     expect(hints.queryByRole("link", { name: "Continue to Train" })).toBeNull();
     await press("Own tier: Recording 2");
-    expect(hints.getByText("1 preference pair to learn from")).toBeVisible();
+    expect(hints.getByText("1 comparison to learn from")).toBeVisible();
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
 

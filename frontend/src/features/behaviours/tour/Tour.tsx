@@ -63,14 +63,14 @@ export function Tour({ isNew }: { isNew: boolean }) {
         <p>{step.text}</p>
       </div>
       <div className={styles.actions}>
+        <Button kind="primary" onClick={() => (isLast ? end() : setAt(at + 1))}>
+          {isLast ? t`Finish the tour` : t`Next`}
+        </Button>
         {at > 0 && (
           <Button onClick={() => setAt(at - 1)}>
             <Trans>Back</Trans>
           </Button>
         )}
-        <Button kind="primary" onClick={() => (isLast ? end() : setAt(at + 1))}>
-          {isLast ? t`Finish the tour` : t`Next`}
-        </Button>
         {!isLast && (
           <Button kind="quiet" onClick={end}>
             <Trans>Skip the tour</Trans>

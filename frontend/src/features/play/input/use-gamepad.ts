@@ -4,7 +4,7 @@ import type { GameStream } from "@/features/play/stream/game-stream";
 
 import { dialogIsOpen } from "./dialogs";
 import { newlyPressed, type PadState, padState } from "./gamepad";
-import { gamepadIntentOf, steers, type Intent } from "./intents";
+import { gamepadIntentOf, type Intent, SinceEnd, steers } from "./intents";
 import type { HeldKeys } from "./keys";
 
 const NAME = "gamepad";
@@ -25,6 +25,7 @@ export function useGamepad(
   useEffect(() => {
     if (!("getGamepads" in navigator)) return undefined;
     let request = 0;
+    const sinceEnd = new SinceEnd();
     const look = () => {
       request = requestAnimationFrame(look);
       const now = padState(document.hasFocus() ? navigator.getGamepads() : []);
@@ -37,7 +38,8 @@ export function useGamepad(
         if (!now.rewind && last.rewind) stream.release();
       }
       for (const button of newlyPressed(last, now)) {
-        const intent = gamepadIntentOf(button, phase, performance.now() - endedAt);
+        const sinceEndMs = sinceEnd.atPress(endedAt, performance.now());
+        const intent = gamepadIntentOf(button, phase, sinceEndMs);
         if (intent && !dialogIsOpen()) onIntent.current(intent);
       }
     };

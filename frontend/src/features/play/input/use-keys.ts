@@ -4,7 +4,7 @@ import { readSetting } from "@/features/play/settings/stored";
 import type { GameStream } from "@/features/play/stream/game-stream";
 
 import { dialogIsOpen } from "./dialogs";
-import { steers, type Intent, intentOf } from "./intents";
+import { type Intent, intentOf, SinceEnd, steers } from "./intents";
 import { bitOf, controlOf, type HeldKeys, isGameKey, KEYS } from "./keys";
 
 const NO_GAME = { phase: null, endedAt: 0 };
@@ -20,6 +20,7 @@ export function useKeys(
   onIntent: RefObject<(intent: Intent) => void>,
 ): void {
   useEffect(() => {
+    const sinceEnd = new SinceEnd();
     const down = (event: KeyboardEvent) => {
       // The page's help opens, which takes the keyboard.
       const before = stream?.snapshot().phase ?? null;
@@ -29,7 +30,7 @@ export function useKeys(
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream?.snapshot() ?? NO_GAME;
       const keys = readSetting(KEYS);
-      const intent = intentOf(event, phase, performance.now() - endedAt, keys);
+      const intent = intentOf(event, phase, sinceEnd.atPress(endedAt, performance.now()), keys);
       if (intent && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
         onIntent.current(intent);

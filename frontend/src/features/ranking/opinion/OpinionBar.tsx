@@ -39,5 +39,5 @@ function legend({ answer, error }: Opinions): string {
       one: "Looking at how # more game ends…",
       other: "Looking at how # more games end…",
     });
-  return t`The bar beside a game runs from best to worst. Its tick is where a linear reward places the game, learned from how the other ranked games end; the wider the band, the less sure it is.`;
+  return t`The bar beside a game runs from best to worst. Its mark shows where Tril would put this game, judging by how your other games end. A wide band means that it is unsure.`;
 }

@@ -13,6 +13,7 @@ import type { Watched } from "@/features/results/watched";
 import { whole } from "@/lib/format";
 import { describeEnd, describeScore, hitCells } from "@/lib/recordings";
 import { isActive } from "@/lib/runs";
+import { selecting } from "@/lib/selection";
 
 import { AddToRanking } from "./AddToRanking";
 import styles from "./TeachMore.module.css";
@@ -144,7 +145,11 @@ function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourI
           kind="primary"
           icon="plus"
           disabled={isPending}
-          onClick={() => void add(missing).then((added) => added && navigate(rank))}
+          onClick={() =>
+            void add(missing).then(
+              (added) => added && navigate(rank, { state: selecting(missing) }),
+            )
+          }
         >
           <Plural
             value={missing.length}

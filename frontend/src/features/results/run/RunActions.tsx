@@ -48,9 +48,14 @@ export function RunActions({ run }: { run: Run }) {
   }
   return (
     <div className={styles.actions}>
+      {run.status === "stopped" && (
+        <ButtonLink kind="primary" to={`/behaviours/${run.behaviour_id}/rank`}>
+          <Trans>Go to the ranking</Trans>
+        </ButtonLink>
+      )}
       {run.status !== "done" && (
         <Button
-          kind="primary"
+          kind={run.status === "stopped" ? "secondary" : "primary"}
           icon="play"
           disabled={act.isPending}
           onClick={() => act.mutate(resumeRun)}

@@ -7,6 +7,7 @@ import {
   speedBeside,
   steers,
   intentOf,
+  SinceEnd,
 } from "@/features/play/input/intents";
 import { DEFAULT_KEYS } from "@/features/play/input/keys";
 
@@ -30,6 +31,17 @@ describe("keys after the end", () => {
   it("are ignored during the grace period", () => {
     expect(intentOf(press("Space"), "ended", GRACE_MS - 1)).toBeNull();
     expect(intentOf(press("Space", true), "ended", 10 * GRACE_MS)).toBeNull();
+  });
+});
+
+describe("the time since the end", () => {
+  it("begins anew at a press in the grace period, and at no other", () => {
+    const sinceEnd = new SinceEnd();
+    const endedAt = 5_000;
+    expect(sinceEnd.atPress(endedAt, endedAt + 600)).toBe(600);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_200)).toBe(600);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_200 + GRACE_MS)).toBe(GRACE_MS);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_300 + GRACE_MS)).toBe(GRACE_MS + 100);
   });
 });
 
