@@ -274,8 +274,8 @@ def test_recipes_have_the_values_that_they_were_started_with(old: OldFolder) -> 
         now = Counter(_leaves(recipe.to_dict()))
         assert not stored - now
         # What came later is off: death forfeit, openings, sticky actions, end_share, pretraining,
-        # frozen convolutions, other steps for aliens in order, starts before the last shot.
-        assert now - stored == {"0.0": 4, "false": 6, "0": 1}
+        # frozen convolutions, other steps for aliens in order.
+        assert now - stored == {"0.0": 4, "false": 5, "0": 1}
     demo = recipes[old.run(DEMO)["id"]]
     assert (demo.policy.n_envs, demo.policy.n_steps, demo.policy.n_epochs) == (2, 32, 1)
     assert (demo.policy.kl_coef, demo.policy.clip_range) == (0.03, 0.2)

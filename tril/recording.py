@@ -17,7 +17,6 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.game import space_invaders as game
 from tril.game.console import Console
-from tril.game.controls import Keys, keys_for
 from tril.game.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
 from tril.game.observation import OBSERVATION_SHAPE, AgentView
 
@@ -28,7 +27,6 @@ LEVEL_STEPS = 25
 """Observations at a trajectory's beginning and end whose mean R is its first and its last level."""
 
 _ACTIONS = bytes(game.Action)
-_FIRING = bytes(action for action in game.Action if keys_for(action) & Keys.FIRE)
 
 
 class RecordingRefused(Invalid):
@@ -81,11 +79,6 @@ class Recording:
     def n_steps(self) -> int:
         """Number of agent steps, including one cut short by the end."""
         return -(-len(self.actions) // game.FRAMES_PER_STEP)
-
-    @property
-    def last_shot_frame(self) -> int:
-        """Number of frames up to the last one in which the fire key is held; 0 if there is none."""
-        return 1 + max(self.actions.rfind(action) for action in _FIRING)
 
     def until(self, frame: int) -> Recording:
         """Return the recording up to a frame."""

@@ -214,21 +214,6 @@ def test_unknown_actions_and_wrong_numbers_of_hashes_are_refused(hit_game: Recor
         replace(hit_game, ram_hashes=hit_game.ram_hashes[:-1])
 
 
-@pytest.mark.parametrize(
-    ("actions", "last"),
-    [
-        ((Action.FIRE, Action.RIGHT), 1),
-        ((Action.NOOP, Action.RIGHTFIRE, Action.FIRE, Action.LEFTFIRE), 4),
-        ((Action.LEFT, Action.RIGHT), 0),
-        ((), 0),
-    ],
-)
-def test_the_last_shot_is_the_last_frame_in_which_the_fire_key_is_held(
-    actions: tuple[Action, ...], last: int
-) -> None:
-    assert Recording(Start(0), bytes(actions)).last_shot_frame == last
-
-
 @settings(short_plays, max_examples=6)
 @given(starts, st.lists(st.sampled_from(Action), min_size=1, max_size=40))
 def test_a_trajectory_holds_what_an_agent_saw_and_did(

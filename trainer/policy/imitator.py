@@ -148,11 +148,11 @@ def _training_starts(task: ImitationTask) -> TrainingStarts:
     if not share:
         return TrainingStarts(idle_frames, opening_share=opening_share)
     best = best_ranked(task.tiers, task.recipe.policy.best_share)
-    shown = [*(task.recordings[i] for i in best), *task.perfect]
-    if task.recipe.policy.demonstration_until_last_shot:
-        # One without a shot shows something else than to shoot, all the time.
-        shown = [one.until(one.last_shot_frame or one.n_frames) for one in shown]
-    logs = [DemonstrationLog(one.start, one.actions) for one in shown if one.actions]
+    logs = [
+        DemonstrationLog(recording.start, recording.actions)
+        for recording in (*(task.recordings[i] for i in best), *task.perfect)
+        if recording.actions
+    ]
     return TrainingStarts(idle_frames, tuple(logs), share, opening_share)
 
 

@@ -95,8 +95,7 @@ def perturb_demonstrations(
     found = []
     for original, recording in enumerate(recordings):
         last = min(
-            recording.n_frames // FRAMES_PER_STEP - MIN_STEPS,
-            (recording.last_shot_frame - 1) // FRAMES_PER_STEP,
+            len(recording.actions) // FRAMES_PER_STEP - MIN_STEPS, _last_shot_step(recording)
         )
         if last < 1:
             continue
@@ -106,6 +105,12 @@ def perturb_demonstrations(
             if len(observations) > MIN_STEPS:
                 found.append(PerturbedDemonstration(original, step, observations))
     return found
+
+
+def _last_shot_step(recording: Recording) -> int:
+    """Return the last step in which the fire key is held, -1 if there is none."""
+    fire = [action for action in Action if keys_for(action) & Keys.FIRE]
+    return max(recording.actions.rfind(action) for action in fire) // FRAMES_PER_STEP
 
 
 def _states(

@@ -72,7 +72,6 @@ FAST = replace(
             "reward.fold_stride": 0,
             "policy.death_forfeit": 0.5,
             "policy.opening_share": 1.0,
-            "policy.demonstration_until_last_shot": True,
             "policy.sticky_action_probability": 0.25,
             "policy.freeze_convolutions": True,
             "cloning.pretrained": True,

@@ -148,8 +148,6 @@ class PolicyRecipe:
             as long as they fit into this share of the ranking.
         demonstration_share: Share of the episodes that begin in a state of the best or perfect
             demonstrations.
-        demonstration_until_last_shot: Whether none of these states are later than the
-            demonstration's last shot. What follows shows only how to survive.
         warm_start: Whether the policy starts from the run's clone, or from the imitator of the
             run that it continues, which has to use the same network.
         kl_coef: Initial coefficient of the KL divergence from that policy; it falls linearly to
@@ -187,7 +185,6 @@ class PolicyRecipe:
     max_grad_norm: Positive = 0.5
     best_share: Share = 0.0
     demonstration_share: Share = 0.0
-    demonstration_until_last_shot: Flag = False
     warm_start: Flag = False
     kl_coef: NotNegative = 0.0
     freeze_convolutions: Flag = False

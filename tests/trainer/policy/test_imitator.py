@@ -12,14 +12,13 @@ from tests.trainer.samples import (
     RecordingProgress,
     imitation_task,
     same,
-    short_recording,
     tiny_recipe,
     weights,
 )
 from trainer.policy import imitator
 from trainer.policy.evaluation import play
 from trainer.policy.imitation import ImitationTask, snapshot_starts, training_idle_frames
-from trainer.policy.imitator import _training_starts, train_imitator
+from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import load_policy
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.reward_shaping import RewardShaping
@@ -111,17 +110,6 @@ def test_a_training_from_scratch_needs_no_demonstration_states(
     progress = RecordingProgress()
     train_imitator(plain, tmp_path / "imitator.zip", tmp_path, progress)
     assert not any("hits" in values for _, values in progress.points)
-
-
-@pytest.mark.parametrize(("until_last_shot", "n_frames"), [(False, 120), (True, 60)])
-def test_episodes_may_begin_in_no_state_after_a_demonstrations_last_shot(
-    task: ImitationTask, until_last_shot: bool, n_frames: int
-) -> None:
-    recipe = tiny_recipe(demonstration_until_last_shot=until_last_shot)
-    # Without a shot, all of it shows what is meant.
-    shown = (short_recording(), short_recording(b"\x02" * 120))
-    starts = _training_starts(replace(task, recipe=recipe, perfect=shown))
-    assert [len(log.actions) for log in starts.demonstrations[-2:]] == [n_frames, 120]
 
 
 def test_a_warm_start_needs_a_policy_of_the_same_network(
