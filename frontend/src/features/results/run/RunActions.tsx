@@ -48,13 +48,9 @@ export function RunActions({ run }: { run: Run }) {
   }
   return (
     <div className={styles.actions}>
-      {run.status === "stopped" && (
-        <ButtonLink kind="primary" to={`/behaviours/${run.behaviour_id}/rank`}>
-          <Trans>Go to the ranking</Trans>
-        </ButtonLink>
-      )}
       {run.status !== "done" && (
         <Button
+          // A stopped run's verdict leads to the ranking.
           kind={run.status === "stopped" ? "secondary" : "primary"}
           icon="play"
           disabled={act.isPending}

@@ -22,7 +22,11 @@ export function VerdictView({ verdict, run, behaviour, canTeach }: VerdictViewPr
       <p className={styles.sentence}>{verdict.sentence}</p>
       <p className={styles.advice}>
         <span>{verdict.advice}</span>
-        {next && <ButtonLink to={next.to}>{next.label}</ButtonLink>}
+        {next && (
+          <ButtonLink kind="primary" to={next.to}>
+            {next.label}
+          </ButtonLink>
+        )}
       </p>
     </section>
   );
