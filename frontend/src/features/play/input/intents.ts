@@ -26,14 +26,18 @@ export type Intent =
 /** Time after the end of a game in which presses are taken as meant for the game. */
 export const GRACE_MS = 700;
 
-/** Measures the time since a game ended; a press in the grace, as while firing on, begins it anew. */
+/** Measures the time since a game ended; firing or steering on in the grace begins it anew. */
 export class SinceEnd {
-  #pressedAt = 0;
+  #playedOnAt = 0;
 
-  /** Returns the milliseconds since the end, or since the last press in the grace after it. */
-  atPress(endedAt: number, now: number): number {
-    const sinceMs = now - Math.max(endedAt, this.#pressedAt);
-    if (sinceMs < GRACE_MS) this.#pressedAt = now;
+  /**
+   * Returns the milliseconds since the end, or since the last press for the game in the grace.
+   *
+   * @param isForGame Whether the press would have fired or steered.
+   */
+  atPress(endedAt: number, now: number, isForGame: boolean): number {
+    const sinceMs = now - Math.max(endedAt, this.#playedOnAt);
+    if (isForGame && sinceMs < GRACE_MS) this.#playedOnAt = now;
     return sinceMs;
   }
 }

@@ -38,7 +38,7 @@ export function useGamepad(
         if (!now.rewind && last.rewind) stream.release();
       }
       for (const button of newlyPressed(last, now)) {
-        const sinceEndMs = sinceEnd.atPress(endedAt, performance.now());
+        const sinceEndMs = sinceEnd.atPress(endedAt, performance.now(), true);
         const intent = gamepadIntentOf(button, phase, sinceEndMs);
         if (intent && !dialogIsOpen()) onIntent.current(intent);
       }

@@ -30,18 +30,20 @@ export function useKeys(
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream?.snapshot() ?? NO_GAME;
       const keys = readSetting(KEYS);
-      const intent = intentOf(event, phase, sinceEnd.atPress(endedAt, performance.now()), keys);
+      const isForGame = isGameKey(keys, event.code);
+      const sinceEndMs = sinceEnd.atPress(endedAt, performance.now(), isForGame);
+      const intent = intentOf(event, phase, sinceEndMs, keys);
       if (intent && !(isButton(event.target) && pressesButton(event.code))) {
         event.preventDefault();
         onIntent.current(intent);
       } else if (!stream || phase === null) {
         return;
-      } else if (steers(phase) && isGameKey(keys, event.code)) {
+      } else if (steers(phase) && isForGame) {
         event.preventDefault();
         if (held.hold(event.code, bitOf(keys, event.code))) {
           stream.hold(held.bits, event.timeStamp);
         }
-      } else if (phase === "ended" && event.repeat && isGameKey(keys, event.code)) {
+      } else if (phase === "ended" && event.repeat && isForGame) {
         // Still held from the game: it must neither scroll the page nor activate a button.
         event.preventDefault();
       }

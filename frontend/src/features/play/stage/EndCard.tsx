@@ -122,17 +122,12 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
           disabled={starting}
           title={decision === "open" ? t`Keeps this game and starts another one` : undefined}
         >
-          {againLabel(starting, decision)} <kbd>{keyName("Space")}</kbd>
+          {starting ? t`Starting…` : t`Play again`} <kbd>{keyName("Space")}</kbd>
         </Button>
       </div>
       {question}
     </Overlay>
   );
-}
-
-function againLabel(starting: boolean, decision: "open" | "kept" | "discarded"): string {
-  if (starting) return t`Starting…`;
-  return decision === "open" ? t`Keep and play again` : t`Play again`;
 }
 
 function decisionSentence(

@@ -35,13 +35,14 @@ describe("keys after the end", () => {
 });
 
 describe("the time since the end", () => {
-  it("begins anew at a press in the grace period, and at no other", () => {
+  it("begins anew at a press for the game in the grace period, and at no other", () => {
     const sinceEnd = new SinceEnd();
     const endedAt = 5_000;
-    expect(sinceEnd.atPress(endedAt, endedAt + 600)).toBe(600);
-    expect(sinceEnd.atPress(endedAt, endedAt + 1_200)).toBe(600);
-    expect(sinceEnd.atPress(endedAt, endedAt + 1_200 + GRACE_MS)).toBe(GRACE_MS);
-    expect(sinceEnd.atPress(endedAt, endedAt + 1_300 + GRACE_MS)).toBe(GRACE_MS + 100);
+    expect(sinceEnd.atPress(endedAt, endedAt + 600, true)).toBe(600);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_200, true)).toBe(600);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_500, false)).toBe(300);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_200 + GRACE_MS, true)).toBe(GRACE_MS);
+    expect(sinceEnd.atPress(endedAt, endedAt + 1_300 + GRACE_MS, true)).toBe(GRACE_MS + 100);
   });
 });
 
