@@ -65,7 +65,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
   const unranked = unrankedOf(state);
-  const { state: arrivedWith } = useLocation();
+  const arrivedWith: unknown = useLocation().state;
   const [chosen, setChosen] = useState<ReadonlySet<number>>(
     () => new Set(selectedBy(arrivedWith).filter((id) => unranked.includes(id))),
   );
