@@ -20,9 +20,9 @@ MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
 FEW_MISTAKES = 0.25
-"""Strays and targets out of order a game, together, up to which they are not worth teaching."""
+"""Strays and order errors per game, together, up to which an imitator still counts as good."""
 _SHOWN_MISTAKES = 0.05
-"""From here on they are not rounded to zero."""
+"""Mean per game from which on they are named: less would be shown as 0.0."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ interface StepsFieldProps {
 /** The number of environment steps, typed or chosen from presets. */
 export function StepsField({ value, error, recipe, ordered, onChange }: StepsFieldProps) {
   const presets = [...new Set([...PRESETS, proposedSteps(recipe, { ordered })])];
+  presets.sort((one, other) => one - other);
   return (
     <div>
       <Field
@@ -45,18 +46,16 @@ export function StepsField({ value, error, recipe, ordered, onChange }: StepsFie
         )}
       </Field>
       <div className={styles.presets} role="group" aria-label={t`Preset numbers of steps`}>
-        {presets
-          .toSorted((one, other) => one - other)
-          .map((steps) => (
-            <Button
-              key={steps}
-              aria-pressed={readWhole(value) === steps}
-              title={describeEstimate(recipe, steps)}
-              onClick={() => onChange(whole(steps))}
-            >
-              {shortCount(steps)}
-            </Button>
-          ))}
+        {presets.map((steps) => (
+          <Button
+            key={steps}
+            aria-pressed={readWhole(value) === steps}
+            title={describeEstimate(recipe, steps)}
+            onClick={() => onChange(whole(steps))}
+          >
+            {shortCount(steps)}
+          </Button>
+        ))}
       </div>
     </div>
   );
