@@ -5,9 +5,9 @@
 The scripted player reads the console's memory, looks ahead on a saved game and goes for the targets
 from wherever the opening leaves it: about as much as can be reached. The tape replays the perfect
 demonstration whose start differs from the game's by the fewest idle frames, from the step at which
-the opening ends: what remembering is worth. Both play the 23 starts of the results' tables, with
-every action executed as chosen and with sticky actions. Prints a table and JSON; a behaviour takes
-about three minutes.
+the opening ends: what remembering is worth. Both play the 32 games that benchmarks.learning.people
+judges imitators by, with every action executed as chosen and with sticky actions. Prints a table
+and JSON; a behaviour takes about four minutes.
 """
 
 from __future__ import annotations
@@ -27,10 +27,8 @@ from tril.game.console import Console
 from tril.game.episode import DEATHS
 from tril.game.openings import evaluation_opening
 from tril.game.space_invaders import Action
-from tril.recipes import FAST
+from tril.game.starts import EVALUATION_START_COUNT
 from tril.recording import step_actions
-
-STARTS = (*FAST.evaluation.start_numbers, *FAST.evaluation.further_start_numbers)
 
 Player = Callable[[AgentGame], int]
 
@@ -48,7 +46,7 @@ def figures(
     assert behaviour.target is not None
     console = Console()
     rows = []
-    for number in STARTS:
+    for number in range(EVALUATION_START_COUNT):
         rng = np.random.default_rng([number, 7])
         game = AgentGame(console, sticky=StickyActions(sticky, rng) if sticky else None)
         game.begin(evaluation_opening(number))
