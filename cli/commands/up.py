@@ -28,7 +28,7 @@ from cli.workspace import create_data_folder, migrate_databases
 from tril.errors import TrilError, Unavailable
 from tril.settings import Settings, unknown_settings
 
-READY_TIMEOUT_S = 60.0
+USUALLY_READY_AFTER_S = 60.0
 
 
 def up(
@@ -77,11 +77,13 @@ def _supervise(settings: Settings, workers: int, inference: bool, url: str, brow
         *([Child("inference", tril_command("inference"))] if inference else []),
         *(Child(name, tril_command("worker")) for name in numbered("worker", workers)),
     ]
-    checks: list[Callable[[], None]] = [lambda: ask_server(settings, timeout_s=1.0)]
+    checks: dict[str, Callable[[], None]] = {
+        "the server": lambda: ask_server(settings, timeout_s=1.0)
+    }
     if inference:
-        checks.append(lambda: ask_inference(settings))
+        checks["the inference process"] = lambda: ask_inference(settings)
     if workers:
-        checks.append(lambda: ask_worker(settings))
+        checks["a worker"] = lambda: ask_worker(settings)
     supervisor = Supervisor(children, print_process_line, server_environment(settings))
     with reserved_port(settings), running(supervisor):
         threading.Thread(
@@ -95,16 +97,19 @@ def _supervise(settings: Settings, workers: int, inference: bool, url: str, brow
 
 
 def _announce_when_ready(
-    supervisor: Supervisor, checks: list[Callable[[], None]], url: str, browser: bool
+    supervisor: Supervisor, checks: dict[str, Callable[[], None]], url: str, browser: bool
 ) -> None:
-    deadline = time.monotonic() + READY_TIMEOUT_S
+    deadline = time.monotonic() + USUALLY_READY_AFTER_S
     while checks and not supervisor.stop_requested:
+        name, check = next(iter(checks.items()))
         try:
-            checks[0]()
-            checks.pop(0)
-        except TrilError as error:
+            check()
+            del checks[name]
+        except TrilError:
             if time.monotonic() > deadline:
-                print_process_line("tril", f"{error} Still trying.")
+                print_process_line(
+                    "tril", f"Still waiting for {name} to start. A busy machine takes minutes."
+                )
                 deadline = float("inf")
             time.sleep(0.1)
     if supervisor.stop_requested:
