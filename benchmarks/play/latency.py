@@ -8,7 +8,9 @@ and acknowledged the first frame that was executed with that key held. It exclud
 latency, and the frames that the game itself takes until something moves, which are counted on the
 emulator. A frame is on time if it is drawn within a sixtieth of a second of its due time, by the
 clock of the game's most punctual frame. Then a training is started, and from the given stage on the
-same is measured during it, as well as the training's speed. Prints a table and a JSON line.
+same is measured during it, as well as the training's speed: beside the browser, beside a player
+whose browser is on another machine (a WebSocket that draws nothing), and beside nobody, the latter
+two in turns. Prints a table and a JSON line.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import argparse
 import json
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -26,8 +29,10 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import Page, sync_playwright
 
+from benchmarks.play.support.crowd import running_crowd
 from testsupport.browser import launch_chromium
 from testsupport.processes import TrilProcess, whole_tril
+from testsupport.waiting import wait_until
 from tril.game.console import Console
 from tril.game.controls import Keys, action_for
 from tril.game.episode import EVALUATION_START_COUNT, Episode, evaluation_start
@@ -41,7 +46,9 @@ HELD_MS = (60, 160)
 BETWEEN_MS = (80, 250)
 FRAME_MS = 1000 / 60
 START_TIMEOUT_S = 60.0
-TRAINING_RATE_S = 30.0
+RATE_WINDOW_S, RATE_WINDOWS = 30.0, 3
+SETTLING_S = 5.0
+"""After a player has come or gone."""
 
 WATCH = """
 (() => {
@@ -113,7 +120,7 @@ def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> 
     """Play one game with keys at random moments."""
     page.goto(address)
     page.get_by_role("button", name="Start game").click()
-    wait_until(page, "window.__seen.frames.some(([, frame]) => frame > 5)")
+    wait_for_page(page, "window.__seen.frames.some(([, frame]) => frame > 5)")
     until = time.monotonic() + seconds
     while time.monotonic() < until and not page.evaluate("window.__seen.over"):
         key = str(rng.choice(KEYS))
@@ -125,11 +132,11 @@ def play(page: Page, address: str, seconds: float, rng: np.random.Generator) -> 
     # Otherwise the next visit would resume it.
     if not page.evaluate("window.__seen.over"):
         page.get_by_role("button", name="End the game here").click()
-        wait_until(page, "window.__seen.over")
+        wait_for_page(page, "window.__seen.over")
     return seen
 
 
-def wait_until(page: Page, holds: str) -> None:
+def wait_for_page(page: Page, holds: str) -> None:
     """Wait until a JavaScript expression is true; page.wait_for_function needs eval in the page."""
     give_up_at = time.monotonic() + START_TIMEOUT_S
     while not page.evaluate(holds):
@@ -206,6 +213,12 @@ class Training:
             row = runs.get(session, self.run_id)
         return row.stage, row.stage_done
 
+    def next_report(self) -> tuple[str, float, float]:
+        """Wait for progress; returns stage, progress, and when: seconds, monotonic."""
+        last = self.done()
+        wait_until(lambda: self.done() != last)
+        return *self.done(), time.monotonic()
+
 
 @contextmanager
 def training(tril: TrilProcess, recipe: str, steps: int) -> Iterator[Training]:
@@ -223,10 +236,15 @@ def training(tril: TrilProcess, recipe: str, steps: int) -> Iterator[Training]:
             database.close()
 
 
-def progress_per_s(run: Training, before: tuple[str, float], since: float) -> float | None:
-    """Return the progress per second since a moment; None if the stage has changed."""
-    stage, done = run.done()
-    return (done - before[1]) / (time.monotonic() - since) if stage == before[0] else None
+@contextmanager
+def rated(run: Training, rates: list[float]) -> Iterator[None]:
+    """Add the stage's progress per second within the block, unless the stage changes."""
+    # Progress is reported at the end of each rollout, some seconds after the one before.
+    first_stage, first, since = run.next_report()
+    yield
+    stage, done, until = run.next_report()
+    if stage == first_stage:
+        rates.append((done - first) / (until - since))
 
 
 def main() -> None:
@@ -244,7 +262,7 @@ def main() -> None:
     rng = np.random.default_rng(arguments.seed)
     moves = frames_until_something_moves()
     rows: dict[str, dict[str, float]] = {}
-    speed: dict[str, float | None] = {}
+    speed: dict[str, list[float]] = defaultdict(list)
     with (
         tempfile.TemporaryDirectory(prefix="tril-latency-") as folder,
         whole_tril(Path(folder) / "data", "--workers", "1") as tril,
@@ -266,13 +284,16 @@ def main() -> None:
         if not arguments.alone:
             with training(tril, arguments.recipe, arguments.steps) as run:
                 run.wait_for(arguments.stage, arguments.wait)
-                before, since = run.done(), time.monotonic()
-                rows["beside a training"] = games()
-                speed["beside play"] = progress_per_s(run, before, since)
-                time.sleep(TRAINING_RATE_S)
-                before, since = run.done(), time.monotonic()
-                time.sleep(TRAINING_RATE_S)
-                speed["without play"] = progress_per_s(run, before, since)
+                with rated(run, speed["a browser"]):
+                    rows["beside a training"] = games()
+                for _ in range(RATE_WINDOWS):
+                    time.sleep(SETTLING_S)
+                    with rated(run, speed["nobody"]):
+                        time.sleep(RATE_WINDOW_S)
+                    with running_crowd(tril.settings, n_players=1, n_processes=1):
+                        time.sleep(SETTLING_S)
+                        with rated(run, speed["a player elsewhere"]):
+                            time.sleep(RATE_WINDOW_S)
     print(f"{'':20}{'presses':>9}{'p50 ms':>9}{'p95':>7}{'p99':>7}{'frames':>9}{'on time':>9}")
     for name, row in rows.items():
         print(
@@ -283,9 +304,10 @@ def main() -> None:
         f"\nthe game's own frames until the cannon moves: {min(moves)} to {max(moves)}, "
         f"{np.mean(moves):.1f} on average"
     )
-    with_play, without = speed.get("beside play"), speed.get("without play")
-    if with_play is not None and without:
-        print(f"the training goes at {with_play / without:.0%} of its speed beside play")
+    for beside, rates in speed.items():
+        if rates and speed["nobody"]:
+            share = np.mean(rates) / np.mean(speed["nobody"])
+            print(f"beside {beside}, the training goes at {share:.0%} of its speed")
     print(
         json.dumps(
             {
