@@ -70,12 +70,16 @@ def test_a_runs_games_are_ranked_and_its_imitator_is_trained_further(
     expect(proposed.get_by_role("button", name=re.compile("^Add to"))).to_have_count(N_GAMES)
 
     page.get_by_role("button", name=f"Add {N_GAMES} games and rank them").click()
-    page.wait_for_url(re.compile("/rank$"))
+    page.wait_for_url(re.compile(rf"/rank\?continue={run_id}$"))
     tray = page.get_by_role("region", name=re.compile("Unranked"))
     expect(tray.get_by_text(f"from {name}")).to_have_count(N_GAMES)
     tray.get_by_role("button", name=re.compile("^Rank as worst")).first.click()
     expect(page.get_by_text("Saved", exact=True)).to_be_visible()
 
+    page.reload()
+    page.get_by_role("link", name="Continue to Train").click()
+    expect(page.get_by_text(f"Continues {name}: PPO begins with its imitator")).to_be_visible()
+    page.go_back()
     page.go_back()
     expect(page.get_by_role("button", name=re.compile("^Ranked: Recording"))).to_have_count(1)
     page.get_by_role("link", name="Train further from this imitator").click()

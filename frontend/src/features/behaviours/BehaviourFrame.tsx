@@ -2,7 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
-import { Link, NavLink } from "react-router";
+import { Link, NavLink, useSearchParams } from "react-router";
 
 import { behaviourQuery } from "@/api/behaviours";
 import { isNotFound } from "@/api/client";
@@ -15,6 +15,7 @@ import { AlienGrid } from "@/components/game/AlienGrid";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { classes } from "@/lib/classes";
+import { continuing, withSearch } from "@/lib/continuing";
 import { isActive } from "@/lib/runs";
 
 import styles from "./BehaviourFrame.module.css";
@@ -100,6 +101,7 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
   const { data: runs } = useQuery({ ...runsQuery(behaviour.id), enabled: onlyPlays === false });
   const steps = pathOf(behaviour, runs ?? []);
   const at = `/behaviours/${behaviour.id}`;
+  const further = continuing(useSearchParams()[0]);
   const [play, ...others] = steps;
   if (!play) return null;
   return (
@@ -121,16 +123,19 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
             </span>
           </NavLink>
         </li>
-        {(onlyPlays ? [] : others).map((step, index) => (
-          <li key={step.id}>
-            <StepLink
-              step={step}
-              number={index + 2}
-              to={`${at}/${PAGES[step.id]}`}
-              current={looking && step.id === "look"}
-            />
-          </li>
-        ))}
+        {(onlyPlays ? [] : others).map((step, index) => {
+          const to = `${at}/${PAGES[step.id]}`;
+          return (
+            <li key={step.id}>
+              <StepLink
+                step={step}
+                number={index + 2}
+                to={step.id === "look" ? to : withSearch(to, further)}
+                current={looking && step.id === "look"}
+              />
+            </li>
+          );
+        })}
       </ol>
     </nav>
   );

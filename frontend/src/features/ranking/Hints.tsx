@@ -1,11 +1,13 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { Link } from "react-router";
+import { Link, useSearchParams } from "react-router";
 
 import type { Behaviour, Recording } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
+import { RunName } from "@/components/RunName";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
+import { continuing, withSearch } from "@/lib/continuing";
 import { MAX_STEPS } from "@/lib/format";
 import { cellKey } from "@/lib/game/aliens";
 import { hitCells, isLost } from "@/lib/recordings";
@@ -127,6 +129,8 @@ export function Hints({
   behaviour: Behaviour;
 }) {
   const at = `/behaviours/${behaviour.id}`;
+  const further = continuing(useSearchParams()[0]);
+  const parentId = further.get("continue");
   return (
     <section className={styles.hints} aria-label={t`What training needs`}>
       <ul className={styles.hints}>
@@ -136,9 +140,19 @@ export function Hints({
             <span>{hint.text}</span>
           </li>
         ))}
+        {parentId !== null && (
+          <li>
+            <Icon name="redo" />
+            <span>
+              <Trans>
+                The next run continues <RunName id={parentId} />.
+              </Trans>
+            </span>
+          </li>
+        )}
       </ul>
       {canTrain(tiers, recordings) ? (
-        <ButtonLink kind="primary" to={`${at}/train`}>
+        <ButtonLink kind="primary" to={withSearch(`${at}/train`, further)}>
           <Trans>Continue to Train</Trans>
         </ButtonLink>
       ) : (

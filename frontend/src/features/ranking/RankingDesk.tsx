@@ -109,7 +109,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   function endComparing() {
     setCompared(null);
     setChosen(new Set(selectedUnranked));
-    if (search.has("compare")) setSearch({}, { replace: true });
+    if (!search.has("compare")) return;
+    search.delete("compare");
+    setSearch(search, { replace: true });
   }
 
   const desk = {

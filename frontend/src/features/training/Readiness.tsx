@@ -1,9 +1,10 @@
 import { t } from "@lingui/core/macro";
 import { Plural, Trans } from "@lingui/react/macro";
-import { Link } from "react-router";
+import { Link, useSearchParams } from "react-router";
 
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
+import { continuing, withSearch } from "@/lib/continuing";
 
 interface ReadinessProps {
   behaviour: Behaviour;
@@ -15,6 +16,7 @@ interface ReadinessProps {
 /** What the run would learn from, or what is missing. */
 export function Readiness({ behaviour, missing, example }: ReadinessProps) {
   const at = `/behaviours/${behaviour.id}`;
+  const rank = withSearch(`${at}/rank`, continuing(useSearchParams()[0]));
   if (missing === null) {
     return (
       <Notice tone="calm" icon="check">
@@ -30,7 +32,7 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
             one="The clone copies the one that is marked as perfect."
             other="The clone copies the # that are marked as perfect."
           />{" "}
-          <Link to={`${at}/rank`}>
+          <Link to={rank}>
             <Trans>Look at the ranking</Trans>
           </Link>
         </p>
@@ -55,7 +57,7 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
   return (
     <Notice>
       <p>{missing}</p>
-      <Link to={`${at}/rank`}>
+      <Link to={rank}>
         <Trans>Go to Rank</Trans>
       </Link>
     </Notice>

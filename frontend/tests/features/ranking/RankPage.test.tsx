@@ -83,11 +83,12 @@ async function open(
   begin: Partial<Ranking>,
   opinion?: () => Partial<RankingOpinion>,
   more: readonly Recording[] = [],
+  path = "/",
 ) {
   const server = rankingServer(begin, opinion, more);
-  show(<RankPage behaviour={behaviour({ n_recordings: 4 })} />);
+  const page = show(<RankPage behaviour={behaviour({ n_recordings: 4 })} />, path);
   await screen.findByRole("heading", { name: "Best to worst" });
-  return server;
+  return { ...server, ...page };
 }
 
 /** The board as a list of tiers of recording numbers. */
@@ -103,6 +104,30 @@ function board(): string[][] {
 }
 
 const press = (name: string) => userEvent.click(screen.getByRole("button", { name }));
+
+describe("a run that is to be continued", () => {
+  const further = "continue=abcdef00-0000-4000-8000-000000000000&steps=200000";
+
+  it("is led on with to the training form, and named", async () => {
+    await open({ tiers: [[1], [2]], unranked: [3, 4] }, undefined, [], `/?${further}`);
+    expect(screen.getByText("The next run continues Run abcdef.")).toBeVisible();
+    expect(screen.getByRole("link", { name: "Continue to Train" })).toHaveAttribute(
+      "href",
+      `/behaviours/1/train?${further}`,
+    );
+  });
+
+  it("stays when placing by comparing ends", async () => {
+    const { router } = await open(
+      { tiers: [[1], [2]], unranked: [3, 4] },
+      undefined,
+      [],
+      `/?${further}&compare`,
+    );
+    await userEvent.click(screen.getByRole("button", { name: "Close" }));
+    await waitFor(() => expect(router.state.location.search).toBe(`?${further}`));
+  });
+});
 
 describe("a game that was rewound", () => {
   it("is offered as a pair with its other branch, and ranked next to it", async () => {

@@ -588,6 +588,7 @@ describe("teaching more", () => {
     for (const button of ranked) expect(button).toHaveAttribute("aria-disabled", "true");
     await userEvent.click(screen.getByRole("button", { name: "Add 1 game and rank it" }));
     await waitFor(() => expect(router.state.location.pathname).toBe("/behaviours/1/rank"));
+    expect(router.state.location.search).toBe(`?continue=${one.id}`);
     expect(asked.find(({ method }) => method === "POST")?.body).toEqual({ recording_ids: [21] });
   });
 
@@ -600,7 +601,7 @@ describe("teaching more", () => {
     await userEvent.click(add);
     expect(await screen.findByRole("link", compare)).toHaveAttribute(
       "href",
-      "/behaviours/1/rank?compare",
+      `/behaviours/1/rank?continue=${one.id}&compare`,
     );
   });
 

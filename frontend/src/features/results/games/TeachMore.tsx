@@ -55,7 +55,7 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
   const games = proposalsIn(results);
   const active = isActive(results.run);
   const further = (
-    <ButtonLink to={furtherFrom(results, active)}>
+    <ButtonLink to={`/behaviours/${behaviour.id}/train?${furtherFrom(results, active).toString()}`}>
       {active ? t`Go on with the new order` : t`Train further from this imitator`}
     </ButtonLink>
   );
@@ -78,19 +78,22 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
         ))}
       </ul>
       <div className={styles.buttons}>
-        <AddAll games={games} behaviourId={behaviour.id} />
+        <AddAll games={games} behaviourId={behaviour.id} further={furtherFrom(results, active)} />
         {further}
       </div>
     </>
   );
 }
 
-/** Returns the address of the form for a run that continues this one, with the steps that are left. */
-function furtherFrom({ run, training_games: training }: RunResults, active: boolean): string {
+/** Returns what an address says of a run that continues this one: with the steps that are left. */
+function furtherFrom(
+  { run, training_games: training }: RunResults,
+  active: boolean,
+): URLSearchParams {
   const search = new URLSearchParams({ continue: run.id });
   const left = run.steps - (training?.steps ?? 0);
   if (active && left > 0) search.set("steps", String(left));
-  return `/behaviours/${run.behaviour_id}/train?${search.toString()}`;
+  return search;
 }
 
 function ProposedGame({
@@ -125,12 +128,23 @@ function ProposedGame({
   );
 }
 
-/** Adds all games to the unranked ones and leads there, or to placing those that are. */
-function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourId: number }) {
+/**
+ * Adds all games to the unranked ones and leads there, or to placing those that are. The rank page
+ * leads on to a run that continues this one.
+ */
+function AddAll({
+  games,
+  behaviourId,
+  further,
+}: {
+  games: readonly Proposal[];
+  behaviourId: number;
+  further: URLSearchParams;
+}) {
   const { data: borrowed } = useQuery(borrowedQuery(behaviourId));
   const { add, isPending } = useBorrowing(behaviourId);
   const navigate = useNavigate();
-  const rank = `/behaviours/${behaviourId}/rank`;
+  const rank = `/behaviours/${behaviourId}/rank?${further.toString()}`;
   const held = new Map(borrowed?.map(({ id, ranked }) => [id, ranked]));
   const ids = games.map(({ recording }) => recording.id);
   const missing = ids.filter((id) => !held.has(id));
@@ -159,7 +173,7 @@ function AddAll({ games, behaviourId }: { games: readonly Proposal[]; behaviourI
         </Button>
       )}
       {ids.some((id) => held.get(id) === false) && (
-        <ButtonLink kind="quiet" icon="compare" to={`${rank}?compare`}>
+        <ButtonLink kind="quiet" icon="compare" to={`${rank}&compare`}>
           <Trans>Place by comparing</Trans>
         </ButtonLink>
       )}
