@@ -1,5 +1,5 @@
 import { plural, t } from "@lingui/core/macro";
-import { Trans } from "@lingui/react/macro";
+import { Plural, Trans } from "@lingui/react/macro";
 import { useCallback, useMemo, useState } from "react";
 import { useLocation, useSearchParams } from "react-router";
 
@@ -9,7 +9,7 @@ import { useToast } from "@/components/feedback/Toasts";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
-import { applyMove, Board, Tray } from "@/features/ranking/board/Board";
+import { applyMove, Board, focusTray, Tray } from "@/features/ranking/board/Board";
 import { DragBoard } from "@/features/ranking/board/DragBoard";
 import {
   allPlaces,
@@ -165,7 +165,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       }}
     >
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
-        <section aria-label={t`Ranking`}>
+        <section className={styles.ranking} aria-label={t`Ranking`}>
           <SaveBar state={state} saver={saver} />
           <OpinionBar opinions={opinions} shown={advised} onShow={setAdvised} />
           <Pairs
@@ -182,6 +182,15 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
               );
             }}
           />
+          {narrow && tiers.length > 0 && unranked.length > 0 && (
+            <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
+              <Plural
+                value={unranked.length}
+                one="# recording not ranked yet"
+                other="# recordings not ranked yet"
+              />
+            </Button>
+          )}
           <Board {...desk} />
         </section>
         <div className={styles.side}>
@@ -193,32 +202,38 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             />
           )}
           <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
-          <Tray {...desk} unranked={unranked}>
-            {isComparable && (
-              <div>
-                <Button icon="compare" onClick={placeByComparing}>
-                  <Trans>Place by comparing</Trans>
-                </Button>
-              </div>
-            )}
-            <VariedGames
-              behaviour={behaviour}
-              unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
-              onAdded={(added) => {
-                // One that hits a target may be better than the worst.
-                const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
-                setChosen(new Set(ids));
-                const games = plural(added.length, {
-                  one: "# varied game added",
-                  other: "# varied games added",
-                });
-                const done = t`${games}, ${ids.length} of them selected: those that hit no target.`;
-                setSpoken(done);
-                toast(done);
-              }}
-              onSelect={(ids) => setChosen(new Set(ids))}
-            />
-          </Tray>
+          <Tray
+            {...desk}
+            unranked={unranked}
+            above={
+              isComparable && (
+                <div>
+                  <Button icon="compare" onClick={placeByComparing}>
+                    <Trans>Place by comparing</Trans>
+                  </Button>
+                </div>
+              )
+            }
+            below={
+              <VariedGames
+                behaviour={behaviour}
+                unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
+                onAdded={(added) => {
+                  // One that hits a target may be better than the worst.
+                  const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
+                  setChosen(new Set(ids));
+                  const games = plural(added.length, {
+                    one: "# varied game added",
+                    other: "# varied games added",
+                  });
+                  const done = t`${games}, ${ids.length} of them selected: those that hit no target.`;
+                  setSpoken(done);
+                  toast(done);
+                }}
+                onSelect={(ids) => setChosen(new Set(ids))}
+              />
+            }
+          />
         </div>
       </div>
       <SelectionBar

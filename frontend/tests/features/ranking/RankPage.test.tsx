@@ -129,6 +129,31 @@ describe("a run that is to be continued", () => {
   });
 });
 
+describe("unranked recordings below all tiers", () => {
+  const narrow = () => {
+    const matches = globalThis.matchMedia;
+    vi.stubGlobal("matchMedia", (query: string) =>
+      Object.assign(matches(query), { matches: query.includes("max-width") }),
+    );
+  };
+
+  it("are led to from above the tiers", async () => {
+    narrow();
+    await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    await press("2 recordings not ranked yet");
+    expect(screen.getByRole("heading", { name: "Unranked (2)" })).toHaveFocus();
+  });
+
+  it("need no lead while there are none, or beside the tiers", async () => {
+    await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    expect(screen.queryByRole("button", { name: /not ranked yet/ })).toBeNull();
+    narrow();
+    await press("Rank as worst: Recording 3");
+    await press("Rank as worst: Recording 4");
+    expect(screen.queryByRole("button", { name: /not ranked yet/ })).toBeNull();
+  });
+});
+
 describe("a game that was rewound", () => {
   it("is offered as a pair with its other branch, and ranked next to it", async () => {
     const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });

@@ -144,9 +144,14 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
   );
 }
 
-/** The unranked recordings. */
-export function Tray(props: BoardProps & { unranked: readonly number[]; children: ReactNode }) {
-  const { unranked, children } = props;
+/** Leads to the unranked recordings, wherever on the page they are. */
+export function focusTray(): void {
+  document.querySelector<HTMLElement>("[data-tray]")?.focus();
+}
+
+/** The unranked recordings, between ways to place many of them and to get more. */
+export function Tray(props: BoardProps & { unranked: readonly number[]; above: ReactNode; below: ReactNode }) {
+  const { unranked, above, below } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
   return (
     <section
@@ -157,7 +162,7 @@ export function Tray(props: BoardProps & { unranked: readonly number[]; children
       <h3 data-tray tabIndex={-1}>
         <Trans>Unranked ({unranked.length})</Trans>
       </h3>
-      {children}
+      {above}
       {unranked.length === 0 ? (
         <p className={styles.trayEmpty}>
           <Trans>All recordings are ranked.</Trans>
@@ -165,6 +170,7 @@ export function Tray(props: BoardProps & { unranked: readonly number[]; children
       ) : (
         unranked.map((id) => cardOf(props, id, TRAY))
       )}
+      {below}
     </section>
   );
 }

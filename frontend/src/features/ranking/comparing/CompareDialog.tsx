@@ -5,6 +5,7 @@ import { useEffect, useRef } from "react";
 import type { Behaviour, GameOpinion, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
+import { focusTray } from "@/features/ranking/board/Board";
 import type { RankingSaver, SaverState } from "@/features/ranking/order/saver";
 import { SaveError } from "@/features/ranking/SaveBar";
 
@@ -36,8 +37,7 @@ export function CompareDialog(props: CompareDialogProps) {
   // The button that opened it goes with the last unranked recording.
   useEffect(
     () => () => {
-      if (document.activeElement === document.body)
-        document.querySelector<HTMLElement>("[data-tray]")?.focus();
+      if (document.activeElement === document.body) focusTray();
     },
     [],
   );
