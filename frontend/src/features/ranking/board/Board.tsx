@@ -150,7 +150,9 @@ export function focusTray(): void {
 }
 
 /** The unranked recordings, between ways to place many of them and to get more. */
-export function Tray(props: BoardProps & { unranked: readonly number[]; above: ReactNode; below: ReactNode }) {
+export function Tray(
+  props: BoardProps & { unranked: readonly number[]; above: ReactNode; below: ReactNode },
+) {
   const { unranked, above, below } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
   return (
