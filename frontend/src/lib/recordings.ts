@@ -97,16 +97,23 @@ export function imperfections(
 
 type Scored = Pick<Played, "targets" | "strays" | "order_errors" | "end" | "hits">;
 
-type Rankable = Pick<Played, "state" | "verification" | "deleted">;
+type Rankable = Pick<Played, "state" | "verification" | "deleted" | "n_steps">;
 
 /** Whether a game ended and waits to be kept or discarded. */
 export function isUndecided({ state, deleted }: Pick<Played, "state" | "deleted">): boolean {
   return state === "finished" && !deleted;
 }
 
+/** Whether a game that waits to be kept ended before its first step, so that there is nothing to keep. */
+export function isEmpty({ state, n_steps: steps }: Pick<Played, "state" | "n_steps">): boolean {
+  return steps === 0 && (state === "finished" || state === "unfinished");
+}
+
 /** Says why a recording can't be ranked; null if it can. */
-export function whyUnrankable({ state, verification, deleted }: Rankable): string | null {
+export function whyUnrankable(recording: Rankable): string | null {
+  const { state, verification, deleted } = recording;
   if (deleted) return t`It was deleted.`;
+  if (isEmpty(recording)) return t`Nothing was played, so there is nothing to keep.`;
   if (verification === "failed") return t`It can’t be ranked: a replay doesn’t reproduce it.`;
   if (state === "finished") return t`Keep it to rank it, or discard it.`;
   if (state === "unfinished") {

@@ -3,7 +3,7 @@ import { Trans } from "@lingui/react/macro";
 
 import type { Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
-import { isUndecided, recordingName, whyUnrankable } from "@/lib/recordings";
+import { isEmpty, isUndecided, recordingName, whyUnrankable } from "@/lib/recordings";
 
 import styles from "./KeepOrDiscard.module.css";
 import { useRecordingActions } from "./use-recording-actions";
@@ -15,12 +15,13 @@ export function KeepOrDiscard({ recording }: { recording: Recording }) {
   if (why === null || recording.deleted) return null;
   const name = recordingName(recording);
   const replays = recording.verification !== "failed";
+  const empty = isEmpty(recording);
   return (
     <div className={styles.prompt}>
       <p>{why}</p>
       {recording.state !== "kept" && (
         <div className={styles.buttons}>
-          {(replays || isUndecided(recording)) && (
+          {!empty && (replays || isUndecided(recording)) && (
             <Button
               kind={isUndecided(recording) ? "primary" : "secondary"}
               aria-label={t`Keep ${name}`}
@@ -29,7 +30,7 @@ export function KeepOrDiscard({ recording }: { recording: Recording }) {
               <Trans>Keep</Trans>
             </Button>
           )}
-          {isUndecided(recording) && (
+          {(empty || isUndecided(recording)) && (
             <Button aria-label={t`Discard ${name}`} onClick={() => remove(recording)}>
               <Trans>Discard</Trans>
             </Button>

@@ -144,9 +144,9 @@ function frame(number: number, { isShot = false } = {}): void {
   });
 }
 
-async function end() {
+async function end(change: Partial<Record<keyof typeof ENDED, unknown>> = {}) {
   const asked = await start();
-  tell(ENDED);
+  tell({ ...ENDED, ...change });
   // Presses just after the end are still meant for the game.
   const now = performance.now();
   vi.spyOn(performance, "now").mockImplementation(() => now + 5000);
@@ -479,6 +479,19 @@ describe("after the end", () => {
     expect(await screen.findByText("Kept as recording 7.")).toBeVisible();
     expect(did()).toEqual(["/api/games", "/api/recordings/7/keep"]);
     expect(screen.queryByRole("button", { name: /^Keep/ })).toBeNull();
+  });
+
+  it("says that nothing was played, and keeps nothing", async () => {
+    const { did } = await end({ reason: null, frame: 3, hits: [], targets: 0 });
+    expect(screen.getByText("Nothing was played")).toBeVisible();
+    await waitFor(() => expect(did()).toContain("/api/recordings/7/discard"));
+    await userEvent.keyboard("kpx{Backspace}");
+    for (const name of [/^Keep/, /^Perfect/, /^Discard/]) {
+      expect(screen.queryByRole("button", { name })).toBeNull();
+    }
+    await userEvent.keyboard(" ");
+    await waitFor(() => expect(FakeSocket.opened).toBe(2));
+    expect(did()).toEqual(["/api/games", "/api/recordings/7/discard", "/api/games"]);
   });
 
   it("discards by key, with a way back", async () => {

@@ -37,6 +37,19 @@ describe("the library", () => {
     expect(third.getByText("not verified: Frame 60 differs.")).toBeVisible();
   });
 
+  it("does not offer to keep a game in which nothing was played", async () => {
+    library([
+      recording({ id: 5, state: "finished", end: null, n_steps: 0 }),
+      recording({ id: 4, state: "unfinished", end: null, n_steps: 0 }),
+    ]);
+    for (const id of [5, 4]) {
+      const card = within(await screen.findByRole("article", { name: `Recording ${id}` }));
+      expect(card.getByText("Nothing was played, so there is nothing to keep.")).toBeVisible();
+      expect(card.queryByRole("button", { name: /^Keep/ })).toBeNull();
+      expect(card.getByRole("button", { name: `Discard Recording ${id}` })).toBeVisible();
+    }
+  });
+
   it("asks about games that nobody decided about, and says what can't be ranked and why", async () => {
     const { asked } = library(
       [

@@ -8,6 +8,7 @@ import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import type { Intent } from "@/features/play/input/intents";
 import { keyName } from "@/features/play/input/keys";
 import type { Ended } from "@/features/play/stream/text-messages";
+import { stepOf } from "@/lib/recordings";
 
 import { endSentence, scoreSentence } from "./outcome-words";
 import { Overlay } from "./Overlay";
@@ -31,7 +32,8 @@ interface EndCardProps {
 
 /** How a game ended, with the choice to keep, mark, discard or replay it. */
 export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind }: EndCardProps) {
-  const result = useDecision(behaviour.id, ended.recording_id);
+  const empty = stepOf(ended.frame) === 0;
+  const result = useDecision(behaviour.id, ended.recording_id, empty);
   const failed = ended.verification === "failed";
   const { decision, perfect, busy } = result;
   const { mark, question } = usePerfectMark(behaviour);
@@ -58,7 +60,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
       else if (intent === "discard") result.discard();
       else if (intent === "perfect") togglePerfect();
       else if (intent === "again") again();
-      else if (intent === "rewind" && !failed) rewind();
+      else if (intent === "rewind" && !failed && !empty) rewind();
     },
   }));
 
@@ -66,9 +68,13 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
     <Overlay>
       <div role="status" aria-live="polite">
         <p className={styles.big} style={{ color: "inherit" }}>
-          {endSentence(ended)}
+          {empty ? t`Nothing was played` : endSentence(ended)}
         </p>
-        <p>{scoreSentence(ended, behaviour)}</p>
+        <p>
+          {empty
+            ? t`The game ended before its first step, so there is nothing to keep.`
+            : scoreSentence(ended, behaviour)}
+        </p>
         {failed && (
           <p>
             <Trans>
@@ -77,7 +83,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             </Trans>
           </p>
         )}
-        <p>{decisionSentence(decision, perfect, ended.recording_id)}</p>
+        {!empty && <p>{decisionSentence(decision, perfect, ended.recording_id)}</p>}
       </div>
       <div className={styles.actions}>
         {decision === "open" && (
@@ -106,16 +112,18 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             </Button>
           </>
         )}
-        <Button
-          icon="undo"
-          onClick={rewind}
-          disabled={starting || failed}
-          title={t`Keeps this game, and plays on from two seconds before its end`}
-        >
-          <Trans>
-            Rewind <kbd>⌫</kbd>
-          </Trans>
-        </Button>
+        {!empty && (
+          <Button
+            icon="undo"
+            onClick={rewind}
+            disabled={starting || failed}
+            title={t`Keeps this game, and plays on from two seconds before its end`}
+          >
+            <Trans>
+              Rewind <kbd>⌫</kbd>
+            </Trans>
+          </Button>
+        )}
         <Button
           kind={decision === "open" ? "secondary" : "primary"}
           onClick={again}

@@ -1,6 +1,6 @@
 import { t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { useState } from "react";
+import { useEffect, useState } from "react";
 
 import { messageOf } from "@/api/client";
 import {
@@ -23,11 +23,15 @@ interface GameDecision {
   togglePerfect: () => void;
 }
 
-/** Whether an ended game is kept, discarded or marked as perfect. */
-export function useDecision(behaviourId: number, recordingId: number): GameDecision {
+/** Whether an ended game is kept, discarded or marked as perfect; an empty one is discarded at once. */
+export function useDecision(
+  behaviourId: number,
+  recordingId: number,
+  empty: boolean,
+): GameDecision {
   const client = useQueryClient();
   const toast = useToast();
-  const [decision, setDecision] = useState<Decision>("open");
+  const [decision, setDecision] = useState<Decision>(empty ? "discarded" : "open");
   const [perfect, setPerfect] = useState(false);
 
   const change = useMutation({
@@ -42,6 +46,11 @@ export function useDecision(behaviourId: number, recordingId: number): GameDecis
       void client.invalidateQueries({ queryKey: ["behaviours"] });
     },
   });
+
+  const { mutate } = change;
+  useEffect(() => {
+    if (empty) mutate(() => discardRecording(recordingId));
+  }, [empty, mutate, recordingId]);
 
   function keep() {
     if (decision !== "open") return;
