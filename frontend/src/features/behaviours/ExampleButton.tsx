@@ -11,13 +11,7 @@ import { useToast } from "@/components/feedback/Toasts";
 import { describeEstimate, proposedSteps } from "@/lib/runs";
 
 /** Starts a run on a scripted example: generated games, ranked automatically. */
-export function ExampleButton({
-  behaviour,
-  large = false,
-}: {
-  behaviour: Behaviour;
-  large?: boolean;
-}) {
+export function ExampleButton({ behaviour }: { behaviour: Behaviour }) {
   const client = useQueryClient();
   const navigate = useNavigate();
   const toast = useToast();
@@ -33,7 +27,7 @@ export function ExampleButton({
   });
   return (
     <Button
-      large={large}
+      large
       title={t`A scripted player makes the games; Tril ranks them and trains on them.`}
       disabled={!recipe || start.isPending}
       onClick={() => {
@@ -52,7 +46,7 @@ export function ExampleButton({
       }}
     >
       <span>
-        <Trans>See a full example</Trans>{" "}
+        <Trans>Train an example</Trans>{" "}
         {recipe && <small>({describeEstimate(recipe, proposedSteps(recipe, behaviour))})</small>}
       </span>
     </Button>

@@ -1,4 +1,5 @@
 import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
@@ -34,7 +35,15 @@ export function FinishedExampleButton() {
       disabled={open.isPending}
       onClick={() => open.mutate()}
     >
-      {open.isPending ? t`Opening…` : t`Open a finished example`}
+      {open.isPending ? (
+        t`Opening…`
+      ) : (
+        <span>
+          <Trans>
+            Open a finished example <small>(at once)</small>
+          </Trans>
+        </span>
+      )}
     </Button>
   );
 }

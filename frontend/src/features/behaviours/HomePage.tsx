@@ -22,7 +22,7 @@ import { FinishedExampleButton } from "./FinishedExampleButton";
 import styles from "./HomePage.module.css";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
-/** The list of behaviours; on first use, an introduction too. */
+/** The list of behaviours; until something other than examples was made, an introduction too. */
 export function HomePage() {
   const behaviours = useQuery(behavioursQuery);
   const onlyPlays = useOnlyPlays();
@@ -38,14 +38,14 @@ export function HomePage() {
       />
     );
   }
-  if (!behaviours.data) return <Loading what={t`the behaviours`} rows={4} height="6rem" />;
+  if (!behaviours.data || (runs.isLoading && behaviours.data.some(({ n_runs: n }) => n > 0)))
+    return <Loading what={t`the behaviours`} rows={4} height="6rem" />;
   const all = behaviours.data;
-  const isNew = !onlyPlays && all.every((one) => one.n_recordings === 0 && one.n_runs === 0);
-  const first = all[0];
+  const isNew = !onlyPlays && all.every((one) => isUntouched(one, runs.data));
   return (
     <>
       <PageTitle>Tril</PageTitle>
-      {isNew && first && <Welcome first={first} all={all} />}
+      {isNew && <Welcome all={all} />}
       {!onlyPlays && <Tour isNew={isNew} />}
       <div className={styles.bar}>
         {isNew ? (
@@ -79,7 +79,16 @@ export function HomePage() {
   );
 }
 
-function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }) {
+/** Whether nobody has played or trained a behaviour, apart from an example's scripted player. */
+function isUntouched(behaviour: Behaviour, runs: readonly Run[] = []): boolean {
+  if (isEmpty(behaviour)) return true;
+  const ofIt = runs.filter((run) => run.behaviour_id === behaviour.id);
+  const onlyExamples = ofIt.length > 0 && ofIt.every((run) => run.example);
+  return onlyExamples && (behaviour.has_example || behaviour.n_recordings === 0);
+}
+
+function Welcome({ all }: { all: readonly Behaviour[] }) {
+  const first = all.find(isEmpty) ?? all[0];
   const example = all.find((one) => one.built_in && one.slug === "column-1");
   return (
     <>
@@ -94,11 +103,13 @@ function Welcome({ first, all }: { first: Behaviour; all: readonly Behaviour[] }
           </Trans>
         </p>
         <div className={styles.actions}>
-          <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>
-            <Trans>Play your first game</Trans>
-          </ButtonLink>
+          {first && (
+            <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>
+              <Trans>Play your first game</Trans>
+            </ButtonLink>
+          )}
           <FinishedExampleButton />
-          {example && <ExampleButton behaviour={example} large />}
+          {example && isEmpty(example) && <ExampleButton behaviour={example} />}
         </div>
       </section>
       <ol className={styles.how} aria-label={t`How it works`}>
@@ -170,8 +181,13 @@ function Card({
   );
 }
 
+/** Whether a behaviour has neither recordings nor runs. */
+function isEmpty({ n_recordings: nRecordings, n_runs: nRuns }: Behaviour): boolean {
+  return nRecordings === 0 && nRuns === 0;
+}
+
 function countsOf(behaviour: Behaviour): string {
-  if (behaviour.n_recordings === 0 && behaviour.n_runs === 0) return t`Nothing played yet`;
+  if (isEmpty(behaviour)) return t`Nothing played yet`;
   return [
     plural(behaviour.n_recordings, { one: "# recording", other: "# recordings" }),
     t`${behaviour.n_ranked} ranked`,

@@ -1,4 +1,4 @@
-import { screen, waitFor, within } from "@testing-library/react";
+import { cleanup, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
@@ -39,7 +39,7 @@ describe("the first page", () => {
     const play = await screen.findByRole("link", { name: "Play your first game" });
     expect(play).toHaveAttribute("href", "/behaviours/1/play");
     const example = await screen.findByRole("button", {
-      name: /See a full example \(about 12 min\)/,
+      name: /Train an example \(about 12 min\)/,
     });
     await userEvent.click(example);
     await screen.findByText("Another page");
@@ -62,10 +62,34 @@ describe("the first page", () => {
       "POST /api/example": () => run({ id: "r7", status: "done", example: true, imported: true }),
     });
     const { router } = show(<HomePage />);
-    await userEvent.click(await screen.findByRole("button", { name: "Open a finished example" }));
+    await userEvent.click(
+      await screen.findByRole("button", { name: "Open a finished example (at once)" }),
+    );
     await screen.findByText("Another page");
     expect(router.state.location.pathname).toBe("/runs/r7");
     expect(asked.filter(({ method }) => method === "POST")).toHaveLength(1);
+  });
+
+  it("still says where to begin when only an example was opened", async () => {
+    const untouched = behaviour({ id: 2, name: "Column 2" });
+    const example = behaviour({ n_recordings: 24, n_ranked: 12, n_runs: 1, has_example: true });
+    const open = (one: ReturnType<typeof run>) => {
+      serve({
+        ...OWNER,
+        "GET /api/behaviours": () => [example, untouched],
+        "GET /api/runs": () => [one],
+        "GET /api/recipes": () => [recipe()],
+      });
+      return show(<HomePage />);
+    };
+    open(run({ status: "done", example: true }));
+    const play = await screen.findByRole("link", { name: "Play your first game" });
+    expect(play).toHaveAttribute("href", "/behaviours/2/play");
+    expect(screen.queryByRole("button", { name: /Train an example/ })).toBeNull();
+    cleanup();
+    open(run({ status: "done" }));
+    expect(await screen.findByRole("heading", { level: 1, name: "Behaviours" })).toBeVisible();
+    expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
   });
 
   it("has no button for an example that does not ship", async () => {
@@ -76,9 +100,9 @@ describe("the first page", () => {
       "GET /api/system": () => system(true),
     });
     show(<HomePage />);
-    await screen.findByRole("button", { name: /See a full example/ });
+    await screen.findByRole("button", { name: /Train an example/ });
     await waitFor(() => expect(asked.some(({ path }) => path === "/api/system")).toBe(true));
-    expect(screen.queryByRole("button", { name: "Open a finished example" })).toBeNull();
+    expect(screen.queryByRole("button", { name: /Open a finished example/ })).toBeNull();
   });
 
   it("shows the latest run's headline with its interval afterwards", async () => {

@@ -1,5 +1,6 @@
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
+import { Link } from "react-router";
 
 import { hasGpu, isAlive, systemQuery } from "@/api/system";
 import type { Run } from "@/api/types";
@@ -28,6 +29,9 @@ export function RunNotices({ run }: { run: Run }) {
               </>
             )}
           </p>
+          <Link to="/">
+            <Trans>Teach a behaviour yourself</Trans>
+          </Link>
         </Notice>
       )}
       {run.imported && !run.example && (
