@@ -8,7 +8,8 @@ behaviour, of the trainings that began with today's pretrained weights. Interval
 intervals over trainings and games; the last row has interquartile means over behaviours with
 stratified intervals (Agarwal et al. 2021). Then a row for each training, by behaviour, and the taus
 of what the check of the ranking said and of how well the reward orders unseen games with the
-targets hit, over all trainings.
+targets hit, over the trainings whose reward is learned from a ranking, and the check's held-out
+accuracy on rankings and on games in a random order.
 """
 
 from __future__ import annotations
@@ -48,6 +49,8 @@ CONDITION = (
 SEVERAL = 4
 """Behaviours that a way of training has a table of its own from."""
 
+REWARD_NAMES = {"hits": "reward fitted to the true hits", "shuffled": "in a random order"}
+
 FIGURES = ("targets", "strays", "died", "perfect")
 HEADINGS = ("targets", "strays", "lost", "perfect games")
 
@@ -73,8 +76,9 @@ def main() -> None:
             title = f"**{_title(trainings[0])}** (digest {trainings[0]['digest']})"
             sys.stdout.write(f"\n{title}\n\n{table(trainings)}\n")
     sys.stdout.write(f"\n{each(lines)}\n")
-    if checked := [line for line in lines if "held_out_accuracy" in last_round(line)]:
-        sys.stdout.write(f"\n{calibration(checked)}\n")
+    checked = [line for line in lines if "held_out_accuracy" in last_round(line)]
+    if by_ranking := [line for line in checked if _learns_from_its_ranking(line)]:
+        sys.stdout.write(f"\n{calibration(by_ranking)}\n\n{held_out_accuracies(checked)}\n")
 
 
 def last_round(line: Line) -> Line:
@@ -167,6 +171,22 @@ def calibration(checked: Sequence[Line]) -> str:
     return "\n".join(rows)
 
 
+def held_out_accuracies(checked: Sequence[Line]) -> str:
+    """Return what the check says of rankings, and of games in a random order."""
+    rows = []
+    for reward, name in (("ranking", "rankings"), ("shuffled", "games in a random order")):
+        if found := [last_round(o)["held_out_accuracy"] for o in checked if o["reward"] == reward]:
+            rows.append(
+                f"- {name}: {min(found):.0%} to {max(found):.0%} ({len(found)} trainings)"
+            )
+    return "\n".join(["Held-out accuracy of the check:", "", *rows])
+
+
+def _learns_from_its_ranking(line: Line) -> bool:
+    """Return whether the imitator's reward is that of the ranking that was checked."""
+    return line["reward"] == "ranking" and "method=gail" not in line["set"]
+
+
 def _lines(path: Path, weights: str) -> list[Line]:
     lines = [json.loads(text) for text in path.read_text().splitlines()]
     return [
@@ -210,10 +230,11 @@ def _title(line: Line) -> str:
     if line["bulk_answers"]:
         parts.append(f"sorted by {line['bulk_answers']} answers")
     if line["reward"] != "ranking":
-        parts.append(f"reward from {line['reward']}")
+        parts.append(REWARD_NAMES[line["reward"]])
     if line["rounds_asked"] > 1:
         parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
-    return ", ".join([*parts, *filter(None, [line["length"]]), *line["set"]])
+    changed = ["by GAIL"] if "method=gail" in line["set"] else line["set"]
+    return ", ".join([*parts, *filter(None, [line["length"]]), *changed])
 
 
 if __name__ == "__main__":
