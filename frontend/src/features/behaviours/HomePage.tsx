@@ -181,16 +181,17 @@ function Card({
   );
 }
 
-/** Whether a behaviour has neither recordings nor runs. */
-function isEmpty({ n_recordings: nRecordings, n_runs: nRuns }: Behaviour): boolean {
-  return nRecordings === 0 && nRuns === 0;
+/** Whether a behaviour has neither games nor runs. */
+function isEmpty(behaviour: Behaviour): boolean {
+  return behaviour.n_recordings === 0 && behaviour.n_ranked === 0 && behaviour.n_runs === 0;
 }
 
 function countsOf(behaviour: Behaviour): string {
   if (isEmpty(behaviour)) return t`Nothing played yet`;
   return [
     plural(behaviour.n_recordings, { one: "# recording", other: "# recordings" }),
-    t`${behaviour.n_ranked} ranked`,
+    // Borrowed ones, too, which are no recordings of this behaviour.
+    plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
     t`${behaviour.n_perfect} perfect`,
     ...(behaviour.n_runs > 0 ? [plural(behaviour.n_runs, { one: "# run", other: "# runs" })] : []),
   ].join(", ");

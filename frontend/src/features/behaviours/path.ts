@@ -45,7 +45,10 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
       caption:
         behaviour.n_ranked === 0
           ? t`best to worst`
-          : t`${behaviour.n_ranked} ranked, ${behaviour.n_perfect} perfect`,
+          : [
+              plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
+              t`${behaviour.n_perfect} perfect`,
+            ].join(", "),
     },
     {
       id: "train" as const,

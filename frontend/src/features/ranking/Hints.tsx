@@ -26,7 +26,9 @@ interface Hint {
 
 /** Returns what training needs and whether it is there. */
 function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
-  const nRanked = tiers.flat().length;
+  const ranked = new Set(tiers.flat());
+  const nRanked = ranked.size;
+  const nBorrowed = recordings.filter((one) => one.borrowed && ranked.has(one.id)).length;
   const nPerfect = recordings.filter((one) => one.perfect).length;
   const pairs = pairCount(tiers);
   return [
@@ -53,15 +55,21 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
           text: t`None is marked as perfect: the clone copies the best ranked ones. Mark others with their star.`,
         },
     nRanked >= GOOD_NUMBER
-      ? { id: "number", done: true, text: t`${nRanked} recordings ranked` }
+      ? { id: "number", done: true, text: rankedText(nRanked, nBorrowed) }
       : {
           id: "number",
           done: false,
           optional: true,
-          text: t`${nRanked} ranked. About ${GOOD_NUMBER}, from perfect to hopeless, work well.`,
+          text: t`${rankedText(nRanked, nBorrowed)}. About ${GOOD_NUMBER}, from perfect to hopeless, work well.`,
         },
     ...(nRanked >= GOOD_NUMBER ? missingKinds(tiers, recordings) : []),
   ];
+}
+
+/** Counts the ranked games, and says how many of them are no recordings of the behaviour. */
+function rankedText(n: number, nBorrowed: number): string {
+  const games = plural(n, { one: "# game ranked", other: "# games ranked" });
+  return nBorrowed > 0 ? t`${games}, ${nBorrowed} of them borrowed` : games;
 }
 
 /** How many kinds are named at a time. */

@@ -186,8 +186,8 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
               <Plural
                 value={unranked.length}
-                one="# recording not ranked yet"
-                other="# recordings not ranked yet"
+                one="# game not ranked yet"
+                other="# games not ranked yet"
               />
             </Button>
           )}

@@ -1,7 +1,9 @@
 import { t } from "@lingui/core/macro";
 import { Plural, Trans } from "@lingui/react/macro";
+import { useQuery } from "@tanstack/react-query";
 import { Link, useSearchParams } from "react-router";
 
+import { borrowedQuery } from "@/api/borrowed";
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { continuing, withSearch } from "@/lib/continuing";
@@ -17,15 +19,18 @@ interface ReadinessProps {
 export function Readiness({ behaviour, missing, example }: ReadinessProps) {
   const at = `/behaviours/${behaviour.id}`;
   const rank = withSearch(`${at}/rank`, continuing(useSearchParams()[0]));
+  const { data: borrowed = [] } = useQuery(borrowedQuery(behaviour.id));
+  const nBorrowed = borrowed.filter(({ ranked }) => ranked).length;
   if (missing === null) {
     return (
       <Notice tone="calm" icon="check">
         <p>
           <Plural
             value={behaviour.n_ranked}
-            one="# ranked recording goes into the run."
-            other="# ranked recordings go into the run."
-          />{" "}
+            one="# ranked game goes into the run"
+            other="# ranked games go into the run"
+          />
+          {nBorrowed > 0 && <Trans>, {nBorrowed} of them borrowed</Trans>}.{" "}
           <Plural
             value={behaviour.n_perfect}
             _0="None is marked as perfect: the clone copies the best ranked ones."
@@ -66,6 +71,6 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
 
 /** What prevents a run; null if nothing does. */
 export function missingFor(behaviour: Behaviour): string | null {
-  if (behaviour.n_ranked < 2) return t`Rank at least two recordings, in two tiers or more.`;
+  if (behaviour.n_ranked < 2) return t`Rank at least two games, in two tiers or more.`;
   return null;
 }

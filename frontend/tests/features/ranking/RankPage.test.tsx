@@ -140,7 +140,7 @@ describe("unranked recordings below all tiers", () => {
   it("are led to from above the tiers", async () => {
     narrow();
     await open({ tiers: [[1], [2]], unranked: [3, 4] });
-    await press("2 recordings not ranked yet");
+    await press("2 games not ranked yet");
     expect(screen.getByRole("heading", { name: "Unranked (2)" })).toHaveFocus();
   });
 
@@ -518,7 +518,7 @@ describe("what training needs", () => {
 
     it("none if all are there", async () => {
       const hints = await openWith(() => ({}));
-      expect(hints.getByText("12 recordings ranked")).toBeVisible();
+      expect(hints.getByText("12 games ranked")).toBeVisible();
       expect(hints.queryByText(MISSING)).toBeNull();
     });
 

@@ -23,7 +23,7 @@ function open(one: Behaviour, answers: Parameters<typeof serve>[0] = {}, path = 
 describe("training", () => {
   it("says what is missing and can't be started", async () => {
     open(behaviour({ n_recordings: 3 }));
-    expect(await screen.findByText(/Rank at least two recordings/)).toBeVisible();
+    expect(await screen.findByText(/Rank at least two games/)).toBeVisible();
     expect(screen.getByRole("button", { name: "Train" })).toBeDisabled();
   });
 

@@ -39,9 +39,9 @@ export function Attention({ results, onWatch }: AttentionProps) {
     <>
       <p className={styles.note}>
         <Trans>
-          One patch of the screen is occluded at a time; the more R changes, the brighter (or
-          redder) the patch. Shown for four states of the ranked recordings, from the lowest R to
-          the highest.
+          R is the learned reward at a moment. One patch of the screen is covered at a time; the
+          more R changes, the brighter (or redder) the patch. Shown for four moments of the ranked
+          recordings, from the lowest R to the highest.
         </Trans>
         {results.attention.some((map) => map.faithfulness) && (
           <>

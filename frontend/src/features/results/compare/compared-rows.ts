@@ -66,7 +66,7 @@ function settingsOf(run: Run): ReadonlyMap<string, string> {
     [t`go on anyway`, run.go_on_anyway ? t`yes` : t`no`],
     [t`continues`, parent === null ? t`none` : shortId(parent)],
     [t`ranking revision`, run.ranking_revision === null ? t`none` : whole(run.ranking_revision)],
-    [t`ranked recordings`, run.n_ranked === null ? t`none` : whole(run.n_ranked)],
+    [t`ranked games`, run.n_ranked === null ? t`none` : whole(run.n_ranked)],
     [t`perfect recordings`, run.n_perfect === null ? t`none` : whole(run.n_perfect)],
     [t`version of Tril`, run.versions.tril ?? t`none`],
     ...valueRows(run.recipe_values)

@@ -94,14 +94,26 @@ export const plan = (): readonly GroupPlan[] => [
         format: percentage,
         range: SHARE,
       },
-      { title: t`Entropy`, curves: [{ key: "entropy", name: t`entropy` }], format: measured },
+      {
+        title: t`How undecided it is (entropy)`,
+        curves: [{ key: "entropy", name: t`entropy` }],
+        format: measured,
+      },
       {
         title: t`Speed, steps/s`,
         curves: [{ key: "steps_per_s", name: t`steps/s` }],
         format: (value) => whole(Math.round(value)),
       },
-      { title: t`Value loss`, curves: [{ key: "value_loss", name: t`loss` }], format: measured },
-      { title: t`KL divergence`, curves: [{ key: "kl", name: t`KL` }], format: measured },
+      {
+        title: t`Error in predicting its reward (value loss)`,
+        curves: [{ key: "value_loss", name: t`loss` }],
+        format: measured,
+      },
+      {
+        title: t`Change of its play per update (KL divergence)`,
+        curves: [{ key: "kl", name: t`KL` }],
+        format: measured,
+      },
     ],
   },
   {
@@ -112,7 +124,7 @@ export const plan = (): readonly GroupPlan[] => [
     charts: [
       { title: t`Loss`, curves: [{ key: "loss", name: t`loss` }], format: measured },
       {
-        title: t`Pair accuracy`,
+        title: t`Pairs in the right order (accuracy)`,
         curves: [
           { key: "accuracy", name: t`fragments` },
           { key: "held_out_accuracy", name: t`held-out`, dashed: true },
@@ -124,7 +136,7 @@ export const plan = (): readonly GroupPlan[] => [
   },
   {
     stage: "clone",
-    name: t`Clone, by epochs over the perfect recordings`,
+    name: t`Clone, by passes over the perfect recordings (epochs)`,
     colour: "var(--clone)",
     xLabels: stepLabels,
     charts: [

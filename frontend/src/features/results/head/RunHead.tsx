@@ -43,9 +43,7 @@ export function RunHead({ run }: { run: Run }) {
             <Trans>training seed {run.training_seed}</Trans>
           </span>
           {run.n_ranked !== null && (
-            <span>
-              {plural(run.n_ranked, { one: "# ranked recording", other: "# ranked recordings" })}
-            </span>
+            <span>{plural(run.n_ranked, { one: "# ranked game", other: "# ranked games" })}</span>
           )}
           {run.parent_run_id !== null && (
             <span>

@@ -28,7 +28,9 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
         {shown && (
           <>
             {" "}
-            <Trans>Beyond the shaded range of the recordings it can only extrapolate.</Trans>
+            <Trans>
+              Beyond the shaded range of the recordings it can only guess (extrapolate).
+            </Trans>
           </>
         )}
       </p>
@@ -70,7 +72,7 @@ function Groups({ judged }: { judged: readonly JudgedGames[] }) {
             <Trans>Predicted return</Trans>
           </th>
           <th scope="col" className={tables.right}>
-            <Trans>Kendall&rsquo;s tau</Trans>
+            <Trans>Agreement (Kendall&rsquo;s tau)</Trans>
           </th>
         </tr>
       </thead>

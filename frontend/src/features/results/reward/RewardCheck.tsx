@@ -43,20 +43,20 @@ function Numbers({ check }: { check: RankingCheck }) {
     <dl className={styles.numbers}>
       <div>
         <dt>
-          <Trans>Kendall&rsquo;s tau</Trans>
+          <Trans>Agreement with the ranking, 1 at most (Kendall&rsquo;s tau)</Trans>
         </dt>
         <dd>{fixed(check.tau, 2)}</dd>
       </div>
       <div>
         <dt>
-          <Trans>Fragment pairs in order</Trans>
+          <Trans>Pairs of short pieces of games in order (fragments)</Trans>
         </dt>
         <dd>{percent(check.pair_accuracy)}</dd>
       </div>
       {check.held_out_accuracy !== null && (
         <div>
           <dt>
-            <Trans>Held-out pairs in order</Trans>
+            <Trans>Pairs with an unseen game in order (held out)</Trans>
           </dt>
           <dd>{percent(check.held_out_accuracy)}</dd>
         </div>

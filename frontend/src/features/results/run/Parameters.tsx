@@ -19,7 +19,7 @@ export function Parameters({ run }: { run: Run }) {
     { section: "", name: t`go on anyway`, value: run.go_on_anyway ? t`yes` : t`no` },
     ...(run.device === "gpu" ? [{ section: "", name: t`device`, value: t`GPU` }] : []),
     { section: "", name: t`ranking revision`, value: numberOr(run.ranking_revision) },
-    { section: "", name: t`ranked recordings`, value: numberOr(run.n_ranked) },
+    { section: "", name: t`ranked games`, value: numberOr(run.n_ranked) },
     { section: "", name: t`perfect recordings`, value: numberOr(run.n_perfect) },
     { section: "", name: t`queued`, value: moment(run.created_at) },
     { section: "", name: t`started`, value: timeOr(run.started_at) },
