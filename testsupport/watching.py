@@ -116,11 +116,13 @@ class Watcher:
             self.socket.send(bytes((lane,)) + client_bytes(AckMessage(frame.sequence)))
         return None
 
-    def until(self, kind: str) -> dict[str, Any]:
+    def until(
+        self, kind: str, accept: Callable[[dict[str, Any]], bool] = lambda _message: True
+    ) -> dict[str, Any]:
         """Wait for a text message of a type."""
         while True:
             message = self.next()
-            if message is not None and message["type"] == kind:
+            if message is not None and message["type"] == kind and accept(message):
                 return message
 
     def until_frame(self, frame: int, lane: int = 0) -> None:
