@@ -176,9 +176,7 @@ def held_out_accuracies(checked: Sequence[Line]) -> str:
     rows = []
     for reward, name in (("ranking", "rankings"), ("shuffled", "games in a random order")):
         if found := [last_round(o)["held_out_accuracy"] for o in checked if o["reward"] == reward]:
-            rows.append(
-                f"- {name}: {min(found):.0%} to {max(found):.0%} ({len(found)} trainings)"
-            )
+            rows.append(f"- {name}: {min(found):.0%} to {max(found):.0%} ({len(found)} trainings)")
     return "\n".join(["Held-out accuracy of the check:", "", *rows])
 
 
