@@ -115,3 +115,18 @@ def test_several_policies_are_watched_side_by_side_on_a_phone(
         page.get_by_role("button", name="Next start").click()
         expect(page.get_by_text("Evaluation start 3", exact=True).first).to_be_visible()
         expect(page.get_by_role("button", name="Pause")).to_be_visible(timeout=PATIENCE_MS)
+
+
+@pytest.mark.parametrize("locale", ["en-GB", "de-DE"])
+@pytest.mark.parametrize("players", [["imitator.greedy"], ["imitator.greedy", "clone.greedy"]])
+def test_watched_games_fit_a_phone(
+    browser: Browser, built: LiveServer, run_id: str, players: list[str], locale: str
+) -> None:
+    path = f"/runs/{run_id}/watch?player={'&player='.join(players)}"
+    phone = {"viewport": PHONE, "has_touch": True, "is_mobile": True, "locale": locale}
+    with signed_in(browser, built, path, **phone) as page:
+        targets = page.get_by_role("article").get_by_text(
+            re.compile("^(Targets hit|Getroffene Ziele)")
+        )
+        expect(targets).to_have_count(len(players))
+        assert page.evaluate("document.documentElement.scrollWidth") == PHONE["width"]
