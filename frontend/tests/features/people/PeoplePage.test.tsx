@@ -1,4 +1,4 @@
-import { screen } from "@testing-library/react";
+import { screen, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
@@ -65,6 +65,44 @@ describe("the page of people", () => {
     expect(await screen.findByText(/signed in \(browser 2\)/)).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Sign out Ben, Safari on iPhone" }));
     await expect.poll(() => ended).toEqual(["2"]);
+  });
+
+  it("says in words who did what, and shows an unknown action as it is stored", async () => {
+    const entry = (id: number, action: string, subject: string, details: object = {}) => ({
+      id,
+      at: "2026-01-01T10:00:00Z",
+      player: "Ada",
+      action,
+      subject,
+      details,
+    });
+    serve({
+      ...PEOPLE,
+      "GET /api/audit": () => [
+        entry(6, "queued a run", "run 3f2a9c41-0000", { behaviour: 1, recipe: "standard" }),
+        entry(5, "ranked", "behaviour 1", { revision: 4, change: "edit" }),
+        entry(4, "ranked", "behaviour 1", { revision: 3, change: "undo" }),
+        entry(3, "changed a role", "player 2", {
+          name: "Ben",
+          before: "participant",
+          role: "researcher",
+        }),
+        entry(2, "imported", "behaviour 1", { recordings: 1 }),
+        entry(1, "measured", "thing 7", { size: 3 }),
+      ],
+    });
+    show(<PeoplePage />);
+    const log = within(await screen.findByRole("region", { name: "Log" }));
+    await expect
+      .poll(() => log.getAllByRole("listitem").map((item) => item.textContent.split("Ada ")[1]))
+      .toEqual([
+        "started Run 3f2a9c (behaviour 1, recipe: standard)",
+        "ranked behaviour 1 (revision 4)",
+        "ranked behaviour 1 (revision 3, undone)",
+        "changed what person 2 may do (Ben, before: Player, role: Researcher)",
+        "imported behaviour 1 (1 recording)",
+        "measured thing 7 (size: 3)",
+      ]);
   });
 
   it("makes a link for players of a behaviour and shows it once", async () => {
