@@ -124,7 +124,7 @@ export const plan = (): readonly GroupPlan[] => [
     charts: [
       { title: t`Loss`, curves: [{ key: "loss", name: t`loss` }], format: measured },
       {
-        title: t`Pairs in the right order (accuracy)`,
+        title: t`Pair accuracy`,
         curves: [
           { key: "accuracy", name: t`fragments` },
           { key: "held_out_accuracy", name: t`held-out`, dashed: true },

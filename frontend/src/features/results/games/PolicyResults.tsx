@@ -49,8 +49,8 @@ export function PolicyResults({
         <Trans>
           Means of <Plural value={n} one="# game" other="# games" /> from starts that no training or
           demonstration game began from. Below each is the range in which it probably lies (95%
-          bootstrap interval). The predicted return is the learned reward of a whole game. Each policy
-          takes its most probable action.
+          bootstrap interval). The predicted return is the learned reward of a whole game. Each
+          policy takes its most probable action.
         </Trans>
       </p>
       {otherSelections().map(({ selection, title, note, label }) => {
