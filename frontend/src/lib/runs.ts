@@ -1,4 +1,4 @@
-/** Names of a run's states, its current stage, and estimates of its duration. */
+/** Names of a run's states, its current stage, estimates of its duration, and the run to continue. */
 
 import { t } from "@lingui/core/macro";
 
@@ -104,4 +104,23 @@ export function statusLine(run: RunProgress): string {
   const parts = [currentStage(run)?.label, percent(Math.floor(run.progress * 100) / 100, 0)];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));
   return parts.filter(Boolean).join(", ");
+}
+
+/** How the addresses of the pages up to a run's start name the run that it continues. */
+const CONTINUING = ["continue", "steps"] as const;
+
+/** Returns what a page's address says of the run to continue, to lead on with. */
+export function continuing(search: URLSearchParams): URLSearchParams {
+  const kept = new URLSearchParams();
+  if (!search.has("continue")) return kept;
+  for (const name of CONTINUING) {
+    const value = search.get(name);
+    if (value !== null) kept.set(name, value);
+  }
+  return kept;
+}
+
+/** Returns the address of a page with parameters, without a question mark if there are none. */
+export function withSearch(path: string, search: URLSearchParams): string {
+  return search.size === 0 ? path : `${path}?${search.toString()}`;
 }

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { describeEstimate, runName, statusLine } from "@/lib/runs";
+import { continuing, describeEstimate, runName, statusLine, withSearch } from "@/lib/runs";
 
 import { STAGES } from "../support/data";
 
@@ -48,5 +48,21 @@ describe("a run's name", () => {
 describe("a run's estimate", () => {
   it("adds the overhead to the time of the steps", () => {
     expect(describeEstimate({ steps_per_s: 500, overhead_s: 120 }, 300_000)).toBe("about 12 min");
+  });
+});
+
+describe("the run to continue", () => {
+  const lead = (search: string) => withSearch("/train", continuing(new URLSearchParams(search)));
+
+  it("is all that is led on with", () => {
+    expect(lead("compare&continue=a1&steps=20&tour")).toBe("/train?continue=a1&steps=20");
+  });
+
+  it("needs no number of steps", () => {
+    expect(lead("continue=a1")).toBe("/train?continue=a1");
+  });
+
+  it("takes the steps with it where it is dropped", () => {
+    expect(lead("steps=20")).toBe("/train");
   });
 });

@@ -15,8 +15,7 @@ import { AlienGrid } from "@/components/game/AlienGrid";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { classes } from "@/lib/classes";
-import { continuing, withSearch } from "@/lib/continuing";
-import { isActive } from "@/lib/runs";
+import { continuing, isActive, withSearch } from "@/lib/runs";
 
 import styles from "./BehaviourFrame.module.css";
 import { EditBehaviour } from "./EditBehaviour";

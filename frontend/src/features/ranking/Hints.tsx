@@ -7,7 +7,7 @@ import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { RunName } from "@/components/RunName";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
-import { continuing, withSearch } from "@/lib/continuing";
+import { continuing, withSearch } from "@/lib/runs";
 import { MAX_STEPS } from "@/lib/format";
 import { cellKey } from "@/lib/game/aliens";
 import { hitCells, isLost } from "@/lib/recordings";

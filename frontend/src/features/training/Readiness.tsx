@@ -6,7 +6,7 @@ import { Link, useSearchParams } from "react-router";
 import { borrowedQuery } from "@/api/borrowed";
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
-import { continuing, withSearch } from "@/lib/continuing";
+import { continuing, withSearch } from "@/lib/runs";
 
 interface ReadinessProps {
   behaviour: Behaviour;
