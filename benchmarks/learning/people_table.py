@@ -51,6 +51,8 @@ SEVERAL = 4
 
 REWARD_NAMES = {"hits": "reward fitted to the true hits", "shuffled": "in a random order"}
 
+GAIL = "method=gail"
+
 FIGURES = ("targets", "strays", "died", "perfect")
 HEADINGS = ("targets", "strays", "lost", "perfect games")
 
@@ -182,7 +184,7 @@ def held_out_accuracies(checked: Sequence[Line]) -> str:
 
 def _learns_from_its_ranking(line: Line) -> bool:
     """Return whether the imitator's reward is that of the ranking that was checked."""
-    return line["reward"] == "ranking" and "method=gail" not in line["set"]
+    return line["reward"] == "ranking" and GAIL not in line["set"]
 
 
 def _lines(path: Path, weights: str) -> list[Line]:
@@ -231,7 +233,7 @@ def _title(line: Line) -> str:
         parts.append(REWARD_NAMES[line["reward"]])
     if line["rounds_asked"] > 1:
         parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
-    changed = ["by GAIL"] if "method=gail" in line["set"] else line["set"]
+    changed = ["by GAIL"] if GAIL in line["set"] else line["set"]
     return ", ".join([*parts, *filter(None, [line["length"]]), *changed])
 
 

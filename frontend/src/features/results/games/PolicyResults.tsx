@@ -48,7 +48,7 @@ export function PolicyResults({
       <p className={styles.note}>
         <Trans>
           Means of <Plural value={n} one="# game" other="# games" /> from starts that no training or
-          demonstration game began from. With each is the range in which it probably lies (95%
+          demonstration game began from. Each comes with the range in which it probably lies (95%
           bootstrap interval). The predicted return is the learned reward of a whole game. Each
           policy takes its most probable action.
         </Trans>
