@@ -7,8 +7,8 @@ with the recipe's network and hyperparameters, alternating whole rollouts; the r
 over the rounds. A third is plain PPO with the defaults for Atari games. Plain means
 tril/SpaceInvaders-v0 in a SubprocVecEnv, a VecEnvWrapper that replaces the game's reward by the
 learned one, and PPO as it is. Demonstration starts, warm start and KL penalty are off, since plain
-PPO has none of them. Also measures the share of time that ours spends in the emulator, acting, the
-reward and learning. Prints tables and a JSON line.
+PPO has none of them. Also measures how long ours plays, computes rewards and learns, and how long
+the emulator, acting, rewards and learning take alone. Prints tables and a JSON line.
 """
 
 import argparse
@@ -34,10 +34,13 @@ from torch import Tensor, nn
 import tril.game.env
 from trainer.nn.devices import learning_device
 from trainer.nn.precision import Precision
+from trainer.nn.threads import one_thread
+from trainer.policy.imitator import N_PARTS
 from trainer.policy.networks import SIZES
 from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
-from trainer.policy.vec_env import TrilVecEnv
+from trainer.policy.rollout_buffer import ScreenRolloutBuffer
+from trainer.policy.vec_env import EpisodeEnd, TrilVecEnv
 from trainer.reward.model import RewardModel, new_network
 from tril.game.vector.vector_game import TrainingStarts, VectorGame, VectorStep
 from tril.recipes import RECIPES, PolicyRecipe
@@ -54,6 +57,14 @@ def counted(part: str) -> Iterator[None]:
     seconds[part] += time.perf_counter() - begin
 
 
+@contextmanager
+def kept(counts: dict[str, float]) -> Iterator[None]:
+    """Let the block's time count for nothing."""
+    before = dict(counts)
+    yield
+    counts.update(before)
+
+
 @dataclass(frozen=True)
 class TimedModel(RewardModel):
     """A reward model whose time counts."""
@@ -65,32 +76,58 @@ class TimedModel(RewardModel):
 
 
 class TimedGames(VectorGame):
-    """Games whose time counts, from the beginning of a step to its end."""
+    """Games whose time counts, as far as the caller waits for them."""
 
-    def step_async(self, actions: npt.NDArray[Any]) -> None:
+    def step_async(self, actions: npt.NDArray[Any], part: int = 0) -> None:
         """Begin a step; see VectorGame."""
-        with counted("emulator"):
-            super().step_async(actions)
+        with counted("waiting"):
+            super().step_async(actions, part)
 
-    def step_wait(self) -> VectorStep:
+    def step_wait(self, part: int = 0) -> VectorStep:
         """Finish a step; see VectorGame."""
-        with counted("emulator"):
-            return super().step_wait()
+        with counted("waiting"):
+            return super().step_wait(part)
 
 
 class TimedPPO(ImitationPPO):
     """PPO whose parts' time counts."""
 
-    def _sample_actions(
-        self, observations: npt.NDArray[np.uint8]
-    ) -> tuple[npt.NDArray[np.int64], Tensor, Tensor]:
-        with counted("acting"):
-            return super()._sample_actions(observations)
+    def _play(self, games: VectorGame, buffer: ScreenRolloutBuffer) -> list[EpisodeEnd]:
+        with counted("playing"):
+            return super()._play(games, buffer)
 
     def train(self) -> None:
         """Learn from the rollout; see ImitationPPO."""
         with counted("learning"):
             super().train()
+
+    def measure_alone(self) -> dict[str, float]:
+        """Return the seconds that the parts of a rollout take alone, one after the other."""
+        env, buffer = self.env, self.rollout_buffer
+        assert isinstance(env, TrilVecEnv)
+        rng = np.random.default_rng(0)
+        games, alone = env.games, {}
+        begin = time.perf_counter()
+        for _ in range(self.n_steps):
+            for part, own in enumerate(games.parts):
+                games.step_async(rng.integers(0, 6, len(own)), part)
+            for part in range(len(games.parts)):
+                games.step_wait(part)
+        alone["emulator"] = time.perf_counter() - begin
+        self._convolved.clear()
+        begin = time.perf_counter()
+        with one_thread():
+            for step in range(self.n_steps):
+                for own in games.parts:
+                    self._act(buffer, step, own)
+        alone["acting"] = time.perf_counter() - begin
+        begin = time.perf_counter()
+        env.judge(buffer.all_screens.numpy(), ())
+        alone["reward"] = time.perf_counter() - begin
+        begin = time.perf_counter()
+        ImitationPPO.train(self)
+        alone["learning"] = time.perf_counter() - begin
+        return alone
 
 
 class PlainFeatures(BaseFeaturesExtractor):
@@ -199,9 +236,11 @@ def make_ours(
     training_seed: int,
     precision: Precision,
     device: torch.device,
-) -> ImitationPPO:
+) -> TimedPPO:
     """Return our PPO on our games."""
-    games = TimedGames(recipe.n_envs, TrainingStarts(), training_seed=training_seed)
+    games = TimedGames(
+        recipe.n_envs, TrainingStarts(), n_parts=N_PARTS, training_seed=training_seed
+    )
     model = shaping.model
     timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
     env = TrilVecEnv(games, replace(shaping, model=timed))
@@ -243,7 +282,11 @@ def measure(
     for model in models.values():
         rate(model, 1)  # not counted: the first rollout starts processes and threads
     seconds.clear()
-    rates = [{kind: rate(model, steps) for kind, model in models.items()} for _ in range(rounds)]
+    rates, alone = [], []
+    for _ in range(rounds):
+        rates.append({kind: rate(model, steps) for kind, model in models.items()})
+        with kept(seconds):
+            alone.append(ours.measure_alone())
     for model in models.values():
         assert model.env is not None
         model.env.close()
@@ -252,8 +295,13 @@ def measure(
         for kind in ("plain", "defaults")
     }
     whole = sum(steps / one["ours"] for one in rates)
-    shares = {part: seconds[part] / whole for part in ("emulator", "acting", "reward", "learning")}
-    shares["rest"] = 1.0 - sum(shares.values())
+    parts = ("playing", "waiting", "reward", "learning")
+    shares = {part: seconds[part] / whole for part in parts}
+    shares["rest"] = 1.0 - sum(shares.values()) + shares["waiting"]  # a part of playing
+    # Shares of the whole that the parts of as many rollouts would take alone.
+    shares |= {
+        f"{part} alone": rollouts * sum(one[part] for one in alone) / whole for part in alone[0]
+    }
     print(
         f"recipe {name}: network {recipe.network}, {recipe.n_envs} x {recipe.n_steps},"
         f" ours in {precision}, all on {device}"
@@ -265,7 +313,7 @@ def measure(
             f" {result[f'over_{kind}']:.2f}"
         )
     print("  " + ", ".join(f"{part} {share:.0%}" for part, share in shares.items()))
-    return result | {f"{part}_share": share for part, share in shares.items()}
+    return result | {f"{part}_share".replace(" ", "_"): share for part, share in shares.items()}
 
 
 def main() -> None:

@@ -44,6 +44,9 @@ CHECKPOINT_INTERVAL_S = 45.0
 CURVE_EPISODES = 50
 """Whole games that a point of the curves averages."""
 
+N_PARTS = 2
+"""Of the games: while one half is played, actions are chosen for the other."""
+
 _CHECKPOINT = "checkpoint.safetensors"
 _BEST = "best.zip"
 
@@ -91,6 +94,7 @@ def train_imitator(
         recipe.n_envs,
         _training_starts(task),
         n_processes=n_processes,
+        n_parts=N_PARTS,
         ending=Ending(task.recipe.ending),
         sticky_action_probability=recipe.sticky_action_probability,
         training_seed=task.training_seed,

@@ -9,7 +9,7 @@ of the critic, and annealing of the learning rate.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,9 +26,11 @@ from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
+from trainer.nn.threads import one_thread
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollout_buffer import Minibatch, ScreenRolloutBuffer
-from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
+from trainer.policy.vec_env import EpisodeEnd, FinishedEpisode, TrilVecEnv
+from tril.game.vector.vector_game import VectorGame
 from tril.recipes import PolicyRecipe
 
 
@@ -97,6 +99,7 @@ class ImitationPPO(PPO):
         self.generators = generators
         self.start_policy: ScreenPolicy | None = None
         self.update_metrics: dict[str, float] = {}
+        self._convolved: list[Tensor] = []
         self._on_step = on_step
         self._on_episode = on_episode
         self._precision = precision
@@ -132,39 +135,72 @@ class ImitationPPO(PPO):
         rollout_buffer: Any,
         n_rollout_steps: int,
     ) -> bool:
-        """Play ``n_rollout_steps`` steps of all games; see OnPolicyAlgorithm.collect_rollouts."""
+        """Play ``n_rollout_steps`` steps of all games; see OnPolicyAlgorithm.collect_rollouts.
+
+        While the games of one part are played, actions are chosen for the next part. All rewards
+        are computed in the end.
+        """
+        assert isinstance(env, TrilVecEnv)
         self.policy.set_training_mode(False)
         callback.on_rollout_start()
-        rollout_buffer.reset()
-        ended = self._last_episode_starts
-        for _ in range(n_rollout_steps):
-            actions, values, log_probs = self._sample_actions(self._last_obs)
-            observations, rewards, ended, infos = env.step(actions)
-            self.num_timesteps += env.num_envs
-            for index in np.flatnonzero(ended).tolist():
-                self._on_episode(infos[index]["finished"])
-            self._bootstrap(rewards, ended, infos)
-            rollout_buffer.add(
-                self._last_obs, actions, rewards, self._last_episode_starts, values, log_probs
-            )
-            self._last_obs = np.asarray(observations)
-            self._last_episode_starts = ended
-            self._on_step()
+        rollout_buffer.begin(self._last_obs, self._last_episode_starts)
+        self._convolved.clear()
+        with one_thread():
+            ends = self._play(env.games, rollout_buffer)
+        self._last_obs = rollout_buffer.last_screens.numpy()
+        rewards, episodes = env.judge(rollout_buffer.all_screens.numpy(), ends)
+        for episode in episodes:
+            self._on_episode(episode)
+        self._bootstrap(rewards, ends)
+        rollout_buffer.put_rewards(rewards)
         with torch.inference_mode():
-            values = self._forward_on_cpu(torch.from_numpy(self._last_obs))[1]
-        rollout_buffer.compute_returns_and_advantage(values, ended)
+            values = self._forward_on_cpu(rollout_buffer.last_screens)[1]
+        rollout_buffer.compute_returns_and_advantage(values, self._last_episode_starts)
         callback.on_rollout_end()
         return True
 
-    def _sample_actions(
-        self, observations: npt.NDArray[np.uint8]
-    ) -> tuple[npt.NDArray[np.int64], Tensor, Tensor]:
-        """Return sampled actions, the states' values and the actions' log probabilities."""
+    def _play(self, games: VectorGame, buffer: ScreenRolloutBuffer) -> list[EpisodeEnd]:
+        """Play a rollout into the buffer and return where episodes ended, in order of time."""
+        ends: list[EpisodeEnd] = []
+        last_ended = self._last_episode_starts.copy()
+        for step in range(buffer.buffer_size + 1):
+            for part, own in enumerate(games.parts):
+                if step:
+                    played = games.step_wait(part)
+                    buffer.put_screens(step, own, played.observations)
+                    last_ended[own.start : own.stop] = played.ended
+                    ends += [
+                        EpisodeEnd(
+                            step - 1,
+                            one,
+                            played.terminal_observations[one.game - own.start].copy(),
+                        )
+                        for one in played.finished
+                    ]
+                if step < buffer.buffer_size:
+                    games.step_async(self._act(buffer, step, own), part)
+            if step:
+                self.num_timesteps += games.n_games
+                self._on_step()
+            if step < buffer.buffer_size:
+                buffer.episode_starts[step] = last_ended
+        self._last_episode_starts = last_ended
+        return ends
+
+    def _act(self, buffer: ScreenRolloutBuffer, step: int, games: range) -> npt.NDArray[np.int64]:
+        """Sample the actions of some games in a step, int64 (games,), and write them down."""
         with torch.inference_mode():
-            logits, values = self._forward_on_cpu(torch.from_numpy(observations))
+            inputs = buffer.screens_of(step, games)
+            if self.recipe.freeze_convolutions:
+                inputs = self._convolve(inputs)
+                self._convolved.append(inputs)
+            logits, values = self._forward_on_cpu(inputs)
             log_all = logits.log_softmax(1)
             actions = torch.multinomial(log_all.exp(), 1, generator=self.generators.actions)
-            return actions[:, 0].numpy(), values, log_all.gather(1, actions)[:, 0]
+            log_probs = log_all.gather(1, actions)[:, 0]
+        sampled: npt.NDArray[np.int64] = actions[:, 0].numpy()
+        buffer.put_actions(step, games, sampled, values, log_probs)
+        return sampled
 
     def _forward_on_cpu(self, observations: Tensor) -> tuple[Tensor, Tensor]:
         """Return the policy's logits and values on the CPU, where actions are sampled."""
@@ -183,39 +219,35 @@ class ImitationPPO(PPO):
                 return policy.features_extractor.features_of(inputs.to(device))
             return policy.extract_features(inputs.to(device))
 
+    def _convolve(self, screens: Tensor) -> Tensor:
+        """Return what the policy's convolutions make of screens, (N, channels * 7 * 7)."""
+        device = device_of(self.policy)
+        with self._precision.autocast(device):
+            return self.policy.features_extractor.convolve(screens.to(device))
+
     def _inputs(self) -> Tensor:
         """Return what the policy learns from: the rollout's screens.
 
-        Where the convolutions are frozen, what they make of the screens: it is the same in every
-        epoch, and for the start policy.
+        Where the convolutions are frozen, what they made of the screens when the policy acted: it
+        is the same in every epoch, and for the start policy.
         """
-        screens = self.rollout_buffer.screens
         if not self.recipe.freeze_convolutions:
-            return screens
-        device, parts = device_of(self.policy), []
-        with torch.no_grad(), self._precision.autocast(device):
-            for part in torch.split(screens, forward_batch(device)):
-                parts.append(self.policy.features_extractor.convolve(part.to(device)))
-                self._on_step()
-        return torch.cat(parts)
+            return self.rollout_buffer.screens
+        return torch.cat(self._convolved)
 
-    def _bootstrap(
-        self,
-        rewards: npt.NDArray[np.float32],
-        ended: npt.NDArray[np.bool_],
-        infos: list[dict[str, Any]],
-    ) -> None:
+    def _bootstrap(self, rewards: npt.NDArray[np.float32], ends: Sequence[EpisodeEnd]) -> None:
         """Add the discounted value of the last state to rewards of truncated episodes, in place.
 
         As stable-baselines3 does (Pardo et al. 2018).
         """
-        cut = [i for i in np.flatnonzero(ended).tolist() if infos[i]["TimeLimit.truncated"]]
+        cut = [end for end in ends if end.is_truncated]
         if not cut:
             return
-        last = channels_last_screens(np.stack([infos[i]["terminal_observation"] for i in cut]))
+        last = channels_last_screens(np.stack([end.last_observation for end in cut]))
         with torch.inference_mode():
             values = self._forward_on_cpu(last)[1]
-        rewards[cut] += self.gamma * values.numpy()
+        for end, value in zip(cut, values.tolist(), strict=True):
+            rewards[end.step, end.game.game] += self.gamma * value
 
     @property
     def is_warming_up(self) -> bool:

@@ -12,7 +12,8 @@ from gymnasium import spaces
 from stable_baselines3.common.buffers import RolloutBuffer
 from torch import Tensor
 
-from trainer.nn.screens import take_screens
+from trainer.nn.screens import channels_last_screens, take_screens
+from tril.game.observation import Observations
 
 
 class Minibatch(NamedTuple):
@@ -43,6 +44,10 @@ class ScreenRolloutBuffer(RolloutBuffer):
     when it is added, again with the first minibatch, and each minibatch once more. Here the memory
     is reused, observations are written in channels-last order as the convolutions read them, and a
     minibatch is gathered once, still uint8.
+
+    Games are added in parts, see VectorGame: ``put_screens`` and ``put_actions`` write a step of
+    some of them, ``put_rewards`` all rewards at once. Beside the states that the policy acted on,
+    the buffer has the last ones, which follow the rollout's last step.
     """
 
     def __init__(
@@ -58,7 +63,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
         assert isinstance(observation_space, spaces.Box)
         channels, height, width = observation_space.shape
         self._screens = torch.empty(
-            (buffer_size, n_envs, height, width, channels), dtype=torch.uint8
+            (buffer_size + 1, n_envs, height, width, channels), dtype=torch.uint8
         )
         self._allocated = False
         super().__init__(
@@ -97,18 +102,74 @@ class ScreenRolloutBuffer(RolloutBuffer):
     ) -> None:
         """Add a step of all games; the arguments are those of RolloutBuffer.add."""
         self._screens[self.pos] = torch.from_numpy(obs).permute(0, 2, 3, 1)
-        self.actions[self.pos, :, 0] = action
+        self.put_actions(self.pos, range(self.n_envs), action, value, log_prob)
         self.rewards[self.pos] = reward
         self.episode_starts[self.pos] = episode_start
-        self.values[self.pos] = value.numpy()
-        self.log_probs[self.pos] = log_prob.numpy()
         self.pos += 1
         self.full = self.pos == self.buffer_size
 
+    def begin(self, observations: Observations, episode_starts: npt.NDArray[np.bool_]) -> None:
+        """Empty the buffer and write all games' states before the first step.
+
+        Args:
+            observations: uint8 (games, 4, 84, 84), in any order.
+            episode_starts: Whether each is the first of its episode, bool (games,).
+        """
+        self.reset()
+        self._screens[0] = torch.from_numpy(observations).permute(0, 2, 3, 1)
+        self.episode_starts[0] = episode_starts
+
+    def put_screens(self, step: int, games: range, observations: Observations) -> None:
+        """Write the states before a step.
+
+        Args:
+            step: Number of the step; the buffer's size for the states after the last one.
+            games: Which games' states they are.
+            observations: uint8 (games, 4, 84, 84).
+        """
+        channels_last_screens(observations, self._of(step, games).numpy())
+
+    def screens_of(self, step: int, games: range) -> Tensor:
+        """Return some games' states before a step, in channels-last order."""
+        return self._of(step, games).permute(0, 3, 1, 2)
+
+    def _of(self, step: int, games: range) -> Tensor:
+        return self._screens[step, games.start : games.stop]
+
+    def put_actions(
+        self,
+        step: int,
+        games: range,
+        actions: npt.NDArray[np.int64],
+        values: Tensor,
+        log_probs: Tensor,
+    ) -> None:
+        """Write the games' actions in a step, the values before it and the log probabilities."""
+        own = slice(games.start, games.stop)
+        self.actions[step, own, 0] = actions
+        self.values[step, own] = values.numpy()
+        self.log_probs[step, own] = log_probs.numpy()
+
+    def put_rewards(self, rewards: npt.NDArray[np.float32]) -> None:
+        """Write the rewards of all steps, float32 (steps, games), which completes the rollout."""
+        self.rewards[:] = rewards
+        self.pos = self.buffer_size
+        self.full = True
+
     @property
     def screens(self) -> Tensor:
-        """All observations, uint8 (steps * games, 4, 84, 84), in channels-last order."""
+        """States before all steps, uint8 (steps * games, 4, 84, 84), in channels-last order."""
+        return self._screens[:-1].flatten(0, 1).permute(0, 3, 1, 2)
+
+    @property
+    def all_screens(self) -> Tensor:
+        """The same and the last states, uint8 ((steps + 1) * games, 4, 84, 84)."""
         return self._screens.flatten(0, 1).permute(0, 3, 1, 2)
+
+    @property
+    def last_screens(self) -> Tensor:
+        """The states after the last step, uint8 (games, 4, 84, 84), in channels-last order."""
+        return self._screens[-1].permute(0, 3, 1, 2)
 
     def minibatches(
         self, inputs: Tensor, batch_size: int, rng: np.random.Generator

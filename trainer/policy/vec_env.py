@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,11 +11,9 @@ import numpy.typing as npt
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
-from trainer.nn.screens import channels_last_screens
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.reward_shaping import Rewards, RewardShaping
 from tril.game.episode import DEATHS, EndReason
-from tril.game.observation import SIZE, STACK
 from tril.game.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
 
 
@@ -45,19 +44,35 @@ class FinishedEpisode:
         return self.game.end in DEATHS
 
 
+@dataclass(frozen=True)
+class EpisodeEnd:
+    """Where an episode ended in a rollout.
+
+    Attributes:
+        step: Number of the rollout's step.
+        game: The finished game.
+        last_observation: uint8 (4, 84, 84): the episode's last state, after which the game's next
+            episode began.
+    """
+
+    step: int
+    game: FinishedGame
+    last_observation: npt.NDArray[np.uint8]
+
+    @property
+    def is_truncated(self) -> bool:
+        """Whether the time was up."""
+        return self.game.end is EndReason.STEPS
+
+
 class TrilVecEnv(VecEnv):
     """A VectorGame as stable-baselines3's VecEnv, with the learned reward instead of a score.
 
-    The reward of a step is computed on the observation that the step led to. Where the step ended
-    the episode that is the episode's last observation, not the first of the next episode as in
-    T-REX's published code.
-
-    ``infos`` is filled only for games whose episode ended: "terminal_observation",
-    "TimeLimit.truncated" (true after 300 steps), "episode" as of stable-baselines3's Monitor, and
-    "finished", a FinishedEpisode.
-
-    Observations are in channels-last order; those of the last two steps stay valid, older ones are
-    overwritten.
+    Whoever collects rollouts steps the games themselves, part by part, and asks for all rewards of
+    a rollout at once: networks score many states faster than a few, and no game waits for it. The
+    reward of a step is computed on the observation that the step led to. Where the step ended the
+    episode that is the episode's last observation, not the first of the next episode as in T-REX's
+    published code.
 
     Args:
         games: The games, which are closed with this.
@@ -67,71 +82,81 @@ class TrilVecEnv(VecEnv):
     def __init__(self, games: VectorGame, reward_shaping: RewardShaping) -> None:
         self.games = games
         self.reward_shaping = reward_shaping
-        self._before: Rewards = np.zeros(games.n_games, np.float32)
+        # Of the episodes that are under way.
         self._returns = np.zeros(games.n_games, np.float64)
         self._shaped_returns = np.zeros(games.n_games, np.float64)
         self._steps = np.zeros(games.n_games, np.int64)
-        self._screens = np.empty((2, games.n_games, SIZE, SIZE, STACK), np.uint8)
-        self._half = 0
         super().__init__(games.n_games, OBSERVATION_SPACE, ACTION_SPACE)
 
     def reset(self) -> VecEnvObs:
         """Begin all games and return their observations, uint8 (N, 4, 84, 84)."""
-        observations = self.games.reset()
-        if self.reward_shaping.needs_before:
-            self._before[:] = self.reward_shaping.model.score(observations)
-        return observations
+        return self.games.reset()
 
     def step_async(self, actions: npt.NDArray[np.int64]) -> None:
-        """Begin a step of all games with actions, int64 (N,)."""
-        self.games.step_async(actions)
+        """Refuse: see ImitationPPO.collect_rollouts."""
+        raise NotImplementedError("The games of a TrilVecEnv are stepped part by part.")
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Finish the step; see VecEnv."""
-        step = self.games.step_wait()
-        self._half = 1 - self._half
-        observations = channels_last_screens(step.observations, self._screens[self._half]).numpy()
-        ended = np.flatnonzero(step.ended)
-        reached_states = observations
-        if len(ended):
-            reached_states = observations.copy(order="K")
-            reached_states[ended] = step.terminal_observations[ended]
-        reached = self.reward_shaping.model.score(reached_states)
-        died = np.array([reason in DEATHS for reason in step.reasons])
-        rewards = self.reward_shaping.shape(self._before, reached, died)
-        self._returns += reached
-        self._shaped_returns += rewards
-        self._steps += 1
-        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        for one in step.finished:
-            infos[one.game] = self._finish(one, reached_states[one.game])
-        if self.reward_shaping.needs_before:
-            self._before = reached
-            if len(ended):
-                self._before[ended] = self.reward_shaping.model.score(observations[ended])
-        return observations, rewards, step.ended, infos
+        """Refuse: see ImitationPPO.collect_rollouts."""
+        raise NotImplementedError("The games of a TrilVecEnv are stepped part by part.")
 
-    def _finish(self, one: FinishedGame, last_observation: npt.NDArray[np.uint8]) -> dict[str, Any]:
-        index = one.game
-        episode = FinishedEpisode(
-            one,
-            int(self._steps[index]),
-            float(self._returns[index]),
-            float(self._shaped_returns[index]),
-        )
-        self._returns[index] = self._shaped_returns[index] = self._steps[index] = 0
-        return {
-            "terminal_observation": last_observation,
-            "TimeLimit.truncated": one.end is EndReason.STEPS,
-            "episode": {"r": episode.shaped_return, "l": episode.n_steps},
-            "finished": episode,
-        }
+    def judge(
+        self, observations: npt.NDArray[np.uint8], ends: Sequence[EpisodeEnd]
+    ) -> tuple[Rewards, list[FinishedEpisode]]:
+        """Return the rewards of a rollout, and the episodes that ended in it.
+
+        Args:
+            observations: uint8 ((T + 1) * N, 4, 84, 84): the states of all N games before each of T
+                steps, and after the last.
+            ends: Where episodes ended, in order of time.
+
+        Returns:
+            Rewards, float32 (T, N), and the episodes in the order of ``ends``.
+        """
+        model = self.reward_shaping.model
+        scores = model.score(observations).reshape(-1, self.num_envs)
+        before, reached = scores[:-1], scores[1:].copy()
+        died = np.zeros(reached.shape, np.bool_)
+        if ends:
+            last = model.score(np.stack([one.last_observation for one in ends]))
+            for end, score in zip(ends, last.tolist(), strict=True):
+                reached[end.step, end.game.game] = score
+                died[end.step, end.game.game] = end.game.end in DEATHS
+        rewards = self.reward_shaping.shape(before, reached, died)
+        return rewards, self._finish_episodes(reached, rewards, ends)
+
+    def _finish_episodes(
+        self, reached: Rewards, rewards: Rewards, ends: Sequence[EpisodeEnd]
+    ) -> list[FinishedEpisode]:
+        """Return the episodes that ended, and count what the others have reached."""
+        episodes = []
+        begin = np.zeros(self.num_envs, np.int64)
+        for end in ends:
+            index = end.game.game
+            self._count(index, slice(int(begin[index]), end.step + 1), reached, rewards)
+            begin[index] = end.step + 1
+            episodes.append(
+                FinishedEpisode(
+                    end.game,
+                    int(self._steps[index]),
+                    float(self._returns[index]),
+                    float(self._shaped_returns[index]),
+                )
+            )
+            self._returns[index] = self._shaped_returns[index] = self._steps[index] = 0
+        for index in range(self.num_envs):
+            self._count(index, slice(int(begin[index]), len(rewards)), reached, rewards)
+        return episodes
+
+    def _count(self, index: int, steps: slice, reached: Rewards, rewards: Rewards) -> None:
+        self._returns[index] += reached[steps, index].sum(dtype=np.float64)
+        self._shaped_returns[index] += rewards[steps, index].sum(dtype=np.float64)
+        self._steps[index] += steps.stop - steps.start
 
     def save(self) -> dict[str, npt.NDArray[Any]]:
         """Return the state of the environment for a checkpoint."""
         games = {f"games.{name}": a for name, a in self.games.snapshot().to_arrays().items()}
         return games | {
-            "before": self._before,
             "returns": self._returns,
             "paid": self._shaped_returns,  # its name in the format
             "steps": self._steps,
@@ -143,7 +168,6 @@ class TrilVecEnv(VecEnv):
         games = {
             name[len(prefix) :]: array for name, array in arrays.items() if name.startswith(prefix)
         }
-        self._before = arrays["before"].copy()
         self._returns = arrays["returns"].copy()
         self._shaped_returns = arrays["paid"].copy()
         self._steps = arrays["steps"].copy()

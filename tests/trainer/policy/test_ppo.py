@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -6,6 +7,7 @@ import pytest
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3.common.callbacks import ConvertCallback
 
 from tests.trainer.samples import ELSEWHERE, TINY, observations, random_model
 from trainer.nn.devices import CPU, device_of
@@ -16,6 +18,7 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
 from trainer.progress import RunCancelled
+from tril.game.episode import DEATHS
 from tril.game.vector.vector_game import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
 
@@ -64,6 +67,14 @@ def fill(buffer: RolloutBuffer) -> None:
             torch.full((2,), -np.log(6.0)),
         )
     buffer.compute_returns_and_advantage(torch.zeros(2), np.zeros(2, np.bool_))
+
+
+def fill_rollout(ppo: ImitationPPO) -> None:
+    """Fill the buffer, as if the policy had acted on its screens."""
+    fill(ppo.rollout_buffer)
+    if ppo.recipe.freeze_convolutions:
+        with torch.inference_mode():
+            ppo._convolved = [ppo._convolve(ppo.rollout_buffer.screens)]
 
 
 def test_the_buffer_holds_what_stable_baselines3s_holds() -> None:
@@ -157,6 +168,53 @@ def test_half_precision_moves_the_policy_the_same_way(env: TrilVecEnv) -> None:
     assert float(half.norm()) == pytest.approx(float(exact.norm()), rel=0.03)
 
 
+@pytest.mark.parametrize("freeze_convolutions", [False, True])
+def test_a_rollout_is_what_its_actions_lead_to(freeze_convolutions: bool) -> None:
+    recipe = replace(PLAIN, n_envs=3, freeze_convolutions=freeze_convolutions)
+    shaping = RewardShaping(random_model(), "difference", 5.0)
+    games = VectorGame(3, TrainingStarts(), n_processes=1, n_parts=2, training_seed=5)
+    ppo = make_ppo(TrilVecEnv(games, shaping), recipe)
+    n_rollouts = 20
+    with games:
+        ppo._setup_learn(1000)
+        callback = ConvertCallback(lambda *_: True)
+        callback.init_callback(ppo)
+        buffers = []
+        for _ in range(n_rollouts):
+            assert ppo.env is not None
+            ppo.collect_rollouts(ppo.env, callback, ppo.rollout_buffer, recipe.n_steps)
+            buffers.append(deepcopy(ppo.rollout_buffer))
+            inputs = ppo._inputs()
+            if freeze_convolutions:
+                expected = ppo._convolve(buffers[-1].screens)
+                torch.testing.assert_close(inputs, expected, rtol=1e-4, atol=1e-4)
+    assert ppo.num_timesteps == n_rollouts * 3 * recipe.n_steps
+    with VectorGame(3, TrainingStarts(), n_processes=1, training_seed=5) as whole:
+        states = whole.reset().copy()
+        starts = np.ones(3, np.bool_)
+        n_ended = 0
+        for buffer in buffers:
+            screens = buffer.screens.numpy().reshape(recipe.n_steps, 3, 4, 84, 84)
+            for step, row in enumerate(buffer.actions[:, :, 0]):
+                np.testing.assert_array_equal(screens[step], states)
+                np.testing.assert_array_equal(buffer.episode_starts[step], starts)
+                logits, values = ppo.policy.logits_and_values(torch.from_numpy(states))
+                log_probs = logits.log_softmax(1)[torch.arange(3), torch.from_numpy(row)]
+                np.testing.assert_allclose(buffer.values[step], values.detach(), atol=1e-4)
+                np.testing.assert_allclose(buffer.log_probs[step], log_probs.detach(), atol=1e-4)
+                played = whole.step(row)
+                ended = played.ended[:, None, None, None]
+                reached = np.where(ended, played.terminal_observations, played.observations)
+                died = np.array([reason in DEATHS for reason in played.reasons])
+                model = shaping.model
+                rewards = shaping.shape(model.score(states), model.score(reached), died)
+                np.testing.assert_allclose(buffer.rewards[step], rewards, rtol=1e-3, atol=1e-3)
+                states, starts = played.observations.copy(), played.ended
+                n_ended += len(played.finished)
+            np.testing.assert_array_equal(buffer.last_screens.numpy(), states)
+    assert n_ended
+
+
 def test_actions_are_as_likely_in_the_update_as_in_the_rollout(env: TrilVecEnv) -> None:
     ppo = make_ppo(env, replace(PLAIN, n_minibatches=1, n_epochs=1), Precision.BFLOAT16)
     ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
@@ -206,7 +264,7 @@ def test_frozen_convolutions_stay_and_the_layers_above_them_learn_the_same(env: 
         ppo.start_policy = make_ppo(env).policy
         ppo.start_policy.load_state_dict(ppo.policy.state_dict())
         before = {name: p.detach().clone() for name, p in ppo.policy.named_parameters()}
-        fill(ppo.rollout_buffer)
+        fill_rollout(ppo)
         ppo._current_progress_remaining = 1.0
         ppo._setup_learn(100, reset_num_timesteps=False)
         ppo.train()
@@ -224,7 +282,7 @@ def test_an_update_is_computed_where_the_policy_is(
     ppo = make_ppo(env, recipe, device=ELSEWHERE)
     ppo.start_policy = ppo.policy
     assert device_of(ppo.policy) == ELSEWHERE
-    fill(ppo.rollout_buffer)
+    fill_rollout(ppo)
     inputs = ppo._inputs()
     start_log_probs = ppo._start_log_probs(inputs)
     minibatches = list(ppo.rollout_buffer.minibatches(inputs, 8, np.random.default_rng(0)))

@@ -2,13 +2,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
-from stable_baselines3 import PPO
 
 from tests.trainer.samples import random_model, short_recording
 from trainer.policy.evaluation import play
 from trainer.policy.reward_shaping import RewardShaping
-from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
+from trainer.policy.vec_env import EpisodeEnd, FinishedEpisode, TrilVecEnv
 from tril.game.episode import EndReason
 from tril.game.space_invaders import Action
 from tril.game.starts import Start
@@ -34,43 +34,84 @@ def env() -> Iterator[TrilVecEnv]:
     made.close()
 
 
-def play_until_an_end(env: TrilVecEnv, action: Action) -> tuple[list[Any], dict[str, Any], int]:
-    env.reset()
-    rewards = []
+def play_rollout(
+    env: TrilVecEnv, first: npt.NDArray[np.uint8], actions: npt.NDArray[np.int64]
+) -> tuple[npt.NDArray[np.float32], list[EpisodeEnd], list[FinishedEpisode]]:
+    """Play actions (T, N) and judge them."""
+    screens, ends = [first.copy()], []
+    for step, row in enumerate(actions):
+        played = env.games.step(row)
+        screens.append(played.observations.copy())
+        ends += [
+            EpisodeEnd(step, one, played.terminal_observations[one.game].copy())
+            for one in played.finished
+        ]
+    rewards, episodes = env.judge(np.concatenate(screens), ends)
+    return rewards, ends, episodes
+
+
+def play_until_an_end(
+    env: TrilVecEnv, action: Action, steps: int = 60
+) -> tuple[npt.NDArray[np.float32], EpisodeEnd, FinishedEpisode]:
+    """Play rollouts until an episode ends; return its rewards in the order of time."""
+    observations = env.reset()
+    assert isinstance(observations, np.ndarray)
+    before: list[npt.NDArray[np.float32]] = []
     while True:
-        _, shaped, ended, infos = env.step(np.full(2, action))
-        rewards.append(shaped.copy())
-        if ended.any():
-            index = int(np.flatnonzero(ended)[0])
-            return [row[index] for row in rewards], infos[index], index
+        actions = np.full((steps, 2), action)
+        rewards, ends, episodes = play_rollout(env, observations, actions)
+        if ends:
+            whole = np.concatenate([*before, rewards[: ends[0].step + 1]])
+            return whole[:, ends[0].game.game], ends[0], episodes[0]
+        before.append(rewards)
+        observations = env.games._observations()
 
 
 @pytest.mark.parametrize("kind", ["sigmoid", "level", "difference"])
 def test_rewards_are_those_of_the_replayed_game_to_its_last_state(kind: str) -> None:
     env = make_env(kind)
-    rewards, info, _ = play_until_an_end(env, Action.FIRE)
+    rewards, end, finished = play_until_an_end(env, Action.FIRE)
     env.close()
-    finished: FinishedEpisode = info["finished"]
     game = finished.game
+    assert game is end.game
     replayed = trajectory(Recording(game.start, game.actions))
-    np.testing.assert_array_equal(info["terminal_observation"], replayed.observations[-1])
+    np.testing.assert_array_equal(end.last_observation, replayed.observations[-1])
     states = MODEL.score(replayed.observations)
     expected = env.reward_shaping.shaped_return(states, game.end)
-    assert sum(rewards) == pytest.approx(expected, rel=1e-3, abs=1e-3)
-    assert finished.shaped_return == pytest.approx(sum(rewards), rel=1e-5)
+    assert rewards.sum() == pytest.approx(expected, rel=1e-3, abs=1e-3)
+    assert finished.shaped_return == pytest.approx(float(rewards.sum()), rel=1e-5)
     assert finished.predicted_return == pytest.approx(float(states[1:].sum()), rel=1e-3)
     assert finished.n_steps == replayed.n_steps == len(rewards)
+    assert finished.n_steps > 60, "The episode goes on from one rollout to the next."
     assert finished.died == (game.end is EndReason.HIT)
-    assert not info["TimeLimit.truncated"]
-    assert info["episode"] == {"r": finished.shaped_return, "l": finished.n_steps}
+    assert not end.is_truncated
+
+
+def test_episodes_that_end_in_one_rollout_are_counted_one_by_one() -> None:
+    env = make_env("difference", max_frames=40)
+    first = env.reset()
+    assert isinstance(first, np.ndarray)
+    rewards, ends, episodes = play_rollout(env, first, np.full((25, 2), Action.NOOP))
+    assert [end.step for end in ends] == [9, 9, 19, 19]
+    assert [episode.n_steps for episode in episodes] == [10] * 4
+    for end, episode in zip(ends, episodes, strict=True):
+        own = rewards[end.step - 9 : end.step + 1, end.game.game]
+        assert episode.shaped_return == pytest.approx(float(own.sum()), rel=1e-5)
+        last = MODEL.score(end.last_observation[None])
+        beginning = env.reward_shaping.model.level(last) - own.sum()
+        # What it gained is what lies between its own first and last state.
+        replayed = trajectory(Recording(end.game.start, end.game.actions))
+        level = MODEL.level(MODEL.score(replayed.observations[:1]))
+        assert float(beginning[0]) == pytest.approx(float(level[0]), abs=1e-4)
+    env.close()
 
 
 def test_a_game_that_runs_out_of_time_is_truncated_and_nothing_is_deducted() -> None:
     env = make_env(max_frames=40)
-    rewards, info, _ = play_until_an_end(env, Action.NOOP)
+    rewards, end, finished = play_until_an_end(env, Action.NOOP)
     env.close()
-    assert info["TimeLimit.truncated"]
-    assert not info["finished"].died
+    assert end.is_truncated
+    assert not finished.died
     assert len(rewards) == 10
 
 
@@ -78,9 +119,8 @@ def test_games_begun_in_a_demonstration_are_not_whole() -> None:
     recording = short_recording()
     log = DemonstrationLog(recording.start, recording.actions)
     env = make_env(starts=TrainingStarts(demonstrations=(log,), demonstration_share=1.0))
-    _, info, _ = play_until_an_end(env, Action.NOOP)
+    _, _, finished = play_until_an_end(env, Action.NOOP)
     env.close()
-    finished = info["finished"]
     assert finished.is_whole == (finished.game.first_step == 0)
     assert (
         finished.game.actions[: 4 * finished.game.first_step]
@@ -90,26 +130,21 @@ def test_games_begun_in_a_demonstration_are_not_whole() -> None:
 
 def test_a_restored_env_goes_on_as_the_first_one(env: TrilVecEnv) -> None:
     rng = np.random.default_rng(0)
-    actions = rng.integers(0, 6, (30, 2))
-    env.reset()
-    for row in actions[:10]:
-        env.step(row)
+    actions = rng.integers(0, 6, (300, 2))
+    first = env.reset()
+    assert isinstance(first, np.ndarray)
+    play_rollout(env, first, actions[:20])
     saved = {name: array.copy() for name, array in env.save().items()}
-    expected = [env.step(row) for row in actions[10:]]
-    kept = [(rewards, ended) for _, rewards, ended, _ in expected]
+    last = env.games._observations().copy()
+    rewards, ends, episodes = play_rollout(env, last, actions[20:])
+    assert ends
     other = make_env()
-    other.restore(saved)
-    for row, (rewards, ended) in zip(actions[10:], kept, strict=True):
-        _, other_rewards, other_ended, _ = other.step(row)
-        np.testing.assert_array_equal(other_rewards, rewards)
-        np.testing.assert_array_equal(other_ended, ended)
+    restored = other.restore(saved)
+    np.testing.assert_array_equal(restored, last)
+    found = play_rollout(other, restored, actions[20:])
+    np.testing.assert_array_equal(found[0], rewards)
+    assert found[2] == episodes
     other.close()
-
-
-def test_plain_stable_baselines3_trains_on_it(env: TrilVecEnv) -> None:
-    model = PPO("CnnPolicy", env, n_steps=8, batch_size=8, n_epochs=1, device="cpu", seed=1)
-    model.learn(16)
-    assert model.num_timesteps == 16
 
 
 def test_evaluation_scores_the_same_states(env: TrilVecEnv) -> None:

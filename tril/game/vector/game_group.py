@@ -75,6 +75,7 @@ class GroupConfig:
     Attributes:
         n_games: number of games in the whole vector.
         games: indices of the group's games.
+        part: number of the vector's part that they belong to.
         reset_distribution: where episodes begin.
         ending: which rule for the player's death ends an episode.
         max_frames: maximum length of an episode.
@@ -84,6 +85,7 @@ class GroupConfig:
 
     n_games: int
     games: range
+    part: int
     reset_distribution: ResetDistribution
     ending: Ending
     max_frames: int
@@ -99,7 +101,7 @@ class SharedArrays:
 
     Attributes:
         observations: uint8 (2, n, 4, 84, 84), double-buffered.
-        half: uint8 (1,): the buffer that the current command fills.
+        half: uint8 (n,): the buffer that a part's current command fills, by number of the part.
         terminal_observations: uint8 (n, 4, 84, 84), valid where ended.
         actions: uint8 (n,).
         ended: bool (n,): whether the last step ended an episode.
@@ -118,7 +120,7 @@ class SharedArrays:
         self.actions = self._array((n_games,), np.uint8)
         self.ended = self._array((n_games,), np.bool_)
         self.inactive = self._array((n_games,), np.bool_)
-        self.half = self._array((1,), np.uint8)
+        self.half = self._array((n_games,), np.uint8)
 
     def _array(self, shape: tuple[int, ...], dtype: type[np.generic]) -> Any:
         count = int(np.prod(shape))
@@ -276,7 +278,7 @@ class GameGroup:
             consoles[0].start(start)
         demonstrations = DemonstrationStates(config.reset_distribution.demonstrations, start_cache)
         own = slice(config.games.start, config.games.stop)
-        self._half = shared.half
+        self._half = shared.half[config.part : config.part + 1]
         self._halves = [half[own] for half in shared.observations]
         self._views = AgentViews(len(config.games), self._halves[0])
         self._slots = [

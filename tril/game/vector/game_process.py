@@ -144,6 +144,9 @@ def main(arguments: Sequence[str]) -> int:
     """
     parent = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "SCHED_BATCH"):  # Linux.
+        # Waking up for a step does not interrupt the caller, who has the other games to act for.
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     cv2.setNumThreads(1)
     socket_fd, memory_fd = map(int, arguments[1:])
     channel = Channel(socket.socket(fileno=socket_fd))

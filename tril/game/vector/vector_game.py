@@ -49,7 +49,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class VectorStep:
-    """The result of one step of all games.
+    """The result of one step of a part's games.
 
     Attributes:
         observations: uint8 (n, 4, 84, 84), of the next episode where one ended. A view that stays
@@ -92,12 +92,16 @@ class VectorSnapshot:
 class VectorGame:
     """AgentGames stepped together by processes that share observations with this one.
 
-    A game's episodes depend only on the training seed, its index and its actions, so the number of
-    processes affects nothing but speed. The processes are plain subprocesses that end with the
-    caller.
+    A game's episodes depend only on the training seed, its index and its actions, so the numbers of
+    processes and parts affect nothing but speed. The processes are plain subprocesses that end with
+    the caller.
+
+    A vector may have parts, each of which steps by itself: while the games of one part are played,
+    the caller chooses actions for the other.
 
     Attributes:
         n_games: number of games.
+        parts: the indices of each part's games.
     """
 
     def __init__(
@@ -106,6 +110,7 @@ class VectorGame:
         reset_distribution: ResetDistribution,
         *,
         n_processes: int | None = None,
+        n_parts: int = 1,
         ending: Ending = Ending.HIT,
         max_frames: int = game.MAX_FRAMES,
         sticky_action_probability: float = 0.0,
@@ -116,8 +121,9 @@ class VectorGame:
         Args:
             n_games: number of games.
             reset_distribution: where episodes begin.
-            n_processes: by default one per core, at most one per game. With one, the caller's
-                process plays all games.
+            n_processes: by default one per core, at least one per part and at most one per game.
+                With one, the caller's process plays all games.
+            n_parts: number of parts, at most one per game.
             ending: which rule for the player's death ends an episode.
             max_frames: maximum length of an episode.
             sticky_action_probability: probability of repeating the previous frame's action.
@@ -131,30 +137,35 @@ class VectorGame:
             raise ValueError(f"Expected at least one game, got {n_games}.")
         reset_distribution.check(n_games)
         self.n_games = n_games
-        self._pending = False
+        self.parts = _split(n_games, min(n_parts, n_games))
+        self._pending = [False] * len(self.parts)
         memory_fd = _anonymous_memory(SharedArrays.size(n_games))
         self._shared = SharedArrays(mmap.mmap(memory_fd, 0), n_games)
         processes: list[GameProcess] = []
         self._finalizer = weakref.finalize(self, _close_all, processes)
+        n_processes = n_processes or core_count()
         configs = [
             GroupConfig(
                 n_games,
-                games,
+                range(part.start + games.start, part.start + games.stop),
+                number,
                 reset_distribution,
                 ending,
                 max_frames,
                 sticky_action_probability,
                 training_seed,
             )
-            for games in _split(n_games, min(n_processes or core_count(), n_games))
+            for number, part in enumerate(self.parts)
+            for games in _split(len(part), min(max(1, n_processes // len(self.parts)), len(part)))
         ]
         self._groups: Sequence[GameProcess | _LocalGroup] = processes
         try:
-            if len(configs) == 1:
-                self._groups = [_LocalGroup(configs[0], self._shared)]
+            if n_processes == 1 or len(configs) == 1:
+                self._groups = [_LocalGroup(one, self._shared) for one in configs]
             else:
                 processes.extend(GameProcess(one, memory_fd) for one in configs)
-                _pin_to_cores(processes)
+                if len(self.parts) == 1:
+                    _pin_to_cores(processes)
             for process in processes:
                 process.receive()
         except BaseException:
@@ -166,38 +177,49 @@ class VectorGame:
     def reset(self) -> Observation:
         """Begin all games and return their observations, uint8 (n, 4, 84, 84). Call it once."""
         self._call_all(Command.RESET)
-        return self._observations
+        return self._observations()
 
     def step(self, actions: npt.NDArray[np.integer[Any]]) -> VectorStep:
-        """Play one step of every game; actions is (n,) with values 0 to 5."""
+        """Play one step of the first part's games; see step_async."""
         self.step_async(actions)
         return self.step_wait()
 
-    def step_async(self, actions: npt.NDArray[np.integer[Any]]) -> None:
-        """Begin a step; step_wait returns its result."""
+    def step_async(self, actions: npt.NDArray[np.integer[Any]], part: int = 0) -> None:
+        """Begin a step of a part's n games; step_wait returns its result.
+
+        Args:
+            actions: (n,) with values 0 to 5.
+            part: number of the part; a vector has one unless it was made with more.
+        """
+        games = self.parts[part]
         actions = np.asarray(actions)
-        if actions.shape != (self.n_games,):
-            raise ValueError(f"Expected actions of shape ({self.n_games},), got {actions.shape}.")
+        if actions.shape != (len(games),):
+            raise ValueError(f"Expected actions of shape ({len(games)},), got {actions.shape}.")
         if actions.min() < 0 or actions.max() >= game.ACTION_COUNT:
             raise ValueError(f"Expected actions from 0 to {game.ACTION_COUNT - 1}, got {actions}.")
-        self._shared.actions[:] = actions
-        self._shared.half[0] ^= 1
-        self._send_all(Command.STEP)
+        self._check_free(part)
+        self._pending[part] = True
+        self._shared.actions[games.start : games.stop] = actions
+        self._shared.half[part] ^= 1
+        for group in self._groups_of(part):
+            group.send(Command.STEP)
 
-    def step_wait(self) -> VectorStep:
+    def step_wait(self, part: int = 0) -> VectorStep:
         """Return the result of the step that step_async began."""
-        reasons: list[EndReason | None] = [None] * self.n_games
+        games = self.parts[part]
+        own = slice(games.start, games.stop)
         finished: list[FinishedGame] = []
-        for reply in self._receive_all():
+        for reply in self._receive(part):
             finished.extend(reply or ())
+        reasons: list[EndReason | None] = [None] * len(games)
         for one in finished:
-            reasons[one.game] = one.end
+            reasons[one.game - games.start] = one.end
         return VectorStep(
-            observations=self._observations,
-            ended=self._shared.ended.copy(),
-            terminal_observations=self._shared.terminal_observations,
+            observations=self._observations_of(part),
+            ended=self._shared.ended[own].copy(),
+            terminal_observations=self._shared.terminal_observations[own],
             reasons=tuple(reasons),
-            steps=self._shared.steps.copy(),
+            steps=self._shared.steps[own].copy(),
             finished=tuple(finished),
         )
 
@@ -206,9 +228,15 @@ class VectorGame:
         """The games that have no further episode, bool (n,)."""
         return np.array(self._shared.inactive)
 
-    @property
+    def _observations_of(self, part: int) -> Observation:
+        games = self.parts[part]
+        own = self._shared.observations[self._shared.half[part], games.start : games.stop]
+        return np.asarray(own, np.uint8)
+
     def _observations(self) -> Observation:
-        return np.asarray(self._shared.observations[self._shared.half[0]], np.uint8)
+        if len(self.parts) == 1:
+            return self._observations_of(0)
+        return np.concatenate([self._observations_of(part) for part in range(len(self.parts))])
 
     def snapshot(self) -> VectorSnapshot:
         """Return the state of the games and their generators."""
@@ -227,7 +255,7 @@ class VectorGame:
             )
         parts = [[snapshot.games[index] for index in group.games] for group in self._groups]
         self._call_all(Command.RESTORE, parts)
-        return self._observations
+        return self._observations()
 
     def close(self) -> None:
         """End the processes. May be called more than once."""
@@ -242,25 +270,27 @@ class VectorGame:
     def _call_all(
         self, command: Command, snapshots: Sequence[Sequence[bytes]] | None = None
     ) -> list[Any]:
-        self._send_all(command, snapshots)
-        return self._receive_all()
-
-    def _send_all(
-        self, command: Command, snapshots: Sequence[Sequence[bytes]] | None = None
-    ) -> None:
-        if not self._finalizer.alive:
-            raise GameProcessFailed("The games have been closed.")
-        if self._pending:
-            raise RuntimeError("A step is under way: call step_wait first.")
-        self._pending = True
+        for part in range(len(self.parts)):
+            self._check_free(part)
+        self._pending = [True] * len(self.parts)
         for index, group in enumerate(self._groups):
             group.send(command, None if snapshots is None else snapshots[index])
+        return [reply for part in range(len(self.parts)) for reply in self._receive(part)]
 
-    def _receive_all(self) -> list[Any]:
-        if not self._pending:
+    def _groups_of(self, part: int) -> "list[GameProcess | _LocalGroup]":
+        return [one for one in self._groups if one.games.start in self.parts[part]]
+
+    def _check_free(self, part: int) -> None:
+        if not self._finalizer.alive:
+            raise GameProcessFailed("The games have been closed.")
+        if self._pending[part]:
+            raise RuntimeError("A step is under way: call step_wait first.")
+
+    def _receive(self, part: int) -> list[Any]:
+        if not self._pending[part]:
             raise RuntimeError("No step is under way: call step_async first.")
-        answers = [group.receive() for group in self._groups]
-        self._pending = False
+        answers = [group.receive() for group in self._groups_of(part)]
+        self._pending[part] = False
         return answers
 
 
@@ -290,8 +320,8 @@ def _close_all(processes: list[GameProcess]) -> None:
 def _pin_to_cores(processes: Sequence[GameProcess]) -> None:
     """Pin each process to its own core if there are as many processes as cores.
 
-    Every step waits for the slowest process. Without pinning, the scheduler often wakes two on the
-    caller's core, which costs 7% of the speed and more.
+    Where all games are one part, every step waits for the slowest process. Without pinning, the
+    scheduler often wakes two on the caller's core, which costs 7% of the speed and more.
     """
     if not hasattr(os, "sched_setaffinity"):  # Not Linux.
         return

@@ -268,6 +268,65 @@ def test_a_restored_snapshot_goes_on_bit_by_bit_in_new_processes(tmp_path: Path)
     assert len(expected.finished) > 3
 
 
+@pytest.mark.parametrize(("n_processes", "n_parts"), [(1, 2), (2, 2), (4, 2), (3, 3)])
+def test_parts_step_by_themselves_and_change_nothing(n_processes: int, n_parts: int) -> None:
+    expected = traced(MIXED, n_games=5, sticky=0.25)
+    with VectorGame(
+        5,
+        MIXED,
+        n_processes=n_processes,
+        n_parts=n_parts,
+        max_frames=MAX_FRAMES,
+        training_seed=5,
+        sticky_action_probability=0.25,
+    ) as vector:
+        actions = actions_of(vector, 70)
+        observations = [
+            vector.reset().copy(),
+            *(np.empty_like(o) for o in expected.observations[1:]),
+        ]
+        steps = np.zeros((70, 5), np.int64)
+        finished: list[FinishedGame] = []
+        assert [index for part in vector.parts for index in part] == list(range(5))
+        assert len(vector.parts) == n_parts
+        # Each part is a step ahead of the one after it.
+        for now in range(70 + n_parts):
+            for part, games in enumerate(vector.parts):
+                own = slice(games.start, games.stop)
+                step = now - part
+                if 0 < step <= 70:
+                    played = vector.step_wait(part)
+                    observations[step][own] = played.observations
+                    steps[step - 1, own] = played.steps
+                    finished += played.finished
+                    ended = games.start + np.flatnonzero(played.ended)
+                    assert [one.game for one in played.finished] == ended.tolist()
+                if 0 <= step < 70:
+                    vector.step_async(actions[step, own], part)
+        snapshot = vector.snapshot()
+        assert len(snapshot.games) == 5
+        np.testing.assert_array_equal(vector.restore(snapshot), observations[-1])
+    finished.sort(key=lambda one: (one.game, one.start, one.actions))
+    expected.finished.sort(key=lambda one: (one.game, one.start, one.actions))
+    assert Trace(observations, steps.tolist(), finished) == expected
+    assert len(finished) > 4
+
+
+def test_a_part_that_is_under_way_waits_for_its_own_result() -> None:
+    with VectorGame(4, TrainingStarts(), n_processes=1, n_parts=2, training_seed=0) as vector:
+        vector.reset()
+        vector.step_async(np.array([0, 0]), 1)
+        with pytest.raises(RuntimeError, match="call step_wait first"):
+            vector.step_async(np.array([0, 0]), 1)
+        with pytest.raises(RuntimeError, match="call step_async first"):
+            vector.step_wait(0)
+        with pytest.raises(RuntimeError, match="call step_wait first"):
+            vector.snapshot()
+        assert vector.step(np.array([0, 0])).steps.tolist() == [1, 1]
+        assert vector.step_wait(1).steps.tolist() == [1, 1]
+        assert len(vector.snapshot().games) == 4
+
+
 def test_a_snapshot_of_another_number_of_games_is_refused() -> None:
     with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
         vector.reset()
