@@ -133,13 +133,13 @@ def test_perturbed_copies_teach_what_the_ranking_leaves_open() -> None:
 
 def test_unhit_aliens_are_those_that_neither_perfect_nor_best_ranked_games_hit() -> None:
     hit = [
-        replace(one, hits=(Hit(row, column, 10),))
+        replace(one, hits=(Hit(10, row, column),))
         for one, (row, column) in zip(
             TRAJECTORIES, [(0, 0), (0, 1), (0, 2), (0, 3), (0, 4), (0, 5)], strict=True
         )
     ]
-    shown = replace(TRAJECTORIES[0], hits=(Hit(1, 0, 3), Hit(2, 1, 7)))
+    shown = replace(TRAJECTORIES[0], hits=(Hit(3, 1, 0), Hit(7, 2, 1)))
     recipe = replace(RECIPE, unhit_share=0.15)
     dataset = make(hit, TIERS, recipe, PerfectDemonstrations([shown], [None]))
-    best = set(best_ranked(TIERS))
+    best = {index for index in best_ranked(TIERS)}
     assert set(range(36)) - set(dataset.unhit) == best | {6, 13}
