@@ -128,11 +128,11 @@ class PrefixSumLogits(_Logits):
     @cached_property
     def _unhit(self) -> UnhitAliens | None:
         """What no perfect demonstration hits; None if that does not count."""
-        dataset = self.dataset
-        if not (self.recipe.pretrained and self.recipe.unhit_share and dataset.perfect):
+        perfect = [self.dataset.trajectories[index].features for index in self.dataset.perfect]
+        if not perfect:
             return None
-        perfect = [dataset.trajectories[index].features for index in dataset.perfect]
-        return UnhitAliens(self.network, perfect, dataset.unhit) if dataset.unhit else None
+        unhit = UnhitAliens(self.network, perfect)
+        return unhit if len(unhit.aliens) else None
 
     def __call__(self, update: int) -> Tensor:
         """Return the logits of an update, counted from 0: float32 (pairs_per_update,)."""
@@ -145,7 +145,9 @@ class PrefixSumLogits(_Logits):
         sums = self._prefix_sums(taken, begins)
         ends = [begin + len(one) for begin, one in zip(begins, taken, strict=True)]
         row = {index: number for number, index in enumerate(used)}
-        n_unhit = round(recipe.unhit_share * recipe.pairs_per_update) if self._unhit else 0
+        n_unhit = 0
+        if recipe.pretrained and recipe.unhit_share and self._unhit is not None:
+            n_unhit = round(recipe.unhit_share * recipe.pairs_per_update)
         counts = _allocate(recipe.pairs_per_update - n_unhit, [group.share for group in groups])
         logits = []
         for group, count in zip(groups, counts, strict=True):
@@ -154,7 +156,7 @@ class PrefixSumLogits(_Logits):
             drawn = fragmenter.sample(pairs, ends, count, rng, begins)
             better = _returns(sums, drawn.better, drawn.better_start, drawn.length)
             logits.append(better - _returns(sums, drawn.worse, drawn.worse_start, drawn.length))
-        if self._unhit:
+        if n_unhit and self._unhit is not None:
             fragments = Fragmenter.of(recipe).every(stride)
             length = (fragments.min_length + fragments.max_length) // 2
             logits.append(self._unhit.logits(n_unhit, length, self._rng(_UNHIT, update)))

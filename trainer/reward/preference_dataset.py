@@ -15,8 +15,7 @@ from trainer.reward.fragments import Fragmenter, FragmentStarts, preference_pair
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration
 from trainer.reward.pretraining import read_features
-from tril.game.space_invaders import COLUMNS, ROWS
-from tril.ranking import Pair, best_ranked
+from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
 
@@ -36,18 +35,10 @@ class ObservedTrajectory:
     Attributes:
         observations: uint8 (N, 4, 84, 84), 0 to 255, one per step.
         first_step: Step of the first observation.
-        hits: Which aliens were hit, row by row from 0 on.
     """
 
     observations: npt.NDArray[np.uint8]
     first_step: int = 0
-    hits: frozenset[int] = frozenset()
-
-    @classmethod
-    def of(cls, trajectory: Trajectory) -> ObservedTrajectory:
-        """Return a whole trajectory."""
-        hits = frozenset(COLUMNS * hit.row + hit.column for hit in trajectory.hits)
-        return cls(trajectory.observations, hits=hits)
 
     @cached_property
     def features(self) -> Tensor:
@@ -122,13 +113,13 @@ class PreferenceDataset:
             recipe: How much each kind of pair counts; kinds that count nothing are left out.
             perfect: The perfect demonstrations and their perturbed copies.
         """
-        observed = [ObservedTrajectory.of(trajectory) for trajectory in trajectories]
+        observed = [ObservedTrajectory(trajectory.observations) for trajectory in trajectories]
         indices = []
         if recipe.perfect_share or recipe.perturbed_share or recipe.unhit_share:
             for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:
-                    observed.append(ObservedTrajectory.of(trajectory))
+                    observed.append(ObservedTrajectory(trajectory.observations))
         perturbed = []
         if recipe.perturbed_share:
             for copy in perfect.perturbed:
@@ -155,13 +146,6 @@ class PreferenceDataset:
     def best(self) -> tuple[int, ...]:
         """Indices of the first tier and of the perfect demonstrations that are not ranked."""
         return (*self.tiers[0], *self._unranked_perfect)
-
-    @property
-    def unhit(self) -> tuple[int, ...]:
-        """Which aliens no perfect demonstration and none of the best ranked ones hits."""
-        shown = {*self.perfect, *best_ranked(self.tiers)}
-        hit = frozenset[int]().union(*(self.trajectories[index].hits for index in shown))
-        return tuple(alien for alien in range(ROWS * COLUMNS) if alien not in hit)
 
     @property
     def _unranked_perfect(self) -> tuple[int, ...]:

@@ -9,8 +9,6 @@ from trainer.progress import NullProgress
 from trainer.reward.perturbation import PerturbedDemonstration
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import RewardTrainer, train_reward_model
-from tril.game.episode import Hit
-from tril.ranking import best_ranked
 from tril.recipes import FAST_0_2, PAPER
 from tril.recording import Trajectory
 
@@ -129,17 +127,3 @@ def test_perturbed_copies_teach_what_the_ranking_leaves_open() -> None:
         gaps.append(float((clean - model.level(model.score(spotted[3]))).mean()))
     untaught, taught = gaps
     assert taught > untaught + 0.05
-
-
-def test_unhit_aliens_are_those_that_neither_perfect_nor_best_ranked_games_hit() -> None:
-    hit = [
-        replace(one, hits=(Hit(10, row, column),))
-        for one, (row, column) in zip(
-            TRAJECTORIES, [(0, 0), (0, 1), (0, 2), (0, 3), (0, 4), (0, 5)], strict=True
-        )
-    ]
-    shown = replace(TRAJECTORIES[0], hits=(Hit(3, 1, 0), Hit(7, 2, 1)))
-    recipe = replace(RECIPE, unhit_share=0.15)
-    dataset = make(hit, TIERS, recipe, PerfectDemonstrations([shown], [None]))
-    best = {index for index in best_ranked(TIERS)}
-    assert set(range(36)) - set(dataset.unhit) == best | {6, 13}
