@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +20,11 @@ from trainer.nn.screens import channels_last_screens
 from trainer.reward.fragments import Fragmenter, Indices
 from trainer.reward.model import RewardNetwork
 from trainer.reward.preference_dataset import PreferenceDataset
-from trainer.reward.unhit_aliens import UnhitAliens
 
 Seed = tuple[int, ...]
 """Seeds all random numbers of one network's training; a stream's number follows it."""
 
-_FRAGMENTS, _PASS, _UNHIT = 1, 2, 3
+_FRAGMENTS, _PASS = 1, 2
 
 
 class _Logits:
@@ -125,15 +124,6 @@ class PrefixSumLogits(_Logits):
                 _ = trajectory.features
                 on_trajectory()
 
-    @cached_property
-    def _unhit(self) -> UnhitAliens | None:
-        """What no perfect demonstration hits; None if that does not count."""
-        perfect = [self.dataset.trajectories[index].features for index in self.dataset.perfect]
-        if not perfect:
-            return None
-        unhit = UnhitAliens(self.network, perfect)
-        return unhit if len(unhit.aliens) else None
-
     def __call__(self, update: int) -> Tensor:
         """Return the logits of an update, counted from 0: float32 (pairs_per_update,)."""
         recipe, stride = self.recipe, self.recipe.observation_stride
@@ -145,10 +135,7 @@ class PrefixSumLogits(_Logits):
         sums = self._prefix_sums(taken, begins)
         ends = [begin + len(one) for begin, one in zip(begins, taken, strict=True)]
         row = {index: number for number, index in enumerate(used)}
-        n_unhit = 0
-        if recipe.pretrained and recipe.unhit_share and self._unhit is not None:
-            n_unhit = round(recipe.unhit_share * recipe.pairs_per_update)
-        counts = _allocate(recipe.pairs_per_update - n_unhit, [group.share for group in groups])
+        counts = _allocate(recipe.pairs_per_update, [group.share for group in groups])
         logits = []
         for group, count in zip(groups, counts, strict=True):
             pairs = [(row[better], row[worse]) for better, worse in group.pairs]
@@ -156,10 +143,6 @@ class PrefixSumLogits(_Logits):
             drawn = fragmenter.sample(pairs, ends, count, rng, begins)
             better = _returns(sums, drawn.better, drawn.better_start, drawn.length)
             logits.append(better - _returns(sums, drawn.worse, drawn.worse_start, drawn.length))
-        if n_unhit and self._unhit is not None:
-            fragments = Fragmenter.of(recipe).every(stride)
-            length = (fragments.min_length + fragments.max_length) // 2
-            logits.append(self._unhit.logits(n_unhit, length, self._rng(_UNHIT, update)))
         return torch.cat(logits)
 
     def _strided(self, index: int, offset: int) -> tuple[Tensor, int]:

@@ -118,10 +118,7 @@ class RewardNetwork(nn.Module):
         values = self.hidden_values(second)
         if self.memory is None:
             return values
-        return self.features_of(self.memory(values).sigmoid())
-
-    def features_of(self, flags: Tensor) -> Tensor:
-        """Return what R of a pretrained network is linear in, from the flags, (N, n_flags)."""
+        flags: Tensor = self.memory(values).sigmoid()
         if not self.order:
             return flags
         of_order = swept_to(flags) if self.order is Order.SWEEPS else gaps_between(flags)

@@ -115,7 +115,7 @@ class PreferenceDataset:
         """
         observed = [ObservedTrajectory(trajectory.observations) for trajectory in trajectories]
         indices = []
-        if recipe.perfect_share or recipe.perturbed_share or recipe.unhit_share:
+        if recipe.perfect_share or recipe.perturbed_share:
             for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:

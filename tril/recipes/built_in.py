@@ -68,7 +68,6 @@ FAST = replace(
             "reward.free_share": 0.125,
             "reward.perfect_share": 0.0,
             "reward.perturbed_share": 0.33,
-            "reward.unhit_share": 0.15,
             "reward.fold_updates": 300,
             "reward.fold_stride": 0,
             "policy.death_forfeit": 0.5,

@@ -69,9 +69,6 @@ class RewardRecipe:
             demonstration is preferred to a perturbed copy of itself (after D-REX, Brown et al.
             2020).
         perturbed_copies: Perturbed copies of each perfect demonstration.
-        unhit_share: Method "fast", pretrained: share of the fragment pairs in which a state of a
-            perfect demonstration is preferred to the same state without an alien that no perfect
-            demonstration hits, see trainer.reward.unhit_aliens.
         ensemble: Number of reward networks, whose standardised outputs are averaged.
         folds: Cross-validation folds that measure the held-out accuracy; 0 skips the measurement.
         fold_updates: Gradient updates of each fold's network.
@@ -95,7 +92,6 @@ class RewardRecipe:
     perfect_share: Share = 0.0
     perturbed_share: Share = 0.0
     perturbed_copies: Count = 8
-    unhit_share: Share = 0.0
     ensemble: Count = 1
     folds: CountOrNone = 3
     fold_updates: Count = 6_000
