@@ -91,32 +91,15 @@ class ScreenRolloutBuffer(RolloutBuffer):
         self.pos = 0
         self.full = False
 
-    def add(
-        self,
-        obs: npt.NDArray[np.uint8],
-        action: npt.NDArray[np.int64],
-        reward: npt.NDArray[np.float32],
-        episode_start: npt.NDArray[np.bool_],
-        value: Tensor,
-        log_prob: Tensor,
-    ) -> None:
-        """Add a step of all games; the arguments are those of RolloutBuffer.add."""
-        self._screens[self.pos] = torch.from_numpy(obs).permute(0, 2, 3, 1)
-        self.put_actions(self.pos, range(self.n_envs), action, value, log_prob)
-        self.rewards[self.pos] = reward
-        self.episode_starts[self.pos] = episode_start
-        self.pos += 1
-        self.full = self.pos == self.buffer_size
-
     def begin(self, observations: Observations, episode_starts: npt.NDArray[np.bool_]) -> None:
         """Empty the buffer and write all games' states before the first step.
 
         Args:
-            observations: uint8 (games, 4, 84, 84), in any order.
+            observations: uint8 (games, 4, 84, 84).
             episode_starts: Whether each is the first of its episode, bool (games,).
         """
         self.reset()
-        self._screens[0] = torch.from_numpy(observations).permute(0, 2, 3, 1)
+        self.put_screens(0, range(self.n_envs), observations)
         self.episode_starts[0] = episode_starts
 
     def put_screens(self, step: int, games: range, observations: Observations) -> None:

@@ -93,12 +93,12 @@ class TrilVecEnv(VecEnv):
         return self.games.reset()
 
     def step_async(self, actions: npt.NDArray[np.int64]) -> None:
-        """Refuse: see ImitationPPO.collect_rollouts."""
-        raise NotImplementedError("The games of a TrilVecEnv are stepped part by part.")
+        """Refuse: the rewards of single steps are not computed."""
+        raise RuntimeError("Step the games of a TrilVecEnv and have the whole rollout judged.")
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Refuse: see ImitationPPO.collect_rollouts."""
-        raise NotImplementedError("The games of a TrilVecEnv are stepped part by part.")
+        """Refuse: no step is ever begun."""
+        raise RuntimeError("No step of a TrilVecEnv is under way.")
 
     def judge(
         self, observations: npt.NDArray[np.uint8], ends: Sequence[EpisodeEnd]

@@ -55,17 +55,30 @@ def make_ppo(
 
 def fill(buffer: RolloutBuffer) -> None:
     rng = np.random.default_rng(2)
-    screens = observations(buffer.buffer_size * 2, seed=8).reshape(-1, 2, 4, 84, 84)
-    for step in range(buffer.buffer_size):
-        action = rng.integers(0, 6, 2)
-        buffer.add(
-            screens[step],
-            action,
-            rng.normal(size=2).astype(np.float32),
-            rng.random(2) < 0.2,
-            torch.from_numpy(rng.normal(size=2).astype(np.float32)),
-            torch.full((2,), -np.log(6.0)),
-        )
+    n_steps = buffer.buffer_size
+    screens = observations((n_steps + 1) * 2, seed=8).reshape(-1, 2, 4, 84, 84)
+    actions = rng.integers(0, 6, (n_steps, 2))
+    rewards = rng.normal(size=(n_steps, 2)).astype(np.float32)
+    starts = rng.random((n_steps, 2)) < 0.2
+    values = torch.from_numpy(rng.normal(size=(n_steps, 2)).astype(np.float32))
+    log_probs = torch.full((2,), -np.log(6.0))
+    if isinstance(buffer, ScreenRolloutBuffer):
+        buffer.begin(screens[0], starts[0])
+        buffer.episode_starts[:] = starts
+        for step in range(n_steps):
+            for game in range(2):
+                own = slice(game, game + 1)
+                buffer.put_actions(
+                    step, range(2)[own], actions[step, own], values[step, own], log_probs[own]
+                )
+                buffer.put_screens(step + 1, range(2)[own], screens[step + 1, own])
+        buffer.put_rewards(rewards)
+        np.testing.assert_array_equal(buffer.last_screens, screens[-1])
+    else:
+        for step in range(n_steps):
+            buffer.add(
+                screens[step], actions[step], rewards[step], starts[step], values[step], log_probs
+            )
     buffer.compute_returns_and_advantage(torch.zeros(2), np.zeros(2, np.bool_))
 
 

@@ -1,5 +1,5 @@
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -34,9 +34,16 @@ def env() -> Iterator[TrilVecEnv]:
     made.close()
 
 
+class Rollout(NamedTuple):
+    rewards: npt.NDArray[np.float32]
+    episodes: list[FinishedEpisode]
+    ends: list[EpisodeEnd]
+    last: npt.NDArray[np.uint8]
+
+
 def play_rollout(
     env: TrilVecEnv, first: npt.NDArray[np.uint8], actions: npt.NDArray[np.int64]
-) -> tuple[npt.NDArray[np.float32], list[EpisodeEnd], list[FinishedEpisode]]:
+) -> Rollout:
     """Play actions (T, N) and judge them."""
     screens, ends = [first.copy()], []
     for step, row in enumerate(actions):
@@ -46,8 +53,7 @@ def play_rollout(
             EpisodeEnd(step, one, played.terminal_observations[one.game].copy())
             for one in played.finished
         ]
-    rewards, episodes = env.judge(np.concatenate(screens), ends)
-    return rewards, ends, episodes
+    return Rollout(*env.judge(np.concatenate(screens), ends), ends, screens[-1])
 
 
 def play_until_an_end(
@@ -59,12 +65,11 @@ def play_until_an_end(
     before: list[npt.NDArray[np.float32]] = []
     while True:
         actions = np.full((steps, 2), action)
-        rewards, ends, episodes = play_rollout(env, observations, actions)
+        rewards, episodes, ends, observations = play_rollout(env, observations, actions)
         if ends:
             whole = np.concatenate([*before, rewards[: ends[0].step + 1]])
             return whole[:, ends[0].game.game], ends[0], episodes[0]
         before.append(rewards)
-        observations = env.games._observations()
 
 
 @pytest.mark.parametrize("kind", ["sigmoid", "level", "difference"])
@@ -91,7 +96,7 @@ def test_episodes_that_end_in_one_rollout_are_counted_one_by_one() -> None:
     env = make_env("difference", max_frames=40)
     first = env.reset()
     assert isinstance(first, np.ndarray)
-    rewards, ends, episodes = play_rollout(env, first, np.full((25, 2), Action.NOOP))
+    rewards, episodes, ends, _ = play_rollout(env, first, np.full((25, 2), Action.NOOP))
     assert [end.step for end in ends] == [9, 9, 19, 19]
     assert [episode.n_steps for episode in episodes] == [10] * 4
     for end, episode in zip(ends, episodes, strict=True):
@@ -133,17 +138,16 @@ def test_a_restored_env_goes_on_as_the_first_one(env: TrilVecEnv) -> None:
     actions = rng.integers(0, 6, (300, 2))
     first = env.reset()
     assert isinstance(first, np.ndarray)
-    play_rollout(env, first, actions[:20])
+    last = play_rollout(env, first, actions[:20]).last
     saved = {name: array.copy() for name, array in env.save().items()}
-    last = env.games._observations().copy()
-    rewards, ends, episodes = play_rollout(env, last, actions[20:])
-    assert ends
+    expected = play_rollout(env, last, actions[20:])
+    assert expected.ends
     other = make_env()
     restored = other.restore(saved)
     np.testing.assert_array_equal(restored, last)
     found = play_rollout(other, restored, actions[20:])
-    np.testing.assert_array_equal(found[0], rewards)
-    assert found[2] == episodes
+    np.testing.assert_array_equal(found.rewards, expected.rewards)
+    assert found.episodes == expected.episodes
     other.close()
 
 

@@ -1,5 +1,7 @@
 """A vector of games played by processes over shared memory."""
 
+from __future__ import annotations
+
 import itertools
 import mmap
 import os
@@ -240,8 +242,8 @@ class VectorGame:
 
     def snapshot(self) -> VectorSnapshot:
         """Return the state of the games and their generators."""
-        parts = self._call_all(Command.SNAPSHOT)
-        return VectorSnapshot(tuple(one for part in parts for one in part))
+        groups = self._call_all(Command.SNAPSHOT)
+        return VectorSnapshot(tuple(one for group in groups for one in group))
 
     def restore(self, snapshot: VectorSnapshot) -> Observation:
         """Restore a snapshot of a vector with as many games and the same settings.
@@ -253,8 +255,8 @@ class VectorGame:
             raise ValueError(
                 f"Expected a snapshot of {self.n_games} games, got {len(snapshot.games)}."
             )
-        parts = [[snapshot.games[index] for index in group.games] for group in self._groups]
-        self._call_all(Command.RESTORE, parts)
+        groups = [[snapshot.games[index] for index in group.games] for group in self._groups]
+        self._call_all(Command.RESTORE, groups)
         return self._observations()
 
     def close(self) -> None:
@@ -277,7 +279,7 @@ class VectorGame:
             group.send(command, None if snapshots is None else snapshots[index])
         return [reply for part in range(len(self.parts)) for reply in self._receive(part)]
 
-    def _groups_of(self, part: int) -> "list[GameProcess | _LocalGroup]":
+    def _groups_of(self, part: int) -> list[GameProcess | _LocalGroup]:
         return [one for one in self._groups if one.games.start in self.parts[part]]
 
     def _check_free(self, part: int) -> None:
@@ -295,7 +297,7 @@ class VectorGame:
 
 
 class _LocalGroup:
-    """The single group of a vector without processes."""
+    """A group of games that the caller's own process plays."""
 
     def __init__(self, config: GroupConfig, shared: SharedArrays) -> None:
         self.games = config.games
