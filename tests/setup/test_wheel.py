@@ -15,9 +15,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from testsupport.processes import tril_process, whole_tril
-from testsupport.recipes import SMALLEST
-from tril.settings import Settings
+from testsupport.processes import whole_tril
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("cli", "migrations", "server", "trainer", "tril")
@@ -58,13 +56,20 @@ def how(programs: Path, tmp_path: Path) -> dict[str, Any]:
     return {"command": [programs / "tril"], "cwd": tmp_path, "environ": {"PATH": str(programs)}}
 
 
-def test_every_package_is_the_wheels(programs: Path) -> None:
+def test_every_package_is_the_wheels_and_whole(programs: Path) -> None:
     program = f"import {', '.join(PACKAGES)}\nprint(*(m.__file__ for m in ({', '.join(PACKAGES)})))"
     done = subprocess.run(
         [programs / "python", "-P", "-c", program], capture_output=True, text=True, check=True
     )
-    for file in done.stdout.split():
-        assert Path(file).is_relative_to(programs.parent)
+    installed = [Path(file).parent for file in done.stdout.split()]
+    tracked = subprocess.run(
+        ["git", "ls-files", *PACKAGES], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    for package in installed:
+        assert package.is_relative_to(programs.parent)
+        own = {file for file in tracked if file.startswith(f"{package.name}/")}
+        assert own
+        assert [file for file in own if not (package.parent / file).is_file()] == []
 
 
 def test_tril_up_serves_the_page(how: dict[str, Any], tmp_path: Path) -> None:
@@ -77,11 +82,18 @@ def test_tril_up_serves_the_page(how: dict[str, Any], tmp_path: Path) -> None:
         assert len(browser.get(tril.base_url + script).raise_for_status().text) > 100_000
 
 
-def test_the_demo_ends_with_a_summary(how: dict[str, Any], tmp_path: Path) -> None:
-    summary = tmp_path / "summary"
-    arguments = ["demo", "--steps", "2048", "--output", str(summary)]
-    arguments += [word for value in (*SMALLEST, "policy.n_steps=128") for word in ("--set", value)]
-    with tril_process(Settings(data=tmp_path / "data"), *arguments, **how) as demo:
-        status = demo.process.wait()
-    assert status == 0, "".join(demo.output)
-    assert "scripted demonstrator" in (summary / "README.md").read_text()
+def test_games_are_played_by_processes_that_it_starts(how: dict[str, Any], programs: Path) -> None:
+    program = """
+from tril.game.vector.vector_game import TrainingStarts, VectorGame
+with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as games:
+    print(games.reset().shape)
+"""
+    done = subprocess.run(
+        [programs / "python", "-c", program],
+        cwd=how["cwd"],
+        env=how["environ"] | {"PYTHONSAFEPATH": "1"},  # as the installed command has it
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (0, "(2, 4, 84, 84)\n"), done.stderr
