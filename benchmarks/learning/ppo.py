@@ -2,13 +2,14 @@
 
     python -m benchmarks.learning.ppo
 
-Both train on the same learned reward (one forward pass for all games per step, by the same code)
-with the recipe's network and hyperparameters, alternating whole rollouts; the ratio is the median
-over the rounds. A third is plain PPO with the defaults for Atari games. Plain means
-tril/SpaceInvaders-v0 in a SubprocVecEnv, a VecEnvWrapper that replaces the game's reward by the
-learned one, and PPO as it is. Demonstration starts, warm start and KL penalty are off, since plain
-PPO has none of them. Also measures how long ours plays, computes rewards and learns, and how long
-the emulator, acting, rewards and learning take alone. Prints tables and a JSON line.
+Both train on the same learned reward (plain PPO with one forward pass for all games per step, ours
+with one for a whole rollout) with the recipe's network and hyperparameters, alternating whole
+rollouts; the ratio is the median over the rounds. A third is plain PPO with the defaults for Atari
+games. Plain means tril/SpaceInvaders-v0 in a SubprocVecEnv, a VecEnvWrapper that replaces the
+game's reward by the learned one, and PPO as it is. Demonstration starts, warm start and KL penalty
+are off, since plain PPO has none of them. Also measures how long ours plays, computes rewards and
+learns, and how long the emulator, acting, rewards and learning take alone. Prints tables and a JSON
+line.
 """
 
 import argparse
@@ -59,7 +60,7 @@ def counted(part: str) -> Iterator[None]:
 
 @contextmanager
 def kept(counts: dict[str, float]) -> Iterator[None]:
-    """Let the block's time count for nothing."""
+    """Restore the counts after the block, so that its time is not counted."""
     before = dict(counts)
     yield
     counts.update(before)

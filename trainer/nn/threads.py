@@ -12,7 +12,7 @@ import torch
 def one_thread() -> Iterator[None]:
     """Compute with one thread in the block, as is best for few observations.
 
-    Two threads score a dozen of them hardly faster, and take the cores from the games' processes.
+    Two threads are no faster on eight of them, and take the cores from the games' processes.
     """
     before = torch.get_num_threads()
     torch.set_num_threads(1)

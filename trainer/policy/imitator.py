@@ -45,7 +45,7 @@ CURVE_EPISODES = 50
 """Whole games that a point of the curves averages."""
 
 N_PARTS = 2
-"""Of the games: while one half is played, actions are chosen for the other."""
+"""That the games are divided into: while one is played, actions are chosen for the other."""
 
 _CHECKPOINT = "checkpoint.safetensors"
 _BEST = "best.zip"

@@ -138,7 +138,7 @@ class ImitationPPO(PPO):
         """Play ``n_rollout_steps`` steps of all games; see OnPolicyAlgorithm.collect_rollouts.
 
         While the games of one part are played, actions are chosen for the next part. All rewards
-        are computed in the end.
+        are computed at the end.
         """
         assert isinstance(env, TrilVecEnv)
         self.policy.set_training_mode(False)
@@ -188,7 +188,7 @@ class ImitationPPO(PPO):
         return ends
 
     def _act(self, buffer: ScreenRolloutBuffer, step: int, games: range) -> npt.NDArray[np.int64]:
-        """Sample the actions of some games in a step, int64 (games,), and write them down."""
+        """Sample the actions of some games in a step, int64 (games,), and store them."""
         with torch.inference_mode():
             inputs = buffer.screens_of(step, games)
             if self.recipe.freeze_convolutions:

@@ -45,7 +45,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
     is reused, observations are written in channels-last order as the convolutions read them, and a
     minibatch is gathered once, still uint8.
 
-    Games are added in parts, see VectorGame: ``put_screens`` and ``put_actions`` write a step of
+    Games are added in parts (see VectorGame): ``put_screens`` and ``put_actions`` write a step of
     some of them, ``put_rewards`` all rewards at once. Beside the states that the policy acted on,
     the buffer has the last ones, which follow the rollout's last step.
     """
@@ -146,7 +146,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
 
     @property
     def all_screens(self) -> Tensor:
-        """The same and the last states, uint8 ((steps + 1) * games, 4, 84, 84)."""
+        """``screens``, then ``last_screens``, uint8 ((steps + 1) * games, 4, 84, 84)."""
         return self._screens.flatten(0, 1).permute(0, 3, 1, 2)
 
     @property

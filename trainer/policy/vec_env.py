@@ -69,7 +69,8 @@ class TrilVecEnv(VecEnv):
     """A VectorGame as stable-baselines3's VecEnv, with the learned reward instead of a score.
 
     Whoever collects rollouts steps the games themselves, part by part, and asks for all rewards of
-    a rollout at once: networks score many states faster than a few, and no game waits for it. The
+    a rollout at once: networks score many states faster than a few, and no game waits for a
+    reward between two steps. The
     reward of a step is computed on the observation that the step led to. Where the step ended the
     episode that is the episode's last observation, not the first of the next episode as in T-REX's
     published code.

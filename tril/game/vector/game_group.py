@@ -101,7 +101,7 @@ class SharedArrays:
 
     Attributes:
         observations: uint8 (2, n, 4, 84, 84), double-buffered.
-        half: uint8 (n,): the buffer that a part's current command fills, by number of the part.
+        half: uint8 (n,), one entry per part: which of the two buffers its current command fills.
         terminal_observations: uint8 (n, 4, 84, 84), valid where ended.
         actions: uint8 (n,).
         ended: bool (n,): whether the last step ended an episode.

@@ -61,7 +61,8 @@ class VectorStep:
             undefined elsewhere. A view that the next step overwrites.
         reasons: why the episode ended, by game; None where it goes on.
         steps: int32 (n,): steps since the start of the episode just stepped.
-        finished: the episodes that ended, in order of their games.
+        finished: the episodes that ended, in order of their games, whose indices count in the whole
+            vector.
     """
 
     observations: Observation
@@ -99,7 +100,7 @@ class VectorGame:
     the caller.
 
     A vector may have parts, each of which steps by itself: while the games of one part are played,
-    the caller chooses actions for the other.
+    the caller chooses actions for another.
 
     Attributes:
         n_games: number of games.
@@ -123,8 +124,9 @@ class VectorGame:
         Args:
             n_games: number of games.
             reset_distribution: where episodes begin.
-            n_processes: by default one per core, at least one per part and at most one per game.
-                With one, the caller's process plays all games.
+            n_processes: by default one per core; divided evenly among the parts, rounded down, at
+                least one each and at most one per game. With one, the caller's process plays all
+                games.
             n_parts: number of parts, at most one per game.
             ending: which rule for the player's death ends an episode.
             max_frames: maximum length of an episode.
