@@ -243,6 +243,14 @@ def test_a_worker_that_is_told_to_stop_gives_its_run_back_and_the_next_goes_on(
         until(lambda: is_in(workplace, run_id, "imitator"), worker)
 
 
+def is_copied(store: ArtifactStore, run_id: str) -> bool:
+    """Whether the imitator's checkpoint was copied; copies made before are of other stages."""
+    if not store.names(f"checkpoints/{run_id}"):
+        return False
+    with tarfile.open(fileobj=io.BytesIO(store.get(f"checkpoints/{run_id}/1.tar"))) as copy:
+        return "imitator/checkpoint.safetensors" in copy.getnames()
+
+
 @pytest.mark.lengthy
 @pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM])
 def test_a_worker_with_another_data_folder_goes_on_from_the_last_checkpoint(
@@ -271,7 +279,7 @@ def test_a_worker_with_another_data_folder_goes_on_from_the_last_checkpoint(
     with zygote.running(workplace.settings.data, LOST_AFTER_S, **shared) as worker:
         until(Path(saved).exists, worker)
         if ending is signal.SIGKILL:
-            until(lambda: bool(store.names(f"checkpoints/{run_id}")), worker)
+            until(lambda: is_copied(store, run_id), worker)
         worker.send(ending)
     before = points()
     (tmp_path / "other").mkdir()
@@ -298,16 +306,10 @@ def test_a_run_on_s3_whose_worker_is_killed_is_finished_on_another_machine(
         "artifacts_url": url,
     }
 
-    def is_copied() -> bool:
-        if not store.names(f"checkpoints/{run_id}"):
-            return False
-        with tarfile.open(fileobj=io.BytesIO(store.get(f"checkpoints/{run_id}/1.tar"))) as copy:
-            return "imitator/checkpoint.safetensors" in copy.getnames()
-
     # Forked from a process that has the credentials.
     with closing(Zygote()) as zygote:
         with zygote.running(workplace.settings.data, LOST_AFTER_S, **shared) as worker:
-            until(is_copied, worker)
+            until(lambda: is_copied(store, run_id), worker)
             worker.kill()
         with workplace.database.writing() as session:
             _, curves = metrics.series(session, run_id)
