@@ -143,7 +143,7 @@ class ImitationPPO(PPO):
         assert isinstance(env, TrilVecEnv)
         self.policy.set_training_mode(False)
         callback.on_rollout_start()
-        rollout_buffer.begin(self._last_obs, self._last_episode_starts)
+        rollout_buffer.begin(self._last_obs)
         self._convolved.clear()
         with one_thread():
             ends = self._play(env.games, rollout_buffer)

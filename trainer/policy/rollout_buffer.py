@@ -91,16 +91,14 @@ class ScreenRolloutBuffer(RolloutBuffer):
         self.pos = 0
         self.full = False
 
-    def begin(self, observations: Observations, episode_starts: npt.NDArray[np.bool_]) -> None:
+    def begin(self, observations: Observations) -> None:
         """Empty the buffer and write all games' states before the first step.
 
         Args:
             observations: uint8 (games, 4, 84, 84).
-            episode_starts: Whether each is the first of its episode, bool (games,).
         """
         self.reset()
         self.put_screens(0, range(self.n_envs), observations)
-        self.episode_starts[0] = episode_starts
 
     def put_screens(self, step: int, games: range, observations: Observations) -> None:
         """Write the states before a step.

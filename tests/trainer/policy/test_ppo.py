@@ -63,15 +63,15 @@ def fill(buffer: RolloutBuffer) -> None:
     values = torch.from_numpy(rng.normal(size=(n_steps, 2)).astype(np.float32))
     log_probs = torch.full((2,), -np.log(6.0))
     if isinstance(buffer, ScreenRolloutBuffer):
-        buffer.begin(screens[0], starts[0])
+        buffer.begin(screens[0])
         buffer.episode_starts[:] = starts
         for step in range(n_steps):
-            for game in range(2):
-                own = slice(game, game + 1)
+            for part in (range(1), range(1, 2)):
+                own = slice(part.start, part.stop)
                 buffer.put_actions(
-                    step, range(2)[own], actions[step, own], values[step, own], log_probs[own]
+                    step, part, actions[step, own], values[step, own], log_probs[own]
                 )
-                buffer.put_screens(step + 1, range(2)[own], screens[step + 1, own])
+                buffer.put_screens(step + 1, part, screens[step + 1, own])
         buffer.put_rewards(rewards)
         np.testing.assert_array_equal(buffer.last_screens, screens[-1])
     else:
