@@ -6,7 +6,6 @@ SMALLEST = (
     "reward.updates=12",
     "reward.folds=2",
     "reward.fold_updates=3",
-    "reward.perturbed_copies=2",
     "cloning.epochs=1",
     "policy.n_envs=4",
     "policy.n_steps=16",

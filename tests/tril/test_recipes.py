@@ -134,7 +134,7 @@ def test_values_that_do_not_go_together_are_refused() -> None:
     with pytest.raises(Invalid, match="perfect_share and perturbed_share must not add up"):
         with_values(FAST_0_2, {"reward.perfect_share": 0.7})
     with pytest.raises(Invalid, match="free_share and end_share must not add up"):
-        with_values(FAST, {"reward.end_share": 0.9})
+        with_values(FAST_0_2, {"reward.end_share": 0.9})
     with pytest.raises(Invalid, match=r"n_minibatches must not be more than n_envs \* n_steps"):
         with_values(FAST, {"policy.n_envs": 1, "policy.n_steps": 4})
 

@@ -25,7 +25,7 @@ from tril.game.console import Console
 from tril.game.episode import Episode, EpisodeState
 from tril.game.observation import Observations
 from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
-from tril.recording import replay, trajectory
+from tril.recording import Verified, replay, trajectory
 
 N_GAMES = 1200
 """Games of varied play that the networks that ship with Tril have learned from."""
@@ -80,6 +80,17 @@ class Screens:
     outcomes: npt.NDArray[np.bool_]
     standing: npt.NDArray[np.bool_]
 
+    def with_games(self, more: Screens) -> Screens:
+        """Return these screens with those of more games."""
+        n_games = int(self.games[-1]) + 1
+        return Screens(
+            np.concatenate([self.observations, more.observations]),
+            np.concatenate([self.bits, more.bits]),
+            np.concatenate([self.games, more.games + n_games]),
+            np.concatenate([self.outcomes, more.outcomes]),
+            np.concatenate([self.standing, more.standing]),
+        )
+
     def memory(self, which: npt.NDArray[np.int64]) -> Targets:
         """Return these bits of the memory as what is predicted."""
         return Targets("bits", self.bits[:, which])
@@ -102,18 +113,32 @@ class Screens:
         return np.flatnonzero((share > RARE) & (share < 1 - RARE))
 
 
-def play_games(n_games: int, seed: int, n_processes: int, *, look_ahead: bool = False) -> Screens:
-    """Play varied games and keep some of their states.
+Player = Callable[[np.random.Generator, Console], Verified]
+"""Plays a game."""
+
+
+def play_games(
+    n_games: int,
+    seed: int,
+    n_processes: int,
+    *,
+    player: Player = play_varied,
+    look_ahead: bool = False,
+) -> Screens:
+    """Play games and keep some of their states.
 
     Args:
         n_games: How many games.
         seed: Seeds all draws.
         n_processes: Processes that play; affects the speed only.
+        player: Plays each; a function of a module.
         look_ahead: Whether to find out what each move would lead to, which takes most of the time.
     """
     pool = ProcessPoolExecutor(n_processes, mp_context=get_context("spawn"))
     with pool:
-        played = list(pool.map(partial(_play_game, seed, look_ahead), range(n_games), chunksize=8))
+        played = list(
+            pool.map(partial(_play_game, seed, player, look_ahead), range(n_games), chunksize=8)
+        )
     observations, bits, outcomes, standing = zip(*played, strict=True)
     lengths = [len(one) for one in bits]
     return Screens(
@@ -126,11 +151,11 @@ def play_games(n_games: int, seed: int, n_processes: int, *, look_ahead: bool = 
 
 
 def _play_game(
-    seed: int, look_ahead: bool, number: int
+    seed: int, player: Player, look_ahead: bool, number: int
 ) -> tuple[Observations, npt.NDArray[np.bool_], npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     rng = np.random.default_rng([seed, number])
     console = _console()
-    recording = play_varied(rng, console).recording
+    recording = player(rng, console).recording
     kept = slice(int(rng.integers(KEPT_STEPS)), None, KEPT_STEPS)
     memory: list[npt.NDArray[np.uint8]] = []
     standing: list[npt.NDArray[np.bool_]] = []

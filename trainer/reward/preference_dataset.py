@@ -115,7 +115,7 @@ class PreferenceDataset:
         """
         observed = [ObservedTrajectory(trajectory.observations) for trajectory in trajectories]
         indices = []
-        if recipe.perfect_share or recipe.perturbed_share:
+        if recipe.uses_perfect:
             for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:
@@ -152,12 +152,21 @@ class PreferenceDataset:
         ranked = set(self.ranked)
         return tuple(index for index in self.perfect if index not in ranked)
 
-    def score(self, model: RewardModel, index: int) -> npt.NDArray[np.float32]:
-        """Return R of a trajectory's observations, float32 (N,), by a model of this recipe."""
+    def score(
+        self, model: RewardModel, index: int, last: int | None = None
+    ) -> npt.NDArray[np.float32]:
+        """Return R of a trajectory's observations, float32 (N,), by a model of this recipe.
+
+        Args:
+            model: The model.
+            index: Of the trajectory.
+            last: How many observations are scored, the last ones; None scores all.
+        """
         observed = self.trajectories[index]
+        scored = slice(None if last is None else -last, None)
         if self.recipe.pretrained:
-            return model.score_features(observed.features)
-        return model.score(observed.observations)
+            return model.score_features(observed.features[scored])
+        return model.score(observed.observations[scored])
 
     def without(self, held_out: Collection[int]) -> PreferenceDataset:
         """Return the dataset without some trajectories and without their perturbed copies."""

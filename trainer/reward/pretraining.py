@@ -31,9 +31,14 @@ from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_game
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from trainer.reward.model import Order, RewardNetwork, network_of
+from tril.demonstrator.varied_play import play_low_rows
 from tril.game.observation import Observations
 
 WEIGHTS = Path(__file__).with_name("pretrained.safetensors")
+
+N_LOW_ROWS = 600
+"""Games that clear the lowest rows. Varied play hardly shows a row without aliens below others, and
+a network that has seen none of that takes it for something else."""
 
 N_EPOCHS = 12
 
@@ -101,12 +106,17 @@ def main() -> None:
     """Make the weights anew."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--games", type=int, default=N_GAMES)
+    parser.add_argument("--low-rows", type=int, default=N_LOW_ROWS)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("-o", "--output", type=Path, default=WEIGHTS)
     arguments = parser.parse_args()
-    screens = play_games(arguments.games, arguments.seed, arguments.processes)
-    network, figures = pretrain(screens, arguments.seed)
+    seed, n_processes = arguments.seed, arguments.processes
+    screens = play_games(arguments.games, seed, n_processes)
+    if arguments.low_rows:
+        low = play_games(arguments.low_rows, seed, n_processes, player=play_low_rows)
+        screens = screens.with_games(low)
+    network, figures = pretrain(screens, seed)
     halves = {name: one.half() for name, one in network.state_dict().items()}
     metadata = {"figures": json.dumps(figures), "order": network.order}
     save_tensors(arguments.output, halves, metadata)

@@ -24,6 +24,7 @@ from trainer.reward.fragment_logits import FragmentLogits, PrefixSumLogits, Seed
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import pretrained_network
+from trainer.reward.wanted_aliens import WantedAliensTrainer
 from tril.errors import Invalid
 from tril.recording import LEVEL_STEPS
 
@@ -61,7 +62,7 @@ def train_reward_model(
     recipe = dataset.recipe
     networks = []
     for member in range(recipe.ensemble):
-        trainer = RewardTrainer(
+        trainer = network_trainer(
             dataset,
             recipe.updates,
             (training_seed, member),
@@ -70,7 +71,20 @@ def train_reward_model(
         )
         total = recipe.ensemble * recipe.updates
         networks.append(trainer.train(OffsetProgress(progress, member * recipe.updates, total)))
-    return calibrate(networks, dataset, standardise=recipe.method == "fast").on(CPU)
+    return calibrate(networks, dataset, standardise=recipe.method != "paper").on(CPU)
+
+
+def network_trainer(
+    dataset: PreferenceDataset,
+    updates: int,
+    seed: Seed,
+    checkpoint: Path | None = None,
+    device: torch.device = CPU,
+) -> RewardTrainer | WantedAliensTrainer:
+    """Return what trains one network by the dataset's recipe; the arguments are RewardTrainer's."""
+    if dataset.recipe.method == "posterior":
+        return WantedAliensTrainer(dataset, updates, seed)
+    return RewardTrainer(dataset, updates, seed, checkpoint, device)
 
 
 class RewardTrainer:

@@ -19,8 +19,12 @@ REWARD_READINGS_PER_S = 6_000.0
 """Observations that a pretrained reward model's layers read, each once."""
 REWARD_UPDATE_S = 0.003
 """Overhead of an update of the reward model, besides its observations."""
+GIBBS_PASS_S = 0.001
+"""A pass over the labels of 36 aliens with a dozen games or two."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
+FROZEN_STEPS_PER_S = 1_400.0
+"""With the convolutions of the small network as they are."""
 DAGGER_LABELS_PER_S = 100.0
 DAGGER_EPOCHS_SHARE = 0.4
 """Of the passes that early stopping leaves."""
@@ -50,7 +54,10 @@ def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     judging_s = recipe.policy.snapshot_episodes * MEAN_STEPS / EVALUATION_STEPS_PER_S
     if recipe.method != "dagger":
         snapshots = 1 + sum(due <= steps for due in recipe.policy.snapshot_steps)
-        return snapshots * judging_s + steps / IMITATOR_STEPS_PER_S[recipe.policy.network]
+        rate = IMITATOR_STEPS_PER_S[recipe.policy.network]
+        if recipe.policy.freeze_convolutions:
+            rate = max(rate, FROZEN_STEPS_PER_S)
+        return snapshots * judging_s + steps / rate
     iterations = max(1.0, steps / recipe.dagger.steps_per_iteration)
     # Every iteration learns from everything collected so far.
     learned = recipe.cloning.epochs * steps * (iterations + 1) / 2
@@ -72,6 +79,8 @@ def _reading_seconds(reward: RewardRecipe) -> float:
 
 def _learning_seconds(reward: RewardRecipe) -> float:
     """Return the seconds that the training of one reward network takes."""
+    if reward.method == "posterior":
+        return reward.updates * GIBBS_PASS_S
     if reward.pretrained:
         return reward.updates * REWARD_UPDATE_S
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S

@@ -46,9 +46,10 @@ class RewardRecipe:
     Attributes:
         method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
             and its published code); "fast" scores every demonstration once per update and builds
-            all fragment sums from prefix sums.
+            all fragment sums from prefix sums; "posterior" infers which aliens are wanted, see
+            trainer.reward.wanted_aliens, and needs neither fragments nor a learning rate.
         learning_rate: Adam's learning rate.
-        updates: Gradient updates.
+        updates: Gradient updates; method "posterior": passes of Gibbs sampling.
         fragment_pairs: Method "paper": size of the fixed set of fragment pairs that the updates
             pass over; 0 draws new pairs for every update.
         pairs_per_update: Batch size, in fragment pairs.
@@ -71,14 +72,14 @@ class RewardRecipe:
         perturbed_copies: Perturbed copies of each perfect demonstration.
         ensemble: Number of reward networks, whose standardised outputs are averaged.
         folds: Cross-validation folds that measure the held-out accuracy; 0 skips the measurement.
-        fold_updates: Gradient updates of each fold's network.
+        fold_updates: ``updates`` of each fold's network.
         fold_stride: ``observation_stride`` of the folds' networks; 0 means the same.
         weight_decay: L2 penalty.
         pretrained: Whether the layers below the output are those that ship with Tril, see
             trainer.reward.pretraining, and only the output is learned.
     """
 
-    method: Literal["paper", "fast"] = "paper"
+    method: Literal["paper", "fast", "posterior"] = "paper"
     learning_rate: Positive = 5e-5
     updates: Count = 30_000
     fragment_pairs: CountOrNone = 6_000
@@ -105,7 +106,14 @@ class RewardRecipe:
             raise ValueError("perfect_share and perturbed_share must not add up to more than 1")
         if self.free_share + self.end_share > 1.0:
             raise ValueError("free_share and end_share must not add up to more than 1")
+        if self.method == "posterior" and not self.pretrained:
+            raise ValueError("method posterior needs pretrained to be true")
         return self
+
+    @property
+    def uses_perfect(self) -> bool:
+        """Whether the reward is learned from the perfect demonstrations, too."""
+        return self.method == "posterior" or self.perfect_share + self.perturbed_share > 0.0
 
     @property
     def of_fold(self) -> RewardRecipe:

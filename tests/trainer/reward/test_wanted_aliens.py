@@ -1,0 +1,248 @@
+"""Which aliens are wanted, inferred from what games show on their screens."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from tests.trainer.samples import RecordingProgress
+from trainer.progress import NullProgress
+from trainer.reward import preference_dataset
+from trainer.reward.check import check_ranking
+from trainer.reward.model import RewardModel, swept_to
+from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
+from trainer.reward.reward_trainer import train_reward_model
+from trainer.reward.wanted_aliens import (
+    Hits,
+    Posterior,
+    WantedAliensTrainer,
+    learned_order,
+    log_prior,
+)
+from tril.errors import Invalid
+from tril.recipes import FAST, with_values
+from tril.recording import Trajectory
+
+RECIPE = replace(FAST.reward, updates=60, fold_updates=60)
+
+N_STEPS = 200
+APART = 12
+"""Steps from one hit to the next."""
+
+COLUMN_3 = (2, 8, 14, 20, 26, 32)
+ROW_1 = (0, 1, 2, 3, 4, 5)
+
+
+@pytest.fixture(autouse=True)
+def _screens_that_hold_what_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    def read(observations: np.ndarray) -> Tensor:
+        left = torch.from_numpy(observations[:, 0, 0, :36] / 255.0).float()
+        return torch.cat([left, swept_to(left)], 1)
+
+    monkeypatch.setattr(preference_dataset, "read_features", read)
+
+
+def game(aliens: Sequence[int], n_steps: int = N_STEPS) -> Trajectory:
+    """Return a game that hits aliens in turn, whose screens hold which are left."""
+    screens = np.zeros((n_steps + 1, 4, 84, 84), np.uint8)
+    screens[:, 0, 0, :36] = 255
+    for number, alien in enumerate(aliens, start=1):
+        screens[number * APART :, 0, 0, alien] = 0
+    return Trajectory(screens, np.zeros(n_steps, np.int64))
+
+
+def hits(aliens: Sequence[int], n_steps: int = N_STEPS) -> Hits:
+    """Return what such a game hits."""
+    return Hits.read(preference_dataset.read_features(game(aliens, n_steps).observations).numpy())
+
+
+def dataset(
+    ranked: Sequence[Sequence[int]], perfect: Sequence[Sequence[int]] = ()
+) -> PreferenceDataset:
+    """Return the dataset of games by what they hit, those ranked from best to worst."""
+    further = [game(aliens) for aliens in perfect]
+    return PreferenceDataset.from_demonstrations(
+        [game(aliens) for aliens in ranked],
+        [[index] for index in range(len(ranked))],
+        RECIPE,
+        PerfectDemonstrations(further, [None] * len(further)),
+    )
+
+
+def labels(data: PreferenceDataset, seed: int = 0) -> np.ndarray:
+    """Return what hitting each alien adds to R, without order; float32 (36,)."""
+    network = WantedAliensTrainer(data, 100, (seed,)).train(NullProgress())
+    return -network.output.weight.detach().numpy()[0, :36]
+
+
+COLUMN_3_RANKING = [
+    COLUMN_3,
+    COLUMN_3[:5],
+    COLUMN_3[:4],
+    COLUMN_3[:3],
+    COLUMN_3[:2],
+    COLUMN_3[:1],
+    (),
+    (1,),
+    (1, 7, 13),
+    (1, 3, 9, 7, 4),
+    (1, 3, 9, 7, 4, 0, 10, 6),
+]
+
+
+def test_hits_are_the_first_screens_without_the_aliens() -> None:
+    found = hits([2, 8, 0])
+    assert np.flatnonzero(found.gone).tolist() == [0, 2, 8]
+    assert [found.steps[alien] for alien in (2, 8, 0)] == [APART, 2 * APART, 3 * APART]
+
+
+def test_an_alien_that_is_misread_for_a_while_does_not_count_as_back() -> None:
+    features = preference_dataset.read_features(game([2, 8]).observations).numpy()
+    features[40:60, 2] = 1.0
+    features[100:104, 7] = 0.0
+    found = Hits.read(features)
+    assert np.flatnonzero(found.gone).tolist() == [2, 8]
+    assert found.steps[2] == APART
+
+
+def test_an_alien_is_in_reach_while_it_is_the_lowest_of_its_column() -> None:
+    found = hits([2, 8, 0])
+    assert np.flatnonzero(found.in_reach).tolist() == [0, 1, 2, 3, 4, 5, 6, 8, 14]
+    # The game ends too soon after the second hit for the third to have been in reach.
+    assert not hits([2, 8], 2 * APART + 20).in_reach[14]
+
+
+def test_rows_are_swept_from_their_left_ends() -> None:
+    assert np.flatnonzero(hits([0, 1, 3, 6, 8]).swept).tolist() == [0, 1, 6]
+
+
+def test_an_order_is_learned_from_games_that_keep_it() -> None:
+    in_order = [hits(ROW_1), hits(ROW_1), hits(ROW_1[:4])]
+    assert learned_order(in_order)[:6].tolist() == [0, 1, 1, 1, 1, 1]
+    reverse = [hits(ROW_1[::-1])] * 3
+    assert not learned_order(reverse).any()
+    # One of three games hits the second alien before the first: 2 * 2/3 - 1.
+    mixed = learned_order([*in_order[:2], hits([1, 0, 2, 3, 4, 5])])
+    assert mixed[1] == pytest.approx(1 / 3)
+    assert mixed[2] == 1.0
+    # One game alone says nothing, nor do those that leave the row unfinished.
+    assert not learned_order([hits(ROW_1), hits([0, 2])]).any()
+
+
+def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
+    best = [hits(COLUMN_3)] * 10 + [hits(COLUMN_3[:5], 5 * APART + 10)] * 3
+    by_column = log_prior(best)
+    assert by_column.shape == (6, 7)
+    # The last alien was out of reach in the games that ended early.
+    assert by_column.argmax(1).tolist() == [0, 0, 6, 0, 0, 0]
+    # Nobody says that the aliens behind those that are left alone are unwanted, too.
+    row = log_prior([hits(ROW_1)] * 10)
+    assert row.argmax(1).tolist() == [1] * 6
+
+
+@pytest.mark.parametrize("perfect", [[], [COLUMN_3] * 6])
+def test_the_aliens_of_a_column_are_wanted_and_others_are_not(
+    perfect: list[tuple[int, ...]],
+) -> None:
+    found = labels(dataset(COLUMN_3_RANKING, perfect))
+    wanted = found[list(COLUMN_3)]
+    assert (wanted > 0.7).all(), wanted
+    others = np.delete(found, COLUMN_3)
+    assert (others < 0.0).all(), others
+    assert (others[:4] < -0.5).all(), others
+
+
+def test_a_few_games_in_wrong_places_change_little() -> None:
+    swapped = [*COLUMN_3_RANKING]
+    swapped[2], swapped[3] = swapped[3], swapped[2]
+    swapped[7], swapped[8] = swapped[8], swapped[7]
+    right, wrong = labels(dataset(COLUMN_3_RANKING)), labels(dataset(swapped))
+    assert np.array_equal(right > 0, wrong > 0)
+    assert np.abs(right - wrong).max() < 0.4
+
+
+def test_a_row_that_the_best_games_sweep_pays_as_far_as_it_is_swept() -> None:
+    ranking = [ROW_1, ROW_1[:5], ROW_1[:4], ROW_1[:3], ROW_1[:1], (), (3,), (3, 2, 9), (3, 8, 9, 2)]
+    data = dataset(ranking, [ROW_1] * 3)
+    model = train_reward_model(data, 3, NullProgress())
+
+    def level(aliens: Sequence[int]) -> float:
+        features = preference_dataset.read_features(game(aliens).observations[-1:])
+        return float(model.level(model.score_features(features))[0])
+
+    up_to = [level(ROW_1[:count]) for count in range(7)]
+    assert (np.diff(up_to) > 0.1).all(), up_to
+    # Out of order the same aliens pay only once the row is complete up to them.
+    assert level((0, 2, 3, 4, 5)) == pytest.approx(level((0,)), abs=0.02)
+    assert level(ROW_1[::-1]) == pytest.approx(level(ROW_1), abs=0.02)
+
+
+def test_the_check_passes_a_ranking_and_stops_random_ones() -> None:
+    data = dataset(COLUMN_3_RANKING, [COLUMN_3] * 3)
+    model = train_reward_model(data, 1, NullProgress())
+    check, model = check_ranking(model, data, 1, NullProgress())
+    assert check.passed, check
+    assert check.tau > 0.95
+    assert model.spread is not None
+    passed = []
+    for seed in range(8):
+        order = np.random.default_rng(seed).permutation(len(COLUMN_3_RANKING))
+        shuffled = replace(data, tiers=tuple(data.tiers[index] for index in order))
+        model = train_reward_model(shuffled, 1, NullProgress())
+        passed.append(check_ranking(model, shuffled, 1, NullProgress())[0].passed)
+    assert sum(passed) <= 1, passed
+
+
+def test_the_same_training_seed_gives_the_same_labels() -> None:
+    data = dataset(COLUMN_3_RANKING)
+    assert np.array_equal(labels(data), labels(data))
+    assert not np.array_equal(labels(data), labels(data, seed=1))
+
+
+def test_the_posterior_is_what_all_combinations_give() -> None:
+    ranking = [(2, 8), (2,), (3,), (3, 9)]
+    played = {index: hits(aliens) for index, aliens in enumerate(ranking)}
+    pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
+    prior = log_prior([played[0]])
+    posterior = Posterior(played, pairs, prior, np.zeros(36))
+    rng = np.random.default_rng(0)
+    sampled = np.mean([posterior.sample(rng) for _ in range(3_000)], axis=0)
+    # Only the third and the fourth column are told apart by the ranking.
+    numbers = np.arange(7)
+    n_third, n_fourth = np.meshgrid(numbers, numbers, indexing="ij")
+
+    def worth(aliens: Sequence[int]) -> np.ndarray:
+        total = np.zeros((7, 7))
+        for alien in aliens:
+            row, column = divmod(alien, 6)
+            total += np.where(row < (n_third if column == 2 else n_fourth), 1.0, -1.0)
+        return total
+
+    log_odds = prior[2][:, None] + prior[3][None]
+    for better, worse in pairs:
+        gap = worth(ranking[better]) - worth(ranking[worse])
+        log_odds += np.log(0.1 + 0.8 / (1.0 + np.exp(-gap)))
+    odds = np.exp(log_odds - log_odds.max())
+    odds /= odds.sum()
+    np.testing.assert_allclose(sampled[2], odds.sum(1), atol=0.02)
+    np.testing.assert_allclose(sampled[3], odds.sum(0), atol=0.02)
+
+
+def test_progress_is_reported_and_cancels() -> None:
+    progress = RecordingProgress()
+    model = train_reward_model(
+        replace(dataset(COLUMN_3_RANKING), recipe=replace(RECIPE, updates=5)), 7, progress
+    )
+    assert isinstance(model, RewardModel)
+    assert progress.done[-5:] == [1, 2, 3, 4, 5]
+    assert [set(values) for _, values in progress.points] == [{"loss", "accuracy"}] * 5
+
+
+def test_the_method_needs_pretrained_layers() -> None:
+    with pytest.raises(Invalid, match="posterior needs pretrained"):
+        with_values(FAST, {"reward.pretrained": False})

@@ -1,0 +1,291 @@
+"""Inferring from a ranking and from the best games which aliens are wanted.
+
+A pretrained network's R is linear in which aliens are left and in how far rows have been swept. A
+dozen ranked games do not determine 66 weights, but they do say how many aliens of each column are
+wanted, counted from the bottom: one that is behind others can hardly be hit before them. Each of
+the 36 aliens then has a label, +1 if it is wanted and -1 if not, and R's weights are the labels'
+posterior means. As in Bayesian REX (Brown et al. 2020), the posterior is sampled from the
+likelihood of the preferences; the labels and the prior are ours.
+
+- Prior. Each further alien of a column is wanted with probability 0.3. The best games are meant as
+  all of the behaviour: of those that had an alien in reach, the number that hit it follows a
+  beta-binomial distribution, with parameters 1 and 1 if it is wanted, 1 and u if it is not. u is
+  the most likely one (empirical Bayes).
+- Likelihood. A game is worth the sum of the labels of what it hit. Of two games in different tiers,
+  the better one is ranked higher with probability 0.1 + 0.8 sigmoid(difference in worth).
+- Order. Where the best games that clear a row up to an alien have all done so from left to right,
+  the alien counts only once the row has been swept up to it.
+
+Which aliens a game hits, and when, is read off its screens alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import lgamma
+
+import numpy as np
+import numpy.typing as npt
+import torch
+
+from trainer.progress import Progress
+from trainer.reward.fragment_logits import Seed
+from trainer.reward.model import RewardNetwork
+from trainer.reward.preference_dataset import PreferenceDataset
+from trainer.reward.pretraining import pretrained_network
+from tril.game.space_invaders import COLUMNS, ROWS
+from tril.ranking import Pair, best_ranked
+
+Array = npt.NDArray[np.float64]
+
+N_ALIENS = ROWS * COLUMNS
+
+LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
+"""Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
+
+MISREAD = 0.05
+"""Least probability that an alien is read as left where it is gone, or the other way round."""
+
+WANTED = 0.3
+"""Probability that an alien is wanted if all below it in its column are."""
+
+UNWANTED = (5, 10, 20, 40, 80, 160)
+"""Values of u that are considered: an unwanted alien is hit about once in u + 1 games."""
+
+REACH_STEPS = 25
+"""Steps to the end of a game for which an alien that is the lowest of its column is in reach."""
+
+MISTAKES = 0.1
+"""Probability that two games are ranked the other way round, however much their worth differs."""
+
+MIN_SWEEPS = 2
+"""Best games that clear a row up to an alien, from which on their order says something."""
+
+BURN_IN = 0.2
+"""Share of the passes that are dropped."""
+
+_POINTS = 200
+"""Most points of a curve."""
+
+_STREAM = 0
+"""Number of the random stream."""
+
+
+@dataclass(frozen=True)
+class Hits:
+    """What a game hits.
+
+    Attributes:
+        steps: The step after which each alien of the full grid is gone, row by row, inf if it is
+            left, float64 (36,).
+        n_steps: Length of the game.
+    """
+
+    steps: Array
+    n_steps: int
+
+    @classmethod
+    def read(cls, features: Array) -> Hits:
+        """Read them off a game's screens.
+
+        The steps are the most likely ones if the readings of single screens were independent, so
+        that an alien which is misread for a while does not count as back.
+
+        Args:
+            features: What a pretrained network reads, (N, 36 or more): the probabilities that the
+                aliens are left.
+        """
+        left = np.clip(features[:, :N_ALIENS], MISREAD, 1.0 - MISREAD)
+        # How much more likely the screens before a step are if the alien is left until then.
+        gain = np.zeros((len(left) + 1, N_ALIENS))
+        np.cumsum(np.log(left) - np.log1p(-left), axis=0, out=gain[1:])
+        steps = gain.argmax(0)
+        return cls(np.where(steps < len(left), steps.astype(float), np.inf), len(left))
+
+    @property
+    def gone(self) -> npt.NDArray[np.bool_]:
+        """Which aliens are gone in the end, bool (36,)."""
+        return np.isfinite(self.steps)
+
+    @property
+    def swept(self) -> npt.NDArray[np.bool_]:
+        """Up to which aliens the rows are swept in the end, bool (36,)."""
+        gone = self.gone.reshape(ROWS, COLUMNS)
+        return np.logical_and.accumulate(gone, axis=1).ravel()
+
+    @property
+    def in_reach(self) -> npt.NDArray[np.bool_]:
+        """Which aliens are hit or could have been, bool (36,)."""
+        grid = self.steps.reshape(ROWS, COLUMNS)
+        lowest_from = np.zeros_like(grid)
+        np.maximum.accumulate(grid[:-1], axis=0, out=lowest_from[1:])
+        could = lowest_from <= self.n_steps - REACH_STEPS
+        return self.gone | could.ravel()
+
+
+def learned_order(best: Sequence[Hits]) -> Array:
+    """Return how surely each alien counts only once its row is swept up to it, float64 (36,).
+
+    It is 1 if all games that clear the row up to the alien have hit it last, 0 if half of them or
+    fewer have, and in proportion between.
+
+    Args:
+        best: Of the best games.
+    """
+    grid = np.stack([one.steps for one in best]).reshape(-1, ROWS, COLUMNS)
+    order = np.zeros((ROWS, COLUMNS))
+    for column in range(1, COLUMNS):
+        before, own = grid[:, :, :column].max(2), grid[:, :, column]
+        n_cleared = (np.isfinite(before) & np.isfinite(own)).sum(0)
+        n_in_order = ((before < own) & np.isfinite(own)).sum(0)
+        share = n_in_order / np.maximum(n_cleared, 1)
+        order[:, column] = (2.0 * share - 1.0).clip(0.0) * (n_cleared >= MIN_SWEEPS)
+    return order.ravel()
+
+
+def log_prior(best: Sequence[Hits]) -> Array:
+    """Return that of how many aliens of each column are wanted, float64 (6, 7), but for a constant.
+
+    Args:
+        best: Of the best games.
+    """
+    n_hit = np.sum([one.gone for one in best], axis=0).tolist()
+    n_reached = np.sum([one.in_reach for one in best], axis=0).tolist()
+
+    def of_hits(u: int) -> Array:
+        """Return the log probability of each alien's hits with parameters 1 and u, (6, 1, 6)."""
+        found = [_log_beta_binomial(k, n, u) for k, n in zip(n_hit, n_reached, strict=True)]
+        return np.reshape(found, (ROWS, COLUMNS)).T[:, None]
+
+    n_wanted = np.arange(ROWS + 1)
+    own = n_wanted * np.log(WANTED) + (n_wanted < ROWS) * np.log1p(-WANTED)
+    wanted = of_hits(1)
+    candidates = [own + np.where(LABELS > 0, wanted, of_hits(u)).sum(2) for u in UNWANTED]
+    return max(candidates, key=lambda one: np.logaddexp.reduce(one, axis=1).sum())
+
+
+def _log_beta_binomial(k: int, n: int, u: int) -> float:
+    """Return the log probability of certain k of n, under parameters 1 and u."""
+    return lgamma(k + 1) + lgamma(n - k + u) - lgamma(n + 1 + u) - lgamma(u) + lgamma(1 + u)
+
+
+class Posterior:
+    """Of how many aliens of each column are wanted.
+
+    Args:
+        hits: By game.
+        pairs: Games, the better one first.
+        prior: See log_prior.
+        order: See learned_order.
+    """
+
+    def __init__(
+        self, hits: dict[int, Hits], pairs: Sequence[Pair], prior: Array, order: Array
+    ) -> None:
+        counted = {
+            index: (1.0 - order) * one.gone + order * one.swept for index, one in hits.items()
+        }
+        more = np.stack([counted[better] - counted[worse] for better, worse in pairs])
+        columns = more.reshape(-1, ROWS, COLUMNS).transpose(2, 0, 1)
+        # How much more the better game is worth, by column, pair and number of wanted aliens.
+        self._worth = columns @ LABELS.T
+        self._prior = prior
+        self._wanted = prior.argmax(1)
+        self._difference = self._worth[np.arange(COLUMNS), :, self._wanted].sum(0)
+
+    def sample(self, rng: np.random.Generator) -> Array:
+        """Draw the number of wanted aliens of one column after another (Gibbs sampling).
+
+        Returns:
+            The probability of each number, given the other columns', float64 (6, 7).
+        """
+        found = np.empty_like(self._prior)
+        for column, worth in enumerate(self._worth):
+            others = self._difference - worth[:, self._wanted[column]]
+            differences = others[:, None] + worth
+            log_odds = self._prior[column] + np.log(_probability(differences)).sum(0)
+            odds = np.exp(log_odds - log_odds.max())
+            found[column] = odds / odds.sum()
+            self._wanted[column] = rng.choice(ROWS + 1, p=found[column])
+            self._difference = differences[:, self._wanted[column]]
+        return found
+
+    @property
+    def loss(self) -> float:
+        """The cross entropy of the ranking at the last draw."""
+        return float(-np.log(_probability(self._difference)).mean())
+
+    @property
+    def accuracy(self) -> float:
+        """The share of pairs that are ordered as ranked at the last draw."""
+        return float((self._difference > 0).mean())
+
+
+def _probability(differences: Array) -> Array:
+    """Return that of ranking games as they are, by how much more the better ones are worth."""
+    probability: Array = MISTAKES + (1.0 - 2.0 * MISTAKES) / (1.0 + np.exp(-differences))
+    return probability
+
+
+class WantedAliensTrainer:
+    """Infers which aliens are wanted, and makes a reward network of it.
+
+    Args:
+        dataset: What it is inferred from.
+        passes: Of Gibbs sampling over all columns (Geman and Geman 1984).
+        seed: Seeds all random numbers.
+    """
+
+    def __init__(self, dataset: PreferenceDataset, passes: int, seed: Seed) -> None:
+        self._dataset = dataset
+        self._passes = passes
+        self._rng = np.random.default_rng([*seed, _STREAM])
+
+    def train(self, progress: Progress) -> RewardNetwork:
+        """Return the network; ``progress`` counts passes."""
+        dataset = self._dataset
+        best = sorted({*best_ranked(dataset.tiers), *dataset.perfect})
+        hits = {}
+        for index in dict.fromkeys((*dataset.ranked, *best)):
+            hits[index] = Hits.read(dataset.trajectories[index].features.numpy())
+            progress.advance(0, self._passes)
+        hits_of_best = [hits[index] for index in best]
+        order = learned_order(hits_of_best)
+        posterior = Posterior(hits, dataset.pairs, log_prior(hits_of_best), order)
+        labels = self._sample(posterior, progress)
+        network = pretrained_network(self._rng)
+        set_labels(network, labels, order)
+        return network
+
+    def _sample(self, posterior: Posterior, progress: Progress) -> Array:
+        """Return the labels' posterior means, float64 (36,), -1 to 1."""
+        first = int(BURN_IN * self._passes)
+        interval = max(1, self._passes // _POINTS)
+        probabilities = np.zeros((COLUMNS, ROWS + 1))
+        for number in range(1, self._passes + 1):
+            drawn = posterior.sample(self._rng)
+            if number > first:
+                probabilities += drawn / (self._passes - first)
+            values = None
+            if number % interval == 0 or number == self._passes:
+                values = {"loss": posterior.loss, "accuracy": posterior.accuracy}
+            progress.advance(number, self._passes, values)
+        labels: Array = (probabilities @ LABELS).T.ravel()
+        return labels
+
+
+def set_labels(network: RewardNetwork, labels: Array, order: Array) -> None:
+    """Make a pretrained network's R the sum of the labels of what has been hit.
+
+    Args:
+        network: Its output is changed.
+        labels: What each alien is worth, float64 (36,).
+        order: See learned_order.
+    """
+    flags = -labels * (1.0 - order)
+    swept = (labels * order).reshape(ROWS, COLUMNS)[:, 1:]
+    weights = np.concatenate([flags, swept.ravel()])
+    with torch.no_grad():
+        network.output.weight.copy_(torch.from_numpy(weights)[None])
+        network.output.bias.zero_()
