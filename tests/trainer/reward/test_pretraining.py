@@ -26,17 +26,24 @@ from trainer.reward.pretraining import (
     read_features,
 )
 from trainer.reward.reward_trainer import train_reward_model
+from tril.behaviours import ROW_1
+from tril.demonstrator.player import ScriptedPlayer, draw_style
 from tril.errors import Invalid
 from tril.game.console import Console
 from tril.game.episode import Episode
 from tril.game.observation import AgentView
+from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP
 from tril.game.starts import Start
 from tril.recipes import RewardRecipe
+from tril.recording import Recorder, trajectory
 
 ALIENS_LEFT = 17 * 8
 """First bit of the number of aliens left, see space_invaders."""
 
 N_GAMES = 5
+
+SETTLED_STEPS = 5
+"""After a hit, until the alien's explosion is gone."""
 
 PRETRAINED = RewardRecipe(
     method="fast", pretrained=True, updates=3, pairs_per_update=16, fragment_min_steps=4
@@ -99,6 +106,30 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
     # All aliens are left, so that nothing has been swept.
     assert (read[:, :36] > 0.9).all()
     assert (read[:, 36:] < 0.1).all()
+
+
+def test_the_weights_that_ship_see_that_a_row_stays_swept() -> None:
+    # Networks pretrained on varied play alone took the row's first alien for left again.
+    console = Console()
+    recorder = Recorder(Episode(console, Start(4)))
+    assert ROW_1.target is not None
+    rng = np.random.default_rng(2)
+    ScriptedPlayer(recorder, ROW_1.target, draw_style(rng), rng).play()
+    played = trajectory(recorder.recording(), console)
+    assert [(hit.row, hit.column) for hit in played.hits] == list(ROW_1.target)
+    swept = -(-played.hits[-1].frame // FRAMES_PER_STEP) + SETTLED_STEPS
+    left = read_features(played.observations[swept:])[:, :COLUMNS]
+    assert len(left) > 50
+    assert (left > 0.5).float().mean() < 0.01
+
+
+def test_games_are_put_together(screens: Screens) -> None:
+    both = screens.with_games(screens)
+    assert np.unique(both.games).tolist() == list(range(2 * N_GAMES))
+    n_states = len(screens.games)
+    assert np.array_equal(both.games[n_states:], screens.games + N_GAMES)
+    assert np.array_equal(both.observations[n_states:], screens.observations)
+    assert len(both.bits) == len(both.outcomes) == len(both.standing) == 2 * n_states
 
 
 def test_a_row_is_swept_as_far_as_all_aliens_from_its_left_end_are_gone() -> None:
