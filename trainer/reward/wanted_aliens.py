@@ -65,6 +65,8 @@ MIN_SWEEPS = 2
 BURN_IN = 0.2
 """Share of the passes that are dropped."""
 
+_TINY = 1e-6
+
 _POINTS = 200
 """Most points of a curve."""
 
@@ -273,6 +275,16 @@ class WantedAliensTrainer:
             progress.advance(number, self._passes, values)
         labels: Array = (probabilities @ LABELS).T.ravel()
         return labels
+
+
+def labels_of(network: RewardNetwork) -> tuple[Array, Array]:
+    """Return the labels and the order that ``set_labels`` was given, float64 (36,) each."""
+    weights = network.output.weight[0].detach().cpu().double().numpy()
+    swept = np.zeros((ROWS, COLUMNS))
+    swept[:, 1:] = weights[N_ALIENS:].reshape(ROWS, COLUMNS - 1)
+    labels = swept.ravel() - weights[:N_ALIENS]
+    order = np.divide(swept.ravel(), labels, out=np.zeros(N_ALIENS), where=abs(labels) > _TINY)
+    return labels, order
 
 
 def set_labels(network: RewardNetwork, labels: Array, order: Array) -> None:

@@ -63,17 +63,34 @@ class CheckFigures(Stored):
         return self.model_dump(include=set(CheckFigures.model_fields))
 
 
+class WantedAliens(Stored):
+    """Which aliens a reward model takes for wanted, of each alien of the 6x6 grid.
+
+    The lists have 36 members, row by row from the lowest, each row from the left.
+
+    Attributes:
+        labels: 1 for a wanted alien, -1 for one to be left alone, and in between where that is
+            not sure.
+        in_order: How surely an alien counts only once all on its left in its row are gone, 0 to 1.
+    """
+
+    labels: list[float]
+    in_order: list[float]
+
+
 class CheckVerdict(CheckFigures):
     """Whether the reward model has understood the ranking.
 
     Attributes:
         advice: What to do; empty if it passed.
         warning: Names tiers that can't be told apart although it passed, if any.
+        wanted: What it has inferred; None of rewards that are learned otherwise.
     """
 
     passed: bool
     advice: str
     warning: str = ""
+    wanted: WantedAliens | None = None
 
 
 class ConfusedTiers(Stored):

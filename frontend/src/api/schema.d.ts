@@ -2076,6 +2076,7 @@ export interface components {
             returns: components["schemas"]["RankedReturn"][];
             /** Tau */
             tau: number;
+            wanted: components["schemas"]["WantedAliens"] | null;
             /**
              * Warning
              * @default
@@ -2711,6 +2712,23 @@ export interface components {
          * @enum {string}
          */
         Verification: "pending" | "verified" | "failed";
+        /**
+         * WantedAliens
+         * @description Which aliens a reward model takes for wanted, of each alien of the 6x6 grid.
+         *
+         *     The lists have 36 members, row by row from the lowest, each row from the left.
+         *
+         *     Attributes:
+         *         labels: 1 for a wanted alien, -1 for one to be left alone, and in between where that is
+         *             not sure.
+         *         in_order: How surely an alien counts only once all on its left in its row are gone, 0 to 1.
+         */
+        WantedAliens: {
+            /** In Order */
+            in_order: number[];
+            /** Labels */
+            labels: number[];
+        };
         /**
          * WorkerJoining
          * @description A worker of another machine: its version of Tril and of the database's schema.

@@ -30,6 +30,7 @@ export type PolicyGamesSummary = Schemas["PolicyGamesSummary"];
 export type PolicySummary = Schemas["PolicySummary"];
 export type Ranking = Schemas["Ranking"];
 export type RankingCheck = Schemas["RankingCheck"];
+export type WantedAliens = Schemas["WantedAliens"];
 export type RankingOpinion = Schemas["RankingOpinion"];
 export type Recipe = Schemas["Recipe"];
 export type Recording = Schemas["Recording"];

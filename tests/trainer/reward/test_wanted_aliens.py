@@ -16,13 +16,16 @@ from trainer.reward import preference_dataset
 from trainer.reward.check import check_ranking
 from trainer.reward.model import RewardModel, swept_to
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
+from trainer.reward.pretraining import pretrained_network
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.wanted_aliens import (
     Hits,
     Posterior,
     WantedAliensTrainer,
+    labels_of,
     learned_order,
     log_prior,
+    set_labels,
 )
 from tril.errors import Invalid
 from tril.recipes import FAST, with_values
@@ -202,6 +205,17 @@ def test_the_same_training_seed_gives_the_same_labels() -> None:
     data = dataset(COLUMN_3_RANKING)
     assert np.array_equal(labels(data), labels(data))
     assert not np.array_equal(labels(data), labels(data, seed=1))
+
+
+def test_labels_and_order_are_read_off_a_network() -> None:
+    rng = np.random.default_rng(3)
+    network = pretrained_network(rng)
+    expected, order = rng.uniform(-1, 1, 36), rng.uniform(0, 1, 36)
+    order[::6] = 0.0
+    set_labels(network, expected, order)
+    found = labels_of(network)
+    np.testing.assert_allclose(found[0], expected, atol=1e-6)
+    np.testing.assert_allclose(found[1], order, atol=1e-4)
 
 
 def test_the_posterior_is_what_all_combinations_give() -> None:

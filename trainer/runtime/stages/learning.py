@@ -15,9 +15,10 @@ from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
+from trainer.reward.wanted_aliens import labels_of
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages.snapshots import keep_snapshot
-from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome
+from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome, WantedAliens
 from tril.game.console import Console
 
 
@@ -59,8 +60,14 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
         "final_levels": {ranked[i]: value for i, value in check.final_levels.items()},
         "advice": advice(check),
         "warning": warning(check),
+        "wanted": _wanted(data) if context.recipe.reward.method == "posterior" else None,
     }
     return RunOutcome(check=CheckOutcome.model_validate(found))
+
+
+def _wanted(data: RunData) -> WantedAliens:
+    labels, order = labels_of(data.reward_model.members[0])
+    return WantedAliens(labels=labels.round(3).tolist(), in_order=order.round(3).tolist())
 
 
 def learn_clone(data: RunData, progress: Progress) -> None:

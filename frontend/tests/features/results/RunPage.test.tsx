@@ -305,6 +305,13 @@ describe("the results", () => {
       passed: true,
       advice: "",
       warning: "",
+      wanted: {
+        labels: Array.from(
+          { length: 36 },
+          (_, index) => [1, -0.9, 0.9][index] ?? (index === 8 ? 0.2 : -0.95),
+        ),
+        in_order: Array.from({ length: 36 }, (_, index) => (index === 2 ? 1 : 0)),
+      },
       confused: [
         {
           better_tier: 1,
@@ -393,6 +400,24 @@ describe("the results", () => {
     expect(table.getByRole("button", { name: /^Watch best demonstration/ })).toBeVisible();
     expect(table.getByText("seen in training")).toBeVisible();
     expect(screen.getByText("1 further start")).toBeVisible();
+  });
+
+  it("show which aliens the reward wants, and which it is not sure of", async () => {
+    open(one, results);
+    const wanted = within(await screen.findByRole("region", { name: "What the reward wants" }));
+    const names = "row 1, column 1; row 1, column 3; row 2, column 3";
+    expect(
+      wanted.getByRole("img", { name: `To be hit: ${names}. Not sure: row 2, column 3` }),
+    ).toBeVisible();
+    expect(wanted.getByText(/^It is not sure of 1 alien, which has a frame/)).toBeVisible();
+    expect(wanted.getByText("In row 1, they count from left to right.")).toBeVisible();
+  });
+
+  it("say nothing of wanted aliens where the reward was learned otherwise", async () => {
+    const check = results.check && { ...results.check, wanted: null };
+    open(one, { ...results, check: check ?? null });
+    await screen.findByRole("table", { name: "Predicted returns" });
+    expect(screen.queryByRole("region", { name: "What the reward wants" })).toBeNull();
   });
 
   it("set predicted returns against tiers and mark what is out of order", async () => {

@@ -126,7 +126,7 @@ export const plan = (): readonly GroupPlan[] => [
       {
         title: t`Pair accuracy`,
         curves: [
-          { key: "accuracy", name: t`fragments` },
+          { key: "accuracy", name: t`training` },
           { key: "held_out_accuracy", name: t`held-out`, dashed: true },
         ],
         format: percentage,

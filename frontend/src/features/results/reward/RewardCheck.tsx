@@ -10,6 +10,7 @@ import { recordingName, describeScore } from "@/lib/recordings";
 
 import { ReturnsByTier } from "./ReturnsByTier";
 import styles from "./reward.module.css";
+import { WantedAliens } from "./WantedAliens";
 
 interface RewardCheckProps {
   check: RankingCheck;
@@ -23,6 +24,7 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
     <>
       <Numbers check={check} />
       <p className={styles.verdict}>{verdictOf(check)}</p>
+      {check.wanted && <WantedAliens inferred={check.wanted} behaviour={behaviour} />}
       {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
