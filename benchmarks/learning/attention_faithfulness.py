@@ -27,7 +27,6 @@ from trainer.explain.gradient import gradient_map
 from trainer.explain.patches import SIDE, STRIDE, patch_map
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel
-from trainer.reward.perturbation import perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN, Behaviour
@@ -89,12 +88,7 @@ def learned(
     if file is not None:
         return RewardModel.load(file), games
     best = [d.recording for d in shown if d.perfect]
-    copies = perturb_demonstrations(
-        best, recipe.perturbed_copies, np.random.default_rng(0), lambda: None
-    )
-    perfect = PerfectDemonstrations(
-        [trajectory(one, console) for one in best], [None] * len(best), copies
-    )
+    perfect = PerfectDemonstrations([trajectory(one, console) for one in best], [None] * len(best))
     tiers = [[index] for index in range(len(games))]
     dataset = PreferenceDataset.from_demonstrations(games, tiers, recipe, perfect)
     return train_reward_model(dataset, 0, NullProgress()), games

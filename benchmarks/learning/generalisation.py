@@ -1,14 +1,15 @@
 r"""How well rewards learned from games like a person's order games that they have not seen.
 
     python -m benchmarks.learning.generalisation column-2:2 column-4:2 \
-        --set reward.perturbed_share=0 --set "reward.learning_rate=0.02 reward.end_share=0.5"
+        --set reward.updates=100 \
+        --set "reward.method=fast reward.learning_rate=0.005 reward.updates=300"
 
 For each behaviour and seed, rewards are learned from twelve ranked games of a player who reacts
-after 250 ms, 24 games of varied play and the perturbed copies of twelve best efforts: first as
-`fast` learns them, then with the values of each `--set`. Prints Kendall's tau of the levels that
-unseen games end at with what they are worth: of own games, which a flawless and a person-like
-player played for the behaviour; of those of them without a stray; and of varied play. The first
-reward of a cell takes half a minute, the others some seconds.
+after 250 ms, 24 games of varied play and twelve best efforts: first as `fast` learns them, then
+with the values of each `--set`. Prints Kendall's tau of the levels that unseen games end at with
+what they are worth: of own games, which a flawless and a person-like player played for the
+behaviour; of those of them without a stray; and of varied play. The first reward of a cell takes
+half a minute, the others some seconds.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from testsupport.recipes import SMALLEST
@@ -51,6 +52,12 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
         behaviour = behaviours.by_slug(session, "column-2")
         (run,) = runs.listing(session, behaviour.id)
         assert run.status == RunStatus.DONE
+        check = run.outcome.check
+        assert check is not None
+        assert check.wanted is not None
+        labels = np.reshape(check.wanted.labels, (6, 6))
+        assert (labels[:, 1] > 0.5).all()
+        assert (labels[0, [0, 2]] < -0.5).all()
         demonstrations = recordings.listing(session, behaviour.id)
         assert {row.source for row in demonstrations} == {"scripted"}
         assert sum(row.perfect for row in demonstrations) == 12

@@ -203,6 +203,9 @@ def calibrate(
     rewards = _rewards(model, dataset, dict.fromkeys((*dataset.ranked, *best)))
     zero = float(np.mean([values[:LEVEL_STEPS].mean() for values in rewards.values()]))
     one = float(np.mean([rewards[index][-LEVEL_STEPS:].mean() for index in best]))
+    if dataset.recipe.method == "posterior":
+        # The best games may hit nothing; readings alone must not set the scale then.
+        one = max(one, zero + 1.0 / scales[0])
     if not one > zero:
         # Nothing was learned, which the check of the ranking reports. Any scale keeps R usable.
         one = zero + 1.0

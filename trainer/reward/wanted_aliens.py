@@ -3,9 +3,9 @@
 A pretrained network's R is linear in which aliens are left and in how far rows have been swept. A
 dozen ranked games do not determine 66 weights, but they do say how many aliens of each column are
 wanted, counted from the bottom: one that is behind others can hardly be hit before them. Each of
-the 36 aliens then has a label, +1 if it is wanted and -1 if not, and R's weights are the labels'
-posterior means. As in Bayesian REX (Brown et al. 2020), the posterior is sampled from the
-likelihood of the preferences; the labels and the prior are ours.
+the 36 aliens then has a label, +1 if it is wanted and -1 if not, and R is the sum of the labels'
+posterior means of what has been hit. As in Bayesian REX (Brown et al. 2020), the posterior is
+sampled from the likelihood of the preferences; the labels and the prior are ours.
 
 - Prior. Each further alien of a column is wanted with probability 0.3. The best games are meant as
   all of the behaviour: of those that had an alien in reach, the number that hit it follows a
@@ -13,8 +13,8 @@ likelihood of the preferences; the labels and the prior are ours.
   the most likely one (empirical Bayes).
 - Likelihood. A game is worth the sum of the labels of what it hit. Of two games in different tiers,
   the better one is ranked higher with probability 0.1 + 0.8 sigmoid(difference in worth).
-- Order. Where the best games that clear a row up to an alien have all done so from left to right,
-  the alien counts only once the row has been swept up to it.
+- Order. Where the best games that clear a row up to a wanted alien have hit it after all on its
+  left, it counts only once the row has been swept up to it.
 
 Which aliens a game hits, and when, is read off its screens alone.
 """
@@ -35,7 +35,7 @@ from trainer.reward.model import RewardNetwork
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import pretrained_network
 from tril.game.space_invaders import COLUMNS, ROWS
-from tril.ranking import Pair, best_ranked
+from tril.ranking import BEST_SHARE, Pair, best_ranked
 
 Array = npt.NDArray[np.float64]
 
@@ -54,21 +54,18 @@ UNWANTED = (5, 10, 20, 40, 80, 160)
 """Values of u that are considered: an unwanted alien is hit about once in u + 1 games."""
 
 REACH_STEPS = 25
-"""Steps to the end of a game for which an alien that is the lowest of its column is in reach."""
+"""Fewest steps to the end of a game with which the lowest alien of a column is in reach."""
 
 MISTAKES = 0.1
 """Probability that two games are ranked the other way round, however much their worth differs."""
 
-MIN_SWEEPS = 2
-"""Best games that clear a row up to an alien, from which on their order says something."""
-
 BURN_IN = 0.2
 """Share of the passes that are dropped."""
 
-_TINY = 1e-6
+_TINY = 1e-3
 
 _POINTS = 200
-"""Most points of a curve."""
+"""Of a curve, about."""
 
 _STREAM = 0
 """Number of the random stream."""
@@ -81,7 +78,7 @@ class Hits:
     Attributes:
         steps: The step after which each alien of the full grid is gone, row by row, inf if it is
             left, float64 (36,).
-        n_steps: Length of the game.
+        n_steps: Length of the game, in steps.
     """
 
     steps: Array
@@ -103,7 +100,7 @@ class Hits:
         gain = np.zeros((len(left) + 1, N_ALIENS))
         np.cumsum(np.log(left) - np.log1p(-left), axis=0, out=gain[1:])
         steps = gain.argmax(0)
-        return cls(np.where(steps < len(left), steps.astype(float), np.inf), len(left))
+        return cls(np.where(steps < len(left), steps.astype(float), np.inf), len(left) - 1)
 
     @property
     def gone(self) -> npt.NDArray[np.bool_]:
@@ -129,8 +126,9 @@ class Hits:
 def learned_order(best: Sequence[Hits]) -> Array:
     """Return how surely each alien counts only once its row is swept up to it, float64 (36,).
 
-    It is 1 if all games that clear the row up to the alien have hit it last, 0 if half of them or
-    fewer have, and in proportion between.
+    It grows in proportion from 0, where half of the games that clear the row up to the alien or
+    fewer have hit it last, to 1. The share is the posterior mean under Jeffreys' prior, so that two
+    games that agree make it 0.67, and ten 0.91.
 
     Args:
         best: Of the best games.
@@ -141,8 +139,8 @@ def learned_order(best: Sequence[Hits]) -> Array:
         before, own = grid[:, :, :column].max(2), grid[:, :, column]
         n_cleared = (np.isfinite(before) & np.isfinite(own)).sum(0)
         n_in_order = ((before < own) & np.isfinite(own)).sum(0)
-        share = n_in_order / np.maximum(n_cleared, 1)
-        order[:, column] = (2.0 * share - 1.0).clip(0.0) * (n_cleared >= MIN_SWEEPS)
+        share = (n_in_order + 0.5) / (n_cleared + 1.0)
+        order[:, column] = (2.0 * share - 1.0).clip(0.0)
     return order.ravel()
 
 
@@ -185,13 +183,10 @@ class Posterior:
     def __init__(
         self, hits: dict[int, Hits], pairs: Sequence[Pair], prior: Array, order: Array
     ) -> None:
-        counted = {
-            index: (1.0 - order) * one.gone + order * one.swept for index, one in hits.items()
-        }
-        more = np.stack([counted[better] - counted[worse] for better, worse in pairs])
-        columns = more.reshape(-1, ROWS, COLUMNS).transpose(2, 0, 1)
+        gone = {index: one.gone.astype(float) for index, one in hits.items()}
+        counted = {i: (1.0 - order) * gone[i] + order * one.swept for i, one in hits.items()}
         # How much more the better game is worth, by column, pair and number of wanted aliens.
-        self._worth = columns @ LABELS.T
+        self._worth = _more(counted, pairs) @ (LABELS > 0).T - _more(gone, pairs) @ (LABELS < 0).T
         self._prior = prior
         self._wanted = prior.argmax(1)
         self._difference = self._worth[np.arange(COLUMNS), :, self._wanted].sum(0)
@@ -224,10 +219,28 @@ class Posterior:
         return float((self._difference > 0).mean())
 
 
+def _more(values: dict[int, Array], pairs: Sequence[Pair]) -> Array:
+    """Return how much more the better game has, float64 (6, P, 6): by column, pair and row."""
+    found = np.stack([values[better] - values[worse] for better, worse in pairs])
+    return found.reshape(-1, ROWS, COLUMNS).transpose(2, 0, 1)
+
+
 def _probability(differences: Array) -> Array:
     """Return that of ranking games as they are, by how much more the better ones are worth."""
     probability: Array = MISTAKES + (1.0 - 2.0 * MISTAKES) / (1.0 + np.exp(-differences))
     return probability
+
+
+def _best(dataset: PreferenceDataset) -> list[int]:
+    """Return the games that are meant as all of the behaviour.
+
+    They are the perfect demonstrations and the best ranked games, unless the first tier is so large
+    that it says little; without perfect demonstrations they are the best ranked games.
+    """
+    ranked = best_ranked(dataset.tiers)
+    if dataset.perfect and len(ranked) > BEST_SHARE * len(dataset.ranked):
+        ranked = []
+    return sorted({*ranked, *dataset.perfect})
 
 
 class WantedAliensTrainer:
@@ -247,7 +260,7 @@ class WantedAliensTrainer:
     def train(self, progress: Progress) -> RewardNetwork:
         """Return the network; ``progress`` counts passes."""
         dataset = self._dataset
-        best = sorted({*best_ranked(dataset.tiers), *dataset.perfect})
+        best = _best(dataset)
         hits = {}
         for index in dict.fromkeys((*dataset.ranked, *best)):
             hits[index] = Hits.read(dataset.trajectories[index].features.numpy())
@@ -278,26 +291,29 @@ class WantedAliensTrainer:
 
 
 def labels_of(network: RewardNetwork) -> tuple[Array, Array]:
-    """Return the labels and the order that ``set_labels`` was given, float64 (36,) each."""
+    """Return the labels and the order that ``set_labels`` was given, float64 (36,) each.
+
+    The order of an alien that is hardly wanted is 0.
+    """
     weights = network.output.weight[0].detach().cpu().double().numpy()
     swept = np.zeros((ROWS, COLUMNS))
     swept[:, 1:] = weights[N_ALIENS:].reshape(ROWS, COLUMNS - 1)
     labels = swept.ravel() - weights[:N_ALIENS]
-    order = np.divide(swept.ravel(), labels, out=np.zeros(N_ALIENS), where=abs(labels) > _TINY)
+    wanted = (labels + 1.0) / 2.0
+    order = np.divide(swept.ravel(), wanted, out=np.zeros(N_ALIENS), where=wanted > _TINY)
     return labels, order
 
 
 def set_labels(network: RewardNetwork, labels: Array, order: Array) -> None:
-    """Make a pretrained network's R the sum of the labels of what has been hit.
+    """Make a pretrained network's R the sum of the labels of what has been hit, but for a constant.
 
     Args:
         network: Its output is changed.
-        labels: What each alien is worth, float64 (36,).
+        labels: Mean label of each alien, float64 (36,), -1 to 1.
         order: See learned_order.
     """
-    flags = -labels * (1.0 - order)
-    swept = (labels * order).reshape(ROWS, COLUMNS)[:, 1:]
-    weights = np.concatenate([flags, swept.ravel()])
+    swept = (labels + 1.0) / 2.0 * order
+    weights = np.concatenate([swept - labels, swept.reshape(ROWS, COLUMNS)[:, 1:].ravel()])
     with torch.no_grad():
         network.output.weight.copy_(torch.from_numpy(weights)[None])
         network.output.bias.zero_()

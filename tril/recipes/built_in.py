@@ -74,7 +74,6 @@ FAST = replace(
     reward=RewardRecipe(
         method="posterior",
         updates=500,
-        fragment_pairs=0,
         fragment_min_steps=24,
         fragment_max_steps=100,
         aligned=True,

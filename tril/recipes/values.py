@@ -47,7 +47,8 @@ class RewardRecipe:
         method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
             and its published code); "fast" scores every demonstration once per update and builds
             all fragment sums from prefix sums; "posterior" infers which aliens are wanted, see
-            trainer.reward.wanted_aliens, and needs neither fragments nor a learning rate.
+            trainer.reward.wanted_aliens; only ``updates`` and the folds' values affect it, and
+            fragments only how it is checked.
         learning_rate: Adam's learning rate.
         updates: Gradient updates; method "posterior": passes of Gibbs sampling.
         fragment_pairs: Method "paper": size of the fixed set of fragment pairs that the updates
@@ -101,13 +102,15 @@ class RewardRecipe:
     pretrained: Flag = False
 
     @model_validator(mode="after")
-    def _check_shares(self) -> RewardRecipe:
+    def _check_together(self) -> RewardRecipe:
         if self.perfect_share + self.perturbed_share > 1.0:
             raise ValueError("perfect_share and perturbed_share must not add up to more than 1")
         if self.free_share + self.end_share > 1.0:
             raise ValueError("free_share and end_share must not add up to more than 1")
         if self.method == "posterior" and not self.pretrained:
-            raise ValueError("method posterior needs pretrained to be true")
+            raise ValueError("method=posterior needs pretrained=true; set it, or method=fast")
+        if self.method == "posterior" and self.ensemble > 1:
+            raise ValueError("method=posterior has one network; set ensemble=1, or method=fast")
         return self
 
     @property

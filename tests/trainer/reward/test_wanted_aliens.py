@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from tests.trainer.samples import RecordingProgress
-from trainer.progress import NullProgress
+from trainer.progress import NullProgress, RunCancelled
 from trainer.reward import preference_dataset
 from trainer.reward.check import check_ranking
 from trainer.reward.model import RewardModel, swept_to
@@ -19,6 +19,7 @@ from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceD
 from trainer.reward.pretraining import pretrained_network
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.wanted_aliens import (
+    WANTED,
     Hits,
     Posterior,
     WantedAliensTrainer,
@@ -41,12 +42,14 @@ COLUMN_3 = (2, 8, 14, 20, 26, 32)
 ROW_1 = (0, 1, 2, 3, 4, 5)
 
 
-@pytest.fixture(autouse=True)
-def _screens_that_hold_what_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    def read(observations: np.ndarray) -> Tensor:
-        left = torch.from_numpy(observations[:, 0, 0, :36] / 255.0).float()
-        return torch.cat([left, swept_to(left)], 1)
+def read(observations: np.ndarray) -> Tensor:
+    """Return what a perfect network would read, which ``game`` writes on its screens."""
+    left = torch.from_numpy(observations[:, 0, 0, :36] / 255.0).float()
+    return torch.cat([left, swept_to(left)], 1)
 
+
+@pytest.fixture(autouse=True)
+def _networks_that_read_what_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(preference_dataset, "read_features", read)
 
 
@@ -61,7 +64,7 @@ def game(aliens: Sequence[int], n_steps: int = N_STEPS) -> Trajectory:
 
 def hits(aliens: Sequence[int], n_steps: int = N_STEPS) -> Hits:
     """Return what such a game hits."""
-    return Hits.read(preference_dataset.read_features(game(aliens, n_steps).observations).numpy())
+    return Hits.read(read(game(aliens, n_steps).observations).numpy())
 
 
 def dataset(
@@ -78,9 +81,8 @@ def dataset(
 
 
 def labels(data: PreferenceDataset, seed: int = 0) -> np.ndarray:
-    """Return what hitting each alien adds to R, without order; float32 (36,)."""
-    network = WantedAliensTrainer(data, 100, (seed,)).train(NullProgress())
-    return -network.output.weight.detach().numpy()[0, :36]
+    """Return the mean label of each alien, float64 (36,)."""
+    return labels_of(WantedAliensTrainer(data, 100, (seed,)).train(NullProgress()))[0]
 
 
 COLUMN_3_RANKING = [
@@ -105,7 +107,7 @@ def test_hits_are_the_first_screens_without_the_aliens() -> None:
 
 
 def test_an_alien_that_is_misread_for_a_while_does_not_count_as_back() -> None:
-    features = preference_dataset.read_features(game([2, 8]).observations).numpy()
+    features = read(game([2, 8]).observations).numpy()
     features[40:60, 2] = 1.0
     features[100:104, 7] = 0.0
     found = Hits.read(features)
@@ -126,15 +128,16 @@ def test_rows_are_swept_from_their_left_ends() -> None:
 
 def test_an_order_is_learned_from_games_that_keep_it() -> None:
     in_order = [hits(ROW_1), hits(ROW_1), hits(ROW_1[:4])]
-    assert learned_order(in_order)[:6].tolist() == [0, 1, 1, 1, 1, 1]
+    assert learned_order(in_order)[:6] == pytest.approx([0, 0.75, 0.75, 0.75, 2 / 3, 2 / 3])
+    assert learned_order(in_order * 20)[:6].min(initial=1, where=np.arange(6) > 0) > 0.97
     reverse = [hits(ROW_1[::-1])] * 3
     assert not learned_order(reverse).any()
-    # One of three games hits the second alien before the first: 2 * 2/3 - 1.
+    # One of three games hits the second alien before the first.
     mixed = learned_order([*in_order[:2], hits([1, 0, 2, 3, 4, 5])])
-    assert mixed[1] == pytest.approx(1 / 3)
-    assert mixed[2] == 1.0
-    # One game alone says nothing, nor do those that leave the row unfinished.
-    assert not learned_order([hits(ROW_1), hits([0, 2])]).any()
+    assert mixed[1] == pytest.approx(2 * 2.5 / 4 - 1)
+    assert mixed[2] == pytest.approx(0.75)
+    # Games that leave the row unfinished say nothing.
+    assert not learned_order([hits([0, 2])] * 5).any()
 
 
 def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
@@ -143,9 +146,10 @@ def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
     assert by_column.shape == (6, 7)
     # The last alien was out of reach in the games that ended early.
     assert by_column.argmax(1).tolist() == [0, 0, 6, 0, 0, 0]
-    # Nobody says that the aliens behind those that are left alone are unwanted, too.
+    # Of a column that nobody shoots at, nothing but the prior says what is behind its first alien.
     row = log_prior([hits(ROW_1)] * 10)
     assert row.argmax(1).tolist() == [1] * 6
+    assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(WANTED), abs=1e-9)
 
 
 @pytest.mark.parametrize("perfect", [[], [COLUMN_3] * 6])
@@ -175,14 +179,50 @@ def test_a_row_that_the_best_games_sweep_pays_as_far_as_it_is_swept() -> None:
     model = train_reward_model(data, 3, NullProgress())
 
     def level(aliens: Sequence[int]) -> float:
-        features = preference_dataset.read_features(game(aliens).observations[-1:])
+        features = read(game(aliens).observations[-1:])
         return float(model.level(model.score_features(features))[0])
 
     up_to = [level(ROW_1[:count]) for count in range(7)]
     assert (np.diff(up_to) > 0.1).all(), up_to
-    # Out of order the same aliens pay only once the row is complete up to them.
-    assert level((0, 2, 3, 4, 5)) == pytest.approx(level((0,)), abs=0.02)
+    # Out of order the same aliens pay less until the row is complete.
+    assert level((0, 2, 3, 4, 5)) < 0.6 * level(ROW_1)
     assert level(ROW_1[::-1]) == pytest.approx(level(ROW_1), abs=0.02)
+
+
+def test_a_stray_costs_something_in_any_order() -> None:
+    # The best games swept row 2 up to its second alien, which others hit alone.
+    sweeping = (0, 1, 6, 7)
+    ranking = [sweeping, sweeping, (0, 1, 6), (0, 1), (), (2,), (2, 3), (2, 3, 4)]
+    network = pretrained_network(np.random.default_rng(0))
+    order = learned_order([hits(sweeping)] * 10)
+    assert order[7] > 0.8
+    set_labels(network, np.full(36, -1.0), order)
+    with torch.no_grad():
+        nothing, stray = network.from_features(
+            torch.cat([read(game(aliens).observations[-1:]) for aliens in ((), (7,))])
+        )
+    assert stray == pytest.approx(nothing - 1.0)
+    assert (labels(dataset(ranking))[[2, 3, 4]] < -0.8).all()
+
+
+def test_a_large_first_tier_does_not_stand_for_the_best() -> None:
+    games = [COLUMN_3] * 4 + [(1, 7)] * 8
+    data = dataset([*games, (1, 7), (1, 7)], [COLUMN_3] * 6)
+    tiers = (tuple(range(12)), (12, 13))
+    found = labels(replace(data, tiers=tiers))
+    assert (found[list(COLUMN_3)] > 0.5).all()
+    assert (found[[1, 7]] < 0.0).all()
+
+
+def test_best_games_that_hit_nothing_do_not_set_the_scale() -> None:
+    data = dataset([(), (1,), (1, 7), (1, 7, 2)], [()] * 4)
+    model = train_reward_model(data, 3, NullProgress())
+    levels = model.level(
+        model.score_features(
+            torch.cat([read(game(aliens).observations[-1:]) for aliens in ((), (1,))])
+        )
+    )
+    assert levels[1] - levels[0] == pytest.approx(-1.0, abs=0.1)
 
 
 def test_the_check_passes_a_ranking_and_stops_random_ones() -> None:
@@ -247,7 +287,13 @@ def test_the_posterior_is_what_all_combinations_give() -> None:
     np.testing.assert_allclose(sampled[3], odds.sum(0), atol=0.02)
 
 
-def test_progress_is_reported_and_cancels() -> None:
+@pytest.mark.parametrize("report", [3, 16])
+def test_it_can_be_cancelled_while_it_reads_and_while_it_samples(report: int) -> None:
+    with pytest.raises(RunCancelled):
+        train_reward_model(dataset(COLUMN_3_RANKING), 7, RecordingProgress(cancel_at=report))
+
+
+def test_progress_is_reported() -> None:
     progress = RecordingProgress()
     model = train_reward_model(
         replace(dataset(COLUMN_3_RANKING), recipe=replace(RECIPE, updates=5)), 7, progress
@@ -258,5 +304,7 @@ def test_progress_is_reported_and_cancels() -> None:
 
 
 def test_the_method_needs_pretrained_layers() -> None:
-    with pytest.raises(Invalid, match="posterior needs pretrained"):
+    with pytest.raises(Invalid, match="method=posterior needs pretrained=true"):
         with_values(FAST, {"reward.pretrained": False})
+    with pytest.raises(Invalid, match="method=posterior has one network"):
+        with_values(FAST, {"reward.ensemble": 2})
