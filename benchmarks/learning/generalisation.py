@@ -1,8 +1,7 @@
 r"""How well rewards learned from games like a person's order games that they have not seen.
 
     python -m benchmarks.learning.generalisation column-2:2 column-4:2 \
-        --set reward.updates=100 \
-        --set "reward.method=fast reward.learning_rate=0.005 reward.updates=300"
+        --set reward.updates=100 --set "reward.updates=2000"
 
 For each behaviour and seed, rewards are learned from twelve ranked games of a player who reacts
 after 250 ms, 24 games of varied play and twelve best efforts: first as `fast` learns them, then
@@ -27,7 +26,7 @@ from trainer.reward.reward_trainer import train_reward_model
 from tril.recipes import FAST, RewardRecipe, with_values
 
 N_SEEDS = 2
-"""Rewards that a figure is the mean of; they differ in the fragments that are drawn."""
+"""Rewards that a figure is the mean of; they differ in what is drawn at random."""
 
 
 def measure(cell: str, recipes: dict[str, RewardRecipe]) -> dict[str, dict[str, float]]:

@@ -4,7 +4,7 @@ They know of no behaviour. Most are played towards a few aliens drawn by chance,
 a person's errors; the others are random play. Random play alone seldom lives long enough to hit
 more than two aliens, so that it says little about what comes later in a game.
 
-Nor does varied play clear a row before it has cleared columns, which `play_low_rows` is for.
+Varied play seldom clears a row while aliens above it are left; `play_low_rows` does.
 """
 
 from __future__ import annotations
@@ -74,8 +74,8 @@ def play_varied(rng: np.random.Generator, console: Console | None = None) -> Ver
 def play_low_rows(rng: np.random.Generator, console: Console | None = None) -> Verified:
     """Play one game towards aliens of the lowest rows to its end and verify the recording.
 
-    A third of the games clears row by row from left to right, a third from right to left, and the
-    others go to what is near.
+    A third of the games clear row by row from left to right, a third from right to left, and the
+    others hit what is nearest.
 
     Args:
         rng: Source of all draws.

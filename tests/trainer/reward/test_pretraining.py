@@ -109,7 +109,7 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
 
 
 def test_the_weights_that_ship_see_that_a_row_stays_swept() -> None:
-    # Networks pretrained on varied play alone took the row's first alien for left again.
+    # Networks pretrained on varied play alone read the row's first alien as left again.
     console = Console()
     recorder = Recorder(Episode(console, Start(4)))
     assert ROW_1.target is not None

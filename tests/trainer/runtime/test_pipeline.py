@@ -277,11 +277,10 @@ def test_a_continued_run_begins_with_its_parents_imitator_and_still_has_a_clone(
     workplace: Workplace, pipeline: Pipeline
 ) -> None:
     to_the_imitator = only(pipeline, *list(Stage)[: list(Stage).index(Stage.EVALUATION)])
-    recipe = with_values(TINY, {"reward.perturbed_share": 0.0})
-    parent = workplace.make_run(recipe)
+    parent = workplace.make_run(TINY)
     assert pipeline.train(parent, to_the_imitator) == "left"
     # So little is learned that the imitator is what it began with.
-    frozen = with_values(recipe, {"policy.learning_rate": 1e-12})
+    frozen = with_values(TINY, {"policy.learning_rate": 1e-12})
     child = workplace.make_run(frozen, training_seed=1, parent_run_id=parent)
     # The files of a deleted run stay, so the child does not notice.
     with workplace.database.writing() as session:
@@ -302,11 +301,7 @@ def test_a_continued_run_begins_with_its_parents_imitator_and_still_has_a_clone(
 def test_an_imitator_can_be_seen_ranked_and_continued_while_it_learns(
     workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    values = {
-        "policy.snapshot_steps": (64, 128),
-        "policy.snapshot_episodes": 3,
-        "reward.perturbed_share": 0.0,
-    }
+    values = {"policy.snapshot_steps": (64, 128), "policy.snapshot_episodes": 3}
     run_id = workplace.make_run(with_values(TINY, values), steps=192)
     to_the_imitator = only(pipeline, *list(Stage)[: list(Stage).index(Stage.EVALUATION)])
     found = []

@@ -41,7 +41,9 @@ from tril.store.training import artifacts, evaluations, metrics, runs
 SOON_S = 3.0
 """Seconds after which a test's worker gives another one up."""
 
-CONFUSED = with_values(TINY, {"reward.updates": 1, "reward.learning_rate": 1e-9})
+CONFUSED = with_values(
+    TINY, {"reward.method": "fast", "reward.updates": 1, "reward.learning_rate": 1e-9}
+)
 """Its reward model learns nothing and orders the demonstrations by chance."""
 
 WRONG = 3

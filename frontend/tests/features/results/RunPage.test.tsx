@@ -406,11 +406,16 @@ describe("the results", () => {
     open(one, results);
     const wanted = within(await screen.findByRole("region", { name: "What the reward wants" }));
     const names = "row 1, column 1; row 1, column 3; row 2, column 3";
+    const missed = "row 2, column 1";
     expect(
-      wanted.getByRole("img", { name: `To be hit: ${names}. Not sure: row 2, column 3` }),
+      wanted.getByRole("img", {
+        name: `To be hit: ${names}. Targets among the others: ${missed}. Not sure: row 2, column 3`,
+      }),
     ).toBeVisible();
-    expect(wanted.getByText(/^It is not sure of 1 alien, which has a frame/)).toBeVisible();
-    expect(wanted.getByText("In row 1, they count from left to right.")).toBeVisible();
+    expect(wanted.getByText(/^It is not sure about 1 alien \(dashed frame\)/)).toBeVisible();
+    expect(
+      wanted.getByText("In row 1, a wanted alien counts only once all on its left are gone."),
+    ).toBeVisible();
   });
 
   it("say nothing of wanted aliens where the reward was learned otherwise", async () => {

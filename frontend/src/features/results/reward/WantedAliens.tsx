@@ -25,6 +25,8 @@ interface WantedAliensProps {
 
 /** Labels nearer to 0 are not sure. */
 const SURE = 0.5;
+/** From here on, an alien counts as one of a row that is swept. */
+const IN_ORDER = 0.5;
 const SCALE = 3;
 
 /** All cells, bottom row first, as labels are ordered. */
@@ -44,18 +46,9 @@ export function WantedAliens({ inferred, behaviour }: WantedAliensProps) {
         width={side}
         height={side}
         role="img"
-        aria-label={describe(wanted, unsure)}
+        aria-label={describe(wanted, unsure, behaviour.target ?? [])}
       >
-        {behaviour.target?.map(([row, column]) => (
-          <rect
-            key={cellKey([row, column])}
-            className={gridStyles.target}
-            x={columnX(column) - 1}
-            y={rowY(row) - 1}
-            width={CELL_SIZE}
-            height={CELL_SIZE}
-          />
-        ))}
+        <path className={styles.targets} d={outline(behaviour.target ?? [])} />
         <path className={gridStyles.standing} d={gridPath(others)} />
         <path className={gridStyles.missing} d={gridPath(wanted)} />
         <path className={styles.unsure} d={frames(unsure)} />
@@ -66,27 +59,29 @@ export function WantedAliens({ inferred, behaviour }: WantedAliensProps) {
         </h3>
         <p>
           <Trans>
-            From the order of your games, and from what the best of them hit: coloured aliens are to
-            be hit, grey ones to be left alone.
+            Inferred from the order of the games, and from what the best of them hit: coloured
+            aliens are to be hit, grey ones to be left alone.
           </Trans>{" "}
           {behaviour.target && (
-            <Trans>Shaded places are the behaviour&rsquo;s targets, which it never sees.</Trans>
+            <Trans>
+              The outline shows the behaviour&rsquo;s targets, which the reward never sees.
+            </Trans>
           )}
         </p>
         {unsure.length > 0 && (
           <p>
             {plural(unsure.length, {
-              one: "It is not sure of # alien, which has a frame. Ranked games that hit it, and games that could have and did not, would tell.",
+              one: "It is not sure about # alien (dashed frame). Rank games that hit it, and games that could have hit it but did not.",
               other:
-                "It is not sure of # aliens, which have a frame. Ranked games that hit them, and games that could have and did not, would tell.",
+                "It is not sure about # aliens (dashed frames). Rank games that hit them, and games that could have hit them but did not.",
             })}
           </p>
         )}
         {rows.length > 0 && (
           <p>
             {plural(rows.length, {
-              one: `In row ${numbers}, they count from left to right.`,
-              other: `In rows ${numbers}, they count from left to right.`,
+              one: `In row ${numbers}, a wanted alien counts only once all on its left are gone.`,
+              other: `In rows ${numbers}, a wanted alien counts only once all on its left are gone.`,
             })}
           </p>
         )}
@@ -107,16 +102,46 @@ function sorted({ labels }: Inferred): { wanted: Cell[]; others: Cell[]; unsure:
 /** The rows, from 1, in which a wanted alien counts only once all on its left are gone. */
 function orderedRows({ labels, in_order: inOrder }: Inferred): number[] {
   const ordered = CELLS.filter(
-    (_, index) => (labels[index] ?? 0) > 0 && (inOrder[index] ?? 0) > SURE,
+    (_, index) => (labels[index] ?? 0) > 0 && (inOrder[index] ?? 0) > IN_ORDER,
   );
   return [...new Set(ordered.map(([row]) => row + 1))];
 }
 
-function describe(wanted: readonly Cell[], unsure: readonly Cell[]): string {
+function describe(
+  wanted: readonly Cell[],
+  unsure: readonly Cell[],
+  target: readonly Cell[],
+): string {
   const names = wanted.map(cellName).join("; ");
-  const what = wanted.length === 0 ? t`No alien is to be hit` : t`To be hit: ${names}`;
-  const doubts = unsure.map(cellName).join("; ");
-  return unsure.length === 0 ? what : t`${what}. Not sure: ${doubts}`;
+  const found = new Set(wanted.map(cellKey));
+  const missed = target.filter((cell) => !found.has(cellKey(cell)));
+  return [
+    wanted.length === 0 ? t`No alien is to be hit` : t`To be hit: ${names}`,
+    missed.length > 0 && t`Targets among the others: ${missed.map(cellName).join("; ")}`,
+    unsure.length > 0 && t`Not sure: ${unsure.map(cellName).join("; ")}`,
+  ]
+    .filter(Boolean)
+    .join(". ");
+}
+
+/** The outline of cells, as one SVG path of the sides that no two of them share. */
+function outline(cells: readonly Cell[]): string {
+  const keys = new Set(cells.map(cellKey));
+  const gap = (CELL_SIZE - SPRITE_SIZE) / 2;
+  return cells
+    .map(([row, column]) => {
+      const [left, top] = [columnX(column) - gap, rowY(row) - gap];
+      const [right, bottom] = [left + CELL_SIZE, top + CELL_SIZE];
+      return [
+        !keys.has(cellKey([row + 1, column])) && `M${left} ${top}H${right}`,
+        !keys.has(cellKey([row - 1, column])) && `M${left} ${bottom}H${right}`,
+        !keys.has(cellKey([row, column - 1])) && `M${left} ${top}V${bottom}`,
+        !keys.has(cellKey([row, column + 1])) && `M${right} ${top}V${bottom}`,
+      ]
+        .filter(Boolean)
+        .join("");
+    })
+    .join("");
 }
 
 /** Frames around cells, as one SVG path. */
