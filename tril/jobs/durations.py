@@ -19,8 +19,8 @@ REWARD_READINGS_PER_S = 6_000.0
 """Observations that a pretrained reward model's layers read, each once."""
 REWARD_UPDATE_S = 0.003
 """Overhead of an update of the reward model, besides its observations."""
-GIBBS_PASS_S = 0.001
-"""A pass over the labels of 36 aliens with a dozen games or two."""
+GIBBS_PASS_S = 0.0003
+"""A pass of Gibbs sampling over the six columns, with a dozen ranked games."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
 FROZEN_STEPS_PER_S = 1_400.0
