@@ -115,12 +115,19 @@ class Hits:
 
     @property
     def in_reach(self) -> npt.NDArray[np.bool_]:
-        """Which aliens are hit or could have been, bool (36,)."""
+        """Which aliens are hit or could have been, bool (36,).
+
+        An alien could have been hit once all below it were gone. A hit on one before counts if the
+        lowest of its column is hit, too: otherwise it says as little as the misses of all games
+        that could have hit it by chance.
+        """
         grid = self.steps.reshape(ROWS, COLUMNS)
         lowest_from = np.zeros_like(grid)
         np.maximum.accumulate(grid[:-1], axis=0, out=lowest_from[1:])
         could = lowest_from <= self.n_steps - REACH_STEPS
-        return self.gone | could.ravel()
+        hit = np.isfinite(grid) & np.isfinite(grid[0])
+        reached: npt.NDArray[np.bool_] = (hit | could).ravel()
+        return reached
 
 
 def learned_order(best: Sequence[Hits]) -> Array:
@@ -150,7 +157,7 @@ def log_prior(best: Sequence[Hits]) -> Array:
     Args:
         best: Of the best games.
     """
-    n_hit = np.sum([one.gone for one in best], axis=0).tolist()
+    n_hit = np.sum([one.gone & one.in_reach for one in best], axis=0).tolist()
     n_reached = np.sum([one.in_reach for one in best], axis=0).tolist()
 
     def of_hits(u: int) -> Array:

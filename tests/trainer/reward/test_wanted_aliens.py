@@ -120,6 +120,9 @@ def test_an_alien_is_in_reach_while_it_is_the_lowest_of_its_column() -> None:
     assert np.flatnonzero(found.in_reach).tolist() == [0, 1, 2, 3, 4, 5, 6, 8, 14]
     # The game ends too soon after the second hit for the third to have been in reach.
     assert not hits([2, 8], 2 * APART + 20).in_reach[14]
+    # One that is hit before those below it counts if the lowest of its column is hit, too.
+    assert hits([2, 8, 20]).in_reach[20]
+    assert not hits([8, 20]).in_reach[[8, 20]].any()
 
 
 def test_rows_are_swept_from_their_left_ends() -> None:
@@ -150,6 +153,11 @@ def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
     row = log_prior([hits(ROW_1)] * 10)
     assert row.argmax(1).tolist() == [1] * 6
     assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(WANTED), abs=1e-9)
+
+
+def test_accidents_behind_a_columns_lowest_alien_do_not_make_it_wanted() -> None:
+    best = [hits(COLUMN_3)] * 13 + [hits([*COLUMN_3, 7]), hits([*COLUMN_3, 13, 19])]
+    assert log_prior(best).argmax(1).tolist() == [0, 0, 6, 0, 0, 0]
 
 
 @pytest.mark.parametrize("perfect", [[], [COLUMN_3] * 6])
