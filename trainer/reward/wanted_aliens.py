@@ -115,11 +115,10 @@ class Hits:
 
     @property
     def in_reach(self) -> npt.NDArray[np.bool_]:
-        """Which aliens are hit or could have been, bool (36,).
+        """Which aliens the player could have aimed at, bool (36,).
 
-        An alien could have been hit once all below it were gone. A hit on one before counts if the
-        lowest of its column is hit, too: otherwise it says as little as the misses of all games
-        that could have hit it by chance.
+        An alien is in reach once all below it are gone. A hit on one behind others counts, too, if
+        the lowest of its column is also hit; otherwise it is taken for an accident.
         """
         grid = self.steps.reshape(ROWS, COLUMNS)
         lowest_from = np.zeros_like(grid)
@@ -157,8 +156,9 @@ def log_prior(best: Sequence[Hits]) -> Array:
     Args:
         best: Of the best games.
     """
-    n_hit = np.sum([one.gone & one.in_reach for one in best], axis=0).tolist()
-    n_reached = np.sum([one.in_reach for one in best], axis=0).tolist()
+    in_reach = np.stack([one.in_reach for one in best])
+    n_hit = (in_reach & [one.gone for one in best]).sum(0).tolist()
+    n_reached = in_reach.sum(0).tolist()
 
     def of_hits(u: int) -> Array:
         """Return the log probability of each alien's hits with parameters 1 and u, (6, 1, 6)."""
