@@ -100,7 +100,7 @@ def _api() -> APIRouter:
     routers.insert(1, (system.joining_router, [replaying]))
     routers += [(artifacts.router, [replaying]), (imports.router, [uploads])]
     routers += [(rankings.borrowed_router, [requests])]
-    for router in (replays.router, rankings.playing_router, artifacts.archive_router):
+    for router in (replays.router, rankings.slow_router, artifacts.archive_router):
         routers.append((router, [replaying]))
     for unlimited in (health, events, stream, watch_stream):
         routers.append((unlimited.router, []))

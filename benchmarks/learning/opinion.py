@@ -22,7 +22,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tril.analysis.linear_reward import Opinion, Picture, final_picture, form_opinions
+from tril.analysis.opinions import Opinion, form_opinions
+from tril.analysis.wanted_aliens import Hits
 from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrator import kind_named, make_example, play_randomly
 from tril.demonstrator.judging import merit, swap_neighbours
@@ -43,18 +44,18 @@ N_TIMED = 40
 
 @dataclass(frozen=True)
 class Game:
-    """A game's final picture and its worth for a behaviour."""
+    """What a game hits, and its worth for a behaviour."""
 
-    picture: Picture
+    hits: Hits
     worth: tuple[int, int]
 
 
 def seen(recording: Recording, console: Console) -> Callable[[Behaviour], Game]:
     """Replay a recording; return what judges it for a behaviour."""
     replayed = trajectory(recording, console)
-    picture = final_picture(replayed.observations)
-    hits = tuple((hit.row, hit.column) for hit in replayed.hits)
-    return lambda behaviour: Game(picture, merit(behaviour, hits, replayed.end))
+    hits = Hits.of(((hit.row, hit.column, hit.frame) for hit in replayed.hits), recording.n_frames)
+    cells = tuple((hit.row, hit.column) for hit in replayed.hits)
+    return lambda behaviour: Game(hits, merit(behaviour, cells, replayed.end))
 
 
 def shown(behaviour: Behaviour, kind: str, seed: int, console: Console) -> list[Game]:
@@ -96,7 +97,8 @@ def misplace(ranking: Ranking, rng: np.random.Generator) -> tuple[int, Ranking]:
 
 def ask(ranking: Ranking, games: list[Game]) -> dict[int, Opinion]:
     """Return the opinion of each game, by index."""
-    return form_opinions(ranking, {index: game.picture for index, game in enumerate(games)})
+    opinions = form_opinions(ranking, {index: game.hits for index, game in enumerate(games)})
+    return opinions.of if opinions else {}
 
 
 def contradicted(opinions: dict[int, Opinion]) -> set[int]:

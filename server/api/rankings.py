@@ -10,8 +10,10 @@ from starlette.responses import JSONResponse, Response
 
 from server.api.schemas.rankings import (
     BorrowedGames,
+    GameOpinion,
     Ranking,
     RankingConflict,
+    RankingOpinion,
     RankingRevision,
     RankingStep,
     RankingUpdate,
@@ -28,13 +30,18 @@ from server.dependencies import (
     services_of,
 )
 from server.web.problems import CONFLICT, NOT_FOUND
+from tril.analysis.opinions import form_opinions
+from tril.analysis.outcome import WantedAliens
+from tril.analysis.wanted_aliens import Hits
 from tril.store import behaviours, borrowed, players, rankings, recordings
 from tril.store.models import RankingRow
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking", tags=["ranking"])
 borrowed_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
-playing_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
-"""Of what takes seconds, because games are played."""
+slow_router = APIRouter(prefix="/behaviours/{behaviour_id}", tags=["ranking"])
+"""Of what takes a tenth of a second or more: games are played, or much is computed."""
+
+MAX_UNRANKED_OPINIONS = 60
 
 _CONFLICT: dict[int | str, dict[str, object]] = {
     409: {"model": RankingConflict, "description": "Somebody saved another ranking first."}
@@ -100,6 +107,27 @@ def add_games(
     return RecordingViews(session, behaviour_id).all(rows[key] for key in sorted(rows))
 
 
+@slow_router.get("/ranking/opinion", responses=NOT_FOUND)
+def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingOpinion:
+    """Return where the other ranked games place each game, and which aliens they ask for."""
+    with services_of(request).database.reading() as session:
+        behaviours.get(session, behaviour_id)
+        row = rankings.current(session, behaviour_id)
+        ranking, revision = rankings.as_ranking(row), row.revision
+        perfect = recordings.perfect_ids(session, behaviour_id)
+        unranked = rankings.unranked(session, row)[:MAX_UNRANKED_OPINIONS]
+        rows = recordings.by_ids(session, {*ranking.items, *unranked, *perfect})
+        hits = {key: Hits.of(one.hits, one.n_frames) for key, one in rows.items()}
+    opinions = form_opinions(ranking, hits, perfect)
+    if opinions is None:
+        return RankingOpinion(revision=revision, games=[], wanted=None)
+    return RankingOpinion(
+        revision=revision,
+        games=[GameOpinion.of(one, recording_id=key) for key, one in opinions.of.items()],
+        wanted=WantedAliens.of(opinions.labels.tolist(), opinions.in_order.tolist()),
+    )
+
+
 @borrowed_router.get("", responses=NOT_FOUND)
 def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list[Recording]:
     """Return the games that a behaviour has borrowed, newest first."""
@@ -107,7 +135,7 @@ def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list
     return RecordingViews(session, behaviour_id).all(borrowed.listing(session, behaviour_id))
 
 
-@playing_router.post("", status_code=201, responses=NOT_FOUND)
+@slow_router.post("/borrowed", status_code=201, responses=NOT_FOUND)
 def add_varied_games(
     request: Request, behaviour_id: BehaviourId, wish: VariedGamesWish
 ) -> list[Recording]:

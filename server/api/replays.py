@@ -1,4 +1,4 @@
-"""Answers for which recordings are replayed: their files, the ghost, rewards and opinions."""
+"""Answers for which recordings are replayed: their files, the ghost, and rewards."""
 
 from __future__ import annotations
 
@@ -13,20 +13,14 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from server.api.schemas.behaviours import Ghost
-from server.api.schemas.rankings import GameOpinion, RankingOpinion
 from server.api.schemas.runs import RewardTrace
 from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
 from server.play.replays import ReplayTask
-from server.play.replays.products import (
-    read_final_picture,
-    read_observation,
-    read_observations,
-)
+from server.play.replays.products import read_observation, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
-from tril.analysis.linear_reward import can_form_opinions, form_opinions
 from tril.game.space_invaders import MAX_STEPS
 from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
 from tril.recording import Recording
@@ -38,10 +32,6 @@ router = APIRouter()
 
 _BYTES = "application/octet-stream"
 _IMMUTABLE = "private, max-age=31536000, immutable"
-
-OPINION_REPLAYS_S = 1.0
-"""Time for replays in one request for an opinion."""
-MAX_UNRANKED_OPINIONS = 60
 
 ACTION_HEADER = "X-Tril-Action"
 _DISCONNECT_POLL_S = 0.05
@@ -145,32 +135,6 @@ def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
     memory = services.replay_cache.get(recording, ReplayTask.MEMORY)
     track = cannon_track(memory, recording.start.difficulty)
     return Ghost.of(track, recording_id=key, source=source)
-
-
-@router.get("/behaviours/{behaviour_id}/ranking/opinion", responses=NOT_FOUND, tags=["ranking"])
-def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingOpinion:
-    """Return where a linear reward places each game that it was learned without."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        behaviours.get(session, behaviour_id)
-        row = rankings.current(session, behaviour_id)
-        ranking, revision = rankings.as_ranking(row), row.revision
-        if not can_form_opinions(ranking):
-            return RankingOpinion(revision=revision, needs_more=True, missing=0, games=[])
-        ids = [*ranking.items, *rankings.unranked(session, row)[:MAX_UNRANKED_OPINIONS]]
-        rows = recordings.by_ids(session, ids)
-        games = {key: recordings.as_recording(rows[key]) for key in ids}
-    files = services.replay_cache.get_within(OPINION_REPLAYS_S, games, ReplayTask.FINAL_PICTURE)
-    opinions = {}
-    if files.keys() >= set(ranking.items):
-        pictures = {key: read_final_picture(content) for key, content in files.items()}
-        opinions = form_opinions(ranking, pictures)
-    return RankingOpinion(
-        revision=revision,
-        needs_more=False,
-        missing=len(games) - len(files),
-        games=[GameOpinion.of(one, recording_id=key) for key, one in opinions.items()],
-    )
 
 
 @router.get("/runs/{run_id}/reward/{recording_id}", responses=NOT_FOUND, tags=["runs"])

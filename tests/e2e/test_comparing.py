@@ -58,7 +58,7 @@ def place(page: Page, game: int, answer: Callable[[int], None]) -> None:
                 answer(opponent)
             case _:
                 return
-    raise AssertionError(f"Game {game} has no place after {MAX_LOOKS} looks")
+    assert game not in compared(page)[:1], f"Game {game} has no place after {MAX_LOOKS} looks"
 
 
 def saved_order(workplace: Workplace) -> tuple[int, list[list[int]]]:

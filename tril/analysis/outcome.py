@@ -5,7 +5,9 @@ Members that earlier versions of Tril did not store have defaults.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
+from typing import Self
 
 from pydantic import BaseModel, ConfigDict
 
@@ -76,6 +78,12 @@ class WantedAliens(Stored):
 
     labels: list[float]
     in_order: list[float]
+
+    @classmethod
+    def of(cls, labels: Iterable[float], in_order: Iterable[float]) -> Self:
+        """Return them rounded to three digits."""
+        rounded = [[round(value, 3) for value in values] for values in (labels, in_order)]
+        return cls(labels=rounded[0], in_order=rounded[1])
 
 
 class CheckVerdict(CheckFigures):

@@ -239,7 +239,7 @@ export interface paths {
         };
         /**
          * Get Ranking Opinion
-         * @description Return where a linear reward places each game that it was learned without.
+         * @description Return where the other ranked games place each game, and which aliens they ask for.
          */
         get: operations["get_ranking_opinion"];
         put?: never;
@@ -1575,11 +1575,11 @@ export interface components {
         };
         /**
          * GameOpinion
-         * @description Where a linear reward that was learned from the other ranked games places a game.
+         * @description Where the other ranked games place a game.
          *
          *     Places are shares of the ranked games that are better, from 0 for the best to 1, with the ends
-         *     of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that end
-         *     like it and speak against its tier, empty unless that is improbable.
+         *     of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that are
+         *     worth about as much and speak against its tier, empty unless that is improbable.
          */
         GameOpinion: {
             /** Best Place */
@@ -2096,21 +2096,17 @@ export interface components {
         };
         /**
          * RankingOpinion
-         * @description What a linear reward, learned from a revision of the ranking, says of each game.
+         * @description What a revision of the ranking says of each game, and which aliens it asks for.
          *
-         *     ``games`` is empty if ``needs_more``, since fewer than four games or two tiers are ranked, and
-         *     while ranked games are ``missing``. Those are to be replayed first; a request does so for a
-         *     second, so ask again. Of unranked games the newest 60 are looked at.
+         *     ``games`` is empty and ``wanted`` null of rankings of fewer than four games or two tiers. Of
+         *     unranked games the newest 60 are looked at, and all perfect ones.
          */
         RankingOpinion: {
             /** Games */
             games: components["schemas"]["GameOpinion"][];
-            /** Missing */
-            missing: number;
-            /** Needs More */
-            needs_more: boolean;
             /** Revision */
             revision: number;
+            wanted: components["schemas"]["WantedAliens"] | null;
         };
         /**
          * RankingRevision

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from server.api.schemas.base import Id, Schema
+from tril.analysis.outcome import WantedAliens
 
 Tiers = Annotated[
     list[Annotated[list[Id], Field(min_length=1, max_length=500)]], Field(max_length=500)
@@ -63,11 +64,11 @@ class RankingConflict(Schema):
 
 
 class GameOpinion(Schema):
-    """Where a linear reward that was learned from the other ranked games places a game.
+    """Where the other ranked games place a game.
 
     Places are shares of the ranked games that are better, from 0 for the best to 1, with the ends
-    of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that end
-    like it and speak against its tier, empty unless that is improbable.
+    of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that are
+    worth about as much and speak against its tier, empty unless that is improbable.
     """
 
     recording_id: int
@@ -81,17 +82,15 @@ class GameOpinion(Schema):
 
 
 class RankingOpinion(Schema):
-    """What a linear reward, learned from a revision of the ranking, says of each game.
+    """What a revision of the ranking says of each game, and which aliens it asks for.
 
-    ``games`` is empty if ``needs_more``, since fewer than four games or two tiers are ranked, and
-    while ranked games are ``missing``. Those are to be replayed first; a request does so for a
-    second, so ask again. Of unranked games the newest 60 are looked at.
+    ``games`` is empty and ``wanted`` null of rankings of fewer than four games or two tiers. Of
+    unranked games the newest 60 are looked at, and all perfect ones.
     """
 
     revision: int
-    needs_more: bool
-    missing: int
     games: list[GameOpinion]
+    wanted: WantedAliens | None
 
 
 class RankingRevision(Schema):

@@ -12,7 +12,6 @@ import numpy as np
 from PIL import Image
 
 from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
-from tril.analysis.linear_reward import Picture, final_picture
 from tril.errors import NotFound
 from tril.game import space_invaders as game
 from tril.game.console import Console
@@ -97,11 +96,6 @@ def memory_file(recording: Recording, console: Console | None = None) -> bytes:
     return memory[: played.n_frames + 1].tobytes()
 
 
-def final_picture_file(recording: Recording, console: Console | None = None) -> bytes:
-    """Return a recording's final picture: uint8 (84, 84), row by row."""
-    return final_picture(trajectory(recording, console).observations).tobytes()
-
-
 def observations_file(recording: Recording, console: Console | None = None) -> bytes:
     """Return a recording's observations: the newest screen of each, uint8 (T + 1, 84, 84), zlib."""
     newest = trajectory(recording, console).observations[:, -1]
@@ -129,8 +123,3 @@ def read_observation(content: bytes, step: int) -> Observation:
     if step >= len(newest):
         raise NotFound(f"The recording ends at step {len(newest) - 1}.")
     return np.asarray(newest[np.maximum(step + np.arange(1 - STACK, 1), 0)], np.uint8)
-
-
-def read_final_picture(content: bytes) -> Picture:
-    """Return the picture, uint8 (84, 84), of a file."""
-    return np.frombuffer(content, np.uint8).reshape(SIZE, SIZE)

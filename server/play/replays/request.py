@@ -9,7 +9,6 @@ from enum import StrEnum
 import numpy as np
 
 from server.play.replays.products import (
-    final_picture_file,
     frames_file,
     memory_file,
     observations_file,
@@ -28,7 +27,6 @@ class ReplayTask(StrEnum):
     FRAMES = "frames"
     THUMBNAIL = "png"
     MEMORY = "ram"
-    FINAL_PICTURE = "final"
     OBSERVATIONS = "obs"
 
 
@@ -92,7 +90,6 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
     ReplayTask.FRAMES: frames_file,
     ReplayTask.THUMBNAIL: thumbnail_png,
     ReplayTask.MEMORY: memory_file,
-    ReplayTask.FINAL_PICTURE: final_picture_file,
     ReplayTask.OBSERVATIONS: observations_file,
 }
 

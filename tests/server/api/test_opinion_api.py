@@ -1,14 +1,18 @@
-"""What a linear reward says of a ranking, over HTTP."""
+"""What a ranking says of its games, over HTTP."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from server.api import replays
+from server.api import rankings as api
 from testsupport.workplace import Workplace
+from tril.demonstrator import play_randomly
+from tril.store import recordings
+from tril.store.models import Source
 
 OPINION = "/api/behaviours/1/ranking/opinion"
 
@@ -20,19 +24,16 @@ def ask(client: TestClient) -> dict[str, Any]:
     return opinion
 
 
-def settled(client: TestClient) -> dict[str, Any]:
-    """Ask until every game has been looked at."""
-    while (opinion := ask(client))["missing"]:
-        pass
-    return opinion
+def places(opinion: dict[str, Any]) -> dict[int, float]:
+    return {game["recording_id"]: game["place"] for game in opinion["games"]}
 
 
 def test_each_ranked_and_unranked_game_gets_a_place(
     client: TestClient, workplace: Workplace
 ) -> None:
     (added,) = client.post("/api/behaviours/1/borrowed", json={"count": 1}).json()
-    opinion = settled(client)
-    assert (opinion["revision"], opinion["needs_more"]) == (1, False)
+    opinion = ask(client)
+    assert opinion["revision"] == 1
     games = {game["recording_id"]: game for game in opinion["games"]}
     assert sorted(games) == sorted([*workplace.ranked, added["id"]])
     for game in games.values():
@@ -41,26 +42,45 @@ def test_each_ranked_and_unranked_game_gets_a_place(
 
 
 def test_it_follows_the_ranking(client: TestClient, workplace: Workplace) -> None:
-    before = settled(client)
+    hit: list[list[list[int]]] = [
+        [[0, 0, 20], [1, 0, 40], [2, 0, 60]],
+        [[0, 0, 20]],
+        [],
+        [[0, 3, 20], [0, 2, 40]],
+    ]
+    with workplace.database.writing() as session:
+        for number, hits in zip(workplace.ranked, hit, strict=True):
+            recordings.get(session, number).hits = hits
+    before = ask(client)
+    best, *_, worst = workplace.ranked
+    assert places(before)[best] < places(before)[worst]
+    # The first column's lowest alien is wanted, those of others are not.
+    assert before["wanted"]["labels"][0] > 0 > max(before["wanted"]["labels"][1:6])
+    assert len(before["wanted"]["in_order"]) == 36
     tiers = [[number] for number in reversed(workplace.ranked)]
     client.put("/api/behaviours/1/ranking", json={"base_revision": 1, "tiers": tiers})
     after = ask(client)
     assert after["revision"] == 2
-    # Everything is the other way round, what is said of each game, too.
-    places = [
-        {game["recording_id"]: game["place"] for game in one["games"]} for one in (before, after)
-    ]
-    for number in workplace.ranked:
-        assert places[0][number] + places[1][number] == pytest.approx(1.0)
+    assert places(after)[best] > places(after)[worst]
+    assert after["wanted"]["labels"][0] < before["wanted"]["labels"][0]
 
 
-def test_a_request_replays_for_a_limited_time_and_the_next_gets_on(
-    client: TestClient, monkeypatch: pytest.MonkeyPatch
+def test_perfect_games_are_asked_even_if_they_are_not_looked_at_otherwise(
+    client: TestClient, workplace: Workplace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(replays, "OPINION_REPLAYS_S", 0.0)
-    answers = [ask(client) for _ in range(5)]
-    assert [answer["missing"] for answer in answers] == [3, 2, 1, 0, 0]
-    assert [len(answer["games"]) for answer in answers] == [0, 0, 0, 4, 4]
+    monkeypatch.setattr(api, "MAX_UNRANKED_OPINIONS", 1)
+    rng = np.random.default_rng(5)
+    with workplace.database.writing() as session:
+        ids = []
+        for _ in range(3):
+            one = play_randomly(rng)
+            ids.append(recordings.add(session, 1, one.recording, one.replay, Source.VARIED).id)
+    before = ask(client)
+    assert places(before).keys() == {*workplace.ranked, ids[-1]}
+    assert client.patch(f"/api/recordings/{ids[0]}", json={"perfect": True}).status_code == 200
+    after = ask(client)
+    assert places(after).keys() == {*workplace.ranked, ids[0], ids[-1]}
+    assert after["wanted"] != before["wanted"]
 
 
 def test_too_small_a_ranking_is_no_error(client: TestClient, workplace: Workplace) -> None:
@@ -70,8 +90,7 @@ def test_too_small_a_ranking_is_no_error(client: TestClient, workplace: Workplac
     ):
         update = {"base_revision": revision + 1, "tiers": tiers}
         assert client.put("/api/behaviours/1/ranking", json=update).status_code == 200
-        expected = {"revision": revision + 2, "needs_more": True, "missing": 0, "games": []}
-        assert ask(client) == expected
+        assert ask(client) == {"revision": revision + 2, "games": [], "wanted": None}
 
 
 def test_an_unknown_behaviour_has_none(client: TestClient) -> None:

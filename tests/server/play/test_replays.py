@@ -13,15 +13,9 @@ import psutil
 import pytest
 
 from server.play.replays import ReplayProcess, ReplayTask, process
-from server.play.replays.products import (
-    frames_file,
-    read_final_picture,
-    read_observation,
-    read_observations,
-)
+from server.play.replays.products import frames_file, read_observation, read_observations
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
-from tril.analysis.linear_reward import final_picture
 from tril.demonstrator import play_varied
 from tril.errors import NotFound, Unavailable
 from tril.exchange.formats.recording_file import dump_recording, load_recording
@@ -85,15 +79,6 @@ def test_frames_are_those_of_a_replay_in_this_process(
     recording, _ = played
     made = replays.submit(ReplayTask.FRAMES, recording).result(PATIENCE_S)
     assert made == frames_file(recording)
-
-
-def test_a_final_picture_shows_how_a_game_ends(
-    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
-) -> None:
-    recording, _ = played
-    made = replays.submit(ReplayTask.FINAL_PICTURE, recording).result(PATIENCE_S)
-    shown = final_picture(trajectory(recording).observations)
-    assert np.array_equal(read_final_picture(made), shown)
 
 
 @pytest.mark.parametrize("n_frames", [1, 9, 240])

@@ -1,4 +1,4 @@
-"""Which aliens are wanted, inferred from what games show on their screens."""
+"""A reward of which aliens are wanted, inferred from what games show on their screens."""
 
 from __future__ import annotations
 
@@ -18,16 +18,8 @@ from trainer.reward.model import RewardModel, swept_to
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import pretrained_network
 from trainer.reward.reward_trainer import train_reward_model
-from trainer.reward.wanted_aliens import (
-    WANTED,
-    Hits,
-    Posterior,
-    WantedAliensTrainer,
-    labels_of,
-    learned_order,
-    log_prior,
-    set_labels,
-)
+from trainer.reward.wanted_aliens import WantedAliensTrainer, labels_of, set_labels
+from tril.analysis.wanted_aliens import Hits, learned_order
 from tril.errors import Invalid
 from tril.recipes import FAST, with_values
 from tril.recording import Trajectory
@@ -113,51 +105,6 @@ def test_an_alien_that_is_misread_for_a_while_does_not_count_as_back() -> None:
     found = Hits.read(features)
     assert np.flatnonzero(found.gone).tolist() == [2, 8]
     assert found.steps[2] == APART
-
-
-def test_an_alien_is_in_reach_while_it_is_the_lowest_of_its_column() -> None:
-    found = hits([2, 8, 0])
-    assert np.flatnonzero(found.in_reach).tolist() == [0, 1, 2, 3, 4, 5, 6, 8, 14]
-    # The game ends too soon after the second hit for the third to have been in reach.
-    assert not hits([2, 8], 2 * APART + 20).in_reach[14]
-    # One that is hit before those below it counts if the lowest of its column is hit, too.
-    assert hits([2, 8, 20]).in_reach[20]
-    assert not hits([8, 20]).in_reach[[8, 20]].any()
-
-
-def test_rows_are_swept_from_their_left_ends() -> None:
-    assert np.flatnonzero(hits([0, 1, 3, 6, 8]).swept).tolist() == [0, 1, 6]
-
-
-def test_an_order_is_learned_from_games_that_keep_it() -> None:
-    in_order = [hits(ROW_1), hits(ROW_1), hits(ROW_1[:4])]
-    assert learned_order(in_order)[:6] == pytest.approx([0, 0.75, 0.75, 0.75, 2 / 3, 2 / 3])
-    assert learned_order(in_order * 20)[:6].min(initial=1, where=np.arange(6) > 0) > 0.97
-    reverse = [hits(ROW_1[::-1])] * 3
-    assert not learned_order(reverse).any()
-    # One of three games hits the second alien before the first.
-    mixed = learned_order([*in_order[:2], hits([1, 0, 2, 3, 4, 5])])
-    assert mixed[1] == pytest.approx(2 * 2.5 / 4 - 1)
-    assert mixed[2] == pytest.approx(0.75)
-    # Games that leave the row unfinished say nothing.
-    assert not learned_order([hits([0, 2])] * 5).any()
-
-
-def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
-    best = [hits(COLUMN_3)] * 10 + [hits(COLUMN_3[:5], 5 * APART + 10)] * 3
-    by_column = log_prior(best)
-    assert by_column.shape == (6, 7)
-    # The last alien was out of reach in the games that ended early.
-    assert by_column.argmax(1).tolist() == [0, 0, 6, 0, 0, 0]
-    # Of a column that nobody shoots at, nothing but the prior says what is behind its first alien.
-    row = log_prior([hits(ROW_1)] * 10)
-    assert row.argmax(1).tolist() == [1] * 6
-    assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(WANTED), abs=1e-9)
-
-
-def test_accidents_behind_a_columns_lowest_alien_do_not_make_it_wanted() -> None:
-    best = [hits(COLUMN_3)] * 13 + [hits([*COLUMN_3, 7]), hits([*COLUMN_3, 13, 19])]
-    assert log_prior(best).argmax(1).tolist() == [0, 0, 6, 0, 0, 0]
 
 
 @pytest.mark.parametrize("perfect", [[], [COLUMN_3] * 6])
@@ -264,35 +211,6 @@ def test_labels_and_order_are_read_off_a_network() -> None:
     found = labels_of(network)
     np.testing.assert_allclose(found[0], expected, atol=1e-6)
     np.testing.assert_allclose(found[1], order, atol=1e-4)
-
-
-def test_the_posterior_is_what_all_combinations_give() -> None:
-    ranking = [(2, 8), (2,), (3,), (3, 9)]
-    played = {index: hits(aliens) for index, aliens in enumerate(ranking)}
-    pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
-    prior = log_prior([played[0]])
-    posterior = Posterior(played, pairs, prior, np.zeros(36))
-    rng = np.random.default_rng(0)
-    sampled = np.mean([posterior.sample(rng) for _ in range(3_000)], axis=0)
-    # Only the third and the fourth column are told apart by the ranking.
-    numbers = np.arange(7)
-    n_third, n_fourth = np.meshgrid(numbers, numbers, indexing="ij")
-
-    def worth(aliens: Sequence[int]) -> np.ndarray:
-        total = np.zeros((7, 7))
-        for alien in aliens:
-            row, column = divmod(alien, 6)
-            total += np.where(row < (n_third if column == 2 else n_fourth), 1.0, -1.0)
-        return total
-
-    log_odds = prior[2][:, None] + prior[3][None]
-    for better, worse in pairs:
-        gap = worth(ranking[better]) - worth(ranking[worse])
-        log_odds += np.log(0.1 + 0.8 / (1.0 + np.exp(-gap)))
-    odds = np.exp(log_odds - log_odds.max())
-    odds /= odds.sum()
-    np.testing.assert_allclose(sampled[2], odds.sum(1), atol=0.02)
-    np.testing.assert_allclose(sampled[3], odds.sum(0), atol=0.02)
 
 
 @pytest.mark.parametrize("report", [3, 16])

@@ -67,7 +67,7 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
 
 def _wanted(data: RunData) -> WantedAliens:
     labels, order = labels_of(data.reward_model.members[0])
-    return WantedAliens(labels=labels.round(3).tolist(), in_order=order.round(3).tolist())
+    return WantedAliens.of(labels.tolist(), order.tolist())
 
 
 def learn_clone(data: RunData, progress: Progress) -> None:

@@ -167,7 +167,12 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
         <section className={styles.ranking} aria-label={t`Ranking`}>
           <SaveBar state={state} saver={saver} />
-          <OpinionBar opinions={opinions} shown={advised} onShow={setAdvised} />
+          <OpinionBar
+            behaviour={behaviour}
+            opinions={opinions}
+            shown={advised}
+            onShow={setAdvised}
+          />
           <Pairs
             pairs={openPairs(tiers, unranked, byId)}
             behaviour={behaviour}

@@ -9,6 +9,14 @@ import { behaviour, ranking, recording } from "../../support/data";
 import { show } from "../../support/page";
 import { type Asked, Refusal, serve } from "../../support/server";
 
+/** Column 2 is wanted, but it is not sure of its highest alien. */
+const WANTED = {
+  labels: Array.from({ length: 36 }, (_, index) =>
+    index % 6 !== 1 ? -0.9 : index === 31 ? 0.2 : 0.9,
+  ),
+  in_order: Array.from({ length: 36 }, () => 0),
+};
+
 /** A fake server with one ranking and its revisions. */
 function rankingServer(
   begin: Partial<Ranking>,
@@ -61,9 +69,8 @@ function rankingServer(
     "GET /api/behaviours/1/ranking": () => standing,
     "GET /api/behaviours/1/ranking/opinion": () => ({
       revision: standing.revision,
-      needs_more: false,
-      missing: 0,
       games: [],
+      wanted: WANTED,
       ...opinion(),
     }),
     "GET /api/behaviours/1/recordings": () => all.filter((one) => !one.borrowed),
@@ -376,7 +383,7 @@ describe("what the other games suggest", () => {
     expect(await screen.findByText("The others suggest tier 1 (1 to 2)")).toBeVisible();
     expect(card(4).getByText("Probably tier 2")).toBeVisible();
     expect(card(2).queryByText(/suggest/)).toBeNull();
-    expect(screen.getByText(/A wide band means that it is unsure/)).toBeVisible();
+    expect(screen.getByText(/A wide band means that this is not sure/)).toBeVisible();
   });
 
   it("names a contradiction and moves the game where they suggest", async () => {
@@ -384,8 +391,8 @@ describe("what the other games suggest", () => {
     const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({ games }));
     expect(
       await screen.findByText(
-        "The other games suggest that it is better: about tier 1. It ends like Recording 1 and " +
-          "Recording 2.",
+        "The other games suggest that it is better: about tier 1. Judging by what it hits, it is " +
+          "about as good as Recording 1 and Recording 2.",
       ),
     ).toBeVisible();
     games = [];
@@ -423,14 +430,20 @@ describe("what the other games suggest", () => {
     expect(server.now().revision).toBe(1);
   });
 
-  it("is asked again after each saved change and while games are missing", async () => {
-    let missing = 2;
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
-      missing: Math.max(0, missing--),
-    }));
-    expect(await screen.findByText("Looking at how 2 more games end…")).toBeVisible();
-    expect(await screen.findByText("Looking at how 1 more game ends…")).toBeVisible();
-    expect(await screen.findByText(/it is unsure/)).toBeVisible();
+  it("says which aliens the order asks for, until it is hidden", async () => {
+    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const wanted = within(await screen.findByRole("region", { name: "What this order asks for" }));
+    expect(wanted.getByRole("img")).toHaveAccessibleName(/^To be hit: row 1, column 2/);
+    expect(wanted.getByText(/Not sure about 1 alien/)).toBeVisible();
+    await userEvent.click(
+      screen.getByRole("checkbox", { name: "Show what the other games suggest" }),
+    );
+    expect(screen.queryByRole("region", { name: "What this order asks for" })).toBeNull();
+  });
+
+  it("is asked again after each saved change", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    expect(await screen.findByText(/this is not sure/)).toBeVisible();
     const times = () => server.asked.filter(({ path }) => path.endsWith("/opinion")).length;
     const before = times();
     await press("Up: Recording 3");
@@ -438,7 +451,7 @@ describe("what the other games suggest", () => {
   });
 
   it("says what it needs, and what went wrong", async () => {
-    let more: Partial<RankingOpinion> = { needs_more: true };
+    let more: Partial<RankingOpinion> = { wanted: null };
     await open({ tiers: [[1], [2]], unranked: [3, 4] }, () => more);
     expect(await screen.findByText(/Rank four games in at least two tiers/)).toBeVisible();
     more = {};

@@ -412,7 +412,7 @@ describe("the results", () => {
         name: `To be hit: ${names}. Targets among the others: ${missed}. Not sure: row 2, column 3`,
       }),
     ).toBeVisible();
-    expect(wanted.getByText(/^It is not sure about 1 alien \(dashed frame\)/)).toBeVisible();
+    expect(wanted.getByText(/^Not sure about 1 alien \(dashed frame\)/)).toBeVisible();
     expect(
       wanted.getByText("In row 1, a wanted alien counts only once all on its left are gone."),
     ).toBeVisible();

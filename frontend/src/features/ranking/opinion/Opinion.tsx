@@ -21,7 +21,7 @@ interface OpinionProps {
   onKeep: () => void;
 }
 
-/** Where a quick reward would place a game, how sure it is, and whether that is a contradiction. */
+/** Where the other games suggest that a game belongs, how surely, and whether that contradicts. */
 export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: OpinionProps) {
   const { place, best_place: best, worst_place: worst, contradicted_by: against } = opinion;
   const name = recordingName({ id: opinion.recording_id });
@@ -48,7 +48,10 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
             ) : (
               <Trans>The other games suggest that it is worse: about tier {opinion.tier}.</Trans>
             )}{" "}
-            <Trans>It ends like {listed(against.map((id) => recordingName({ id })))}.</Trans>
+            <Trans>
+              Judging by what it hits, it is about as good as{" "}
+              {listed(against.map((id) => recordingName({ id })))}.
+            </Trans>
           </p>
           <div className={styles.choice}>
             <Button

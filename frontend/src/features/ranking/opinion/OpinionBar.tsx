@@ -1,19 +1,22 @@
-import { plural, t } from "@lingui/core/macro";
+import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import { messageOf } from "@/api/client";
+import type { Behaviour } from "@/api/types";
+import { WantedAliens } from "@/components/game/WantedAliens";
 
 import styles from "./OpinionBar.module.css";
 import type { Opinions } from "./use-opinions";
 
 interface OpinionBarProps {
+  behaviour: Behaviour;
   opinions: Opinions;
   shown: boolean;
   onShow: (shown: boolean) => void;
 }
 
-/** Says what the marks beside the games mean, and hides them. */
-export function OpinionBar({ opinions, shown, onShow }: OpinionBarProps) {
+/** Shows what the ranking asks for and what the marks beside the games mean, and hides both. */
+export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarProps) {
   return (
     <div className={styles.bar}>
       <label>
@@ -24,6 +27,13 @@ export function OpinionBar({ opinions, shown, onShow }: OpinionBarProps) {
         />
         <Trans>Show what the other games suggest</Trans>
       </label>
+      {shown && opinions.answer?.wanted && (
+        <WantedAliens
+          title={t`What this order asks for`}
+          inferred={opinions.answer.wanted}
+          behaviour={behaviour}
+        />
+      )}
       {shown && <p>{legend(opinions)}</p>}
     </div>
   );
@@ -32,12 +42,7 @@ export function OpinionBar({ opinions, shown, onShow }: OpinionBarProps) {
 function legend({ answer, error }: Opinions): string {
   if (error !== null) return t`It could not be worked out: ${messageOf(error)}`;
   if (!answer) return t`Working it out…`;
-  if (answer.needs_more)
-    return t`Rank four games in at least two tiers to see where they suggest that each game belongs.`;
-  if (answer.missing > 0)
-    return plural(answer.missing, {
-      one: "Looking at how # more game ends…",
-      other: "Looking at how # more games end…",
-    });
-  return t`The bar beside a game runs from best to worst. Its mark shows where Tril would put this game, judging by how your other games end. A wide band means that it is unsure.`;
+  if (!answer.wanted)
+    return t`Rank four games in at least two tiers to see what they ask for, and where they suggest that each game belongs.`;
+  return t`The bar beside a game runs from best to worst. Its mark shows where the other games suggest that it belongs, judging by which aliens it hits. A wide band means that this is not sure.`;
 }

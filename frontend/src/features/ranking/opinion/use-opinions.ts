@@ -6,9 +6,6 @@ import type { GameOpinion, RankingOpinion } from "@/api/types";
 import { sameOrder } from "@/features/ranking/order/order";
 import type { SaverState } from "@/features/ranking/order/saver";
 
-/** Pause between two requests while games are still to be replayed, for a second each. */
-const ASK_AGAIN_MS = 250;
-
 function opinionQuery(behaviourId: number, revision: number) {
   return queryOptions({
     queryKey: ["opinion", behaviourId, revision],
@@ -21,7 +18,6 @@ function opinionQuery(behaviourId: number, revision: number) {
       ),
     // What was said of the order before stays until the new answer is there.
     placeholderData: keepPreviousData,
-    refetchInterval: ({ state }) => (state.data?.missing ? ASK_AGAIN_MS : false),
   });
 }
 
@@ -33,7 +29,7 @@ export interface Opinions {
   readonly error: unknown;
 }
 
-/** Returns what a quick reward says of each game, asked anew after each saved change. */
+/** Returns what the ranking says of each game, asked anew after each saved change. */
 export function useOpinions(
   behaviourId: number,
   { saved, tiers }: SaverState,

@@ -2,6 +2,7 @@ import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
+import { WantedAliens } from "@/components/game/WantedAliens";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import tables from "@/features/results/tables.module.css";
 import type { Watched } from "@/features/results/watched";
@@ -10,7 +11,6 @@ import { recordingName, describeScore } from "@/lib/recordings";
 
 import { ReturnsByTier } from "./ReturnsByTier";
 import styles from "./reward.module.css";
-import { WantedAliens } from "./WantedAliens";
 
 interface RewardCheckProps {
   check: RankingCheck;
@@ -24,7 +24,13 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
     <>
       <Numbers check={check} />
       <p className={styles.verdict}>{verdictOf(check)}</p>
-      {check.wanted && <WantedAliens inferred={check.wanted} behaviour={behaviour} />}
+      {check.wanted && (
+        <WantedAliens
+          title={t`What the reward wants`}
+          inferred={check.wanted}
+          behaviour={behaviour}
+        />
+      )}
       {check.confused.length > 0 && <Confused confused={check.confused} />}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} onWatch={onWatch} />

@@ -34,9 +34,8 @@ function rankingServer(begin: Partial<Ranking>) {
     "GET /api/behaviours/1/borrowed": () => all.filter((one) => one.borrowed),
     "GET /api/behaviours/1/ranking/opinion": () => ({
       revision: standing.revision,
-      needs_more: true,
-      missing: 0,
       games: [],
+      wanted: null,
     }),
     "PUT /api/behaviours/1/ranking": ({ body }: Asked) => {
       const { base_revision: base, tiers } = body as { base_revision: number; tiers: number[][] };

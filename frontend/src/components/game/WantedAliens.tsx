@@ -2,7 +2,6 @@ import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, WantedAliens as Inferred } from "@/api/types";
-import gridStyles from "@/components/game/AlienGrid.module.css";
 import {
   ALL_CELLS,
   type Cell,
@@ -16,9 +15,11 @@ import {
   SPRITE_SIZE,
 } from "@/lib/game/aliens";
 
-import styles from "./reward.module.css";
+import gridStyles from "./AlienGrid.module.css";
+import styles from "./WantedAliens.module.css";
 
 interface WantedAliensProps {
+  title: string;
   inferred: Inferred;
   behaviour: Behaviour;
 }
@@ -32,14 +33,14 @@ const SCALE = 3;
 /** All cells, bottom row first, as labels are ordered. */
 const CELLS: readonly Cell[] = [...ALL_CELLS].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
 
-/** Which aliens the reward was inferred to want, to leave alone, or not to know. */
-export function WantedAliens({ inferred, behaviour }: WantedAliensProps) {
+/** Which aliens are inferred to be wanted, which to be left alone, and which may be either. */
+export function WantedAliens({ title, inferred, behaviour }: WantedAliensProps) {
   const { wanted, others, unsure } = sorted(inferred);
   const rows = orderedRows(inferred);
   const numbers = rows.join(", ");
   const side = GRID_SIZE * SCALE;
   return (
-    <section aria-label={t`What the reward wants`} className={styles.wanted}>
+    <section aria-label={title} className={styles.wanted}>
       <svg
         className={gridStyles.grid}
         viewBox={`0 0 ${GRID_SIZE} ${GRID_SIZE}`}
@@ -54,9 +55,7 @@ export function WantedAliens({ inferred, behaviour }: WantedAliensProps) {
         <path className={styles.unsure} d={frames(unsure)} />
       </svg>
       <div className={styles.words}>
-        <h3>
-          <Trans>What the reward wants</Trans>
-        </h3>
+        <h3>{title}</h3>
         <p>
           <Trans>
             Inferred from the order of the games, and from what the best of them hit: coloured
@@ -64,16 +63,16 @@ export function WantedAliens({ inferred, behaviour }: WantedAliensProps) {
           </Trans>{" "}
           {behaviour.target && (
             <Trans>
-              The outline shows the behaviour&rsquo;s targets, which the reward never sees.
+              The outline shows the behaviour&rsquo;s targets, which no training ever sees.
             </Trans>
           )}
         </p>
         {unsure.length > 0 && (
           <p>
             {plural(unsure.length, {
-              one: "It is not sure about # alien (dashed frame). Rank games that hit it, and games that could have hit it but did not.",
+              one: "Not sure about # alien (dashed frame). Rank games that hit it, and games that could have hit it but did not.",
               other:
-                "It is not sure about # aliens (dashed frames). Rank games that hit them, and games that could have hit them but did not.",
+                "Not sure about # aliens (dashed frames). Rank games that hit them, and games that could have hit them but did not.",
             })}
           </p>
         )}

@@ -1,0 +1,303 @@
+"""Inferring from a ranking and from the best games which aliens are wanted.
+
+A dozen ranked games do not say what every screen is worth, but they do say how many aliens of each
+column are wanted, counted from the bottom: one that is behind others can hardly be hit before them.
+Each of the 36 aliens then has a label, +1 if it is wanted and -1 if not, and a game is worth the
+sum of the labels of what it hit. As in Bayesian REX (Brown et al. 2020), the posterior is sampled
+from the likelihood of the preferences; the labels and the prior are ours.
+
+- Prior. Each further alien of a column is wanted with probability 0.3. The best games are meant as
+  all of the behaviour: of those that had an alien in reach, the number that hit it follows a
+  beta-binomial distribution, with parameters 1 and 1 if it is wanted, 1 and u if it is not. u is
+  the most likely one (empirical Bayes).
+- Likelihood. Of two games in different tiers, the better one is ranked higher with probability
+  0.1 + 0.8 sigmoid(difference in worth).
+- Order. Where the best games that clear a row up to a wanted alien have hit it after all on its
+  left, it counts only once the row has been swept up to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from math import lgamma
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
+from tril.ranking import BEST_SHARE, Pair, best_ranked
+
+Array = npt.NDArray[np.float64]
+
+N_ALIENS = ROWS * COLUMNS
+
+LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
+"""Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
+
+MISREAD = 0.05
+"""Least probability that an alien is read as left where it is gone, or the other way round."""
+
+WANTED = 0.3
+"""Probability that an alien is wanted if all below it in its column are."""
+
+UNWANTED = (5, 10, 20, 40, 80, 160)
+"""Values of u that are considered: an unwanted alien is hit about once in u + 1 games."""
+
+REACH_STEPS = 25
+"""Fewest steps to the end of a game with which the lowest alien of a column is in reach."""
+
+MISTAKES = 0.1
+"""Probability that two games are ranked the other way round, however much their worth differs."""
+
+BURN_IN = 0.2
+"""Share of the passes that are dropped."""
+
+
+@dataclass(frozen=True)
+class Hits:
+    """What a game hits.
+
+    Attributes:
+        steps: The step after which each alien of the full grid is gone, row by row, inf if it is
+            left, float64 (36,).
+        n_steps: Length of the game, in steps.
+    """
+
+    steps: Array
+    n_steps: int
+
+    @classmethod
+    def of(cls, hits: Iterable[Sequence[int]], n_frames: int) -> Self:
+        """Return those of a recording.
+
+        Args:
+            hits: Row, column and frame of each.
+            n_frames: Length of the game.
+        """
+        steps = np.full(N_ALIENS, np.inf)
+        for row, column, frame in hits:
+            alien = row * COLUMNS + column
+            # The first time: a cleared grid is filled again.
+            steps[alien] = min(steps[alien], -(-frame // FRAMES_PER_STEP))
+        return cls(steps, -(-n_frames // FRAMES_PER_STEP))
+
+    @classmethod
+    def read(cls, features: Array) -> Self:
+        """Read them off a game's screens.
+
+        The steps are the most likely ones if the readings of single screens were independent, so
+        that an alien which is misread for a while does not count as back.
+
+        Args:
+            features: What a pretrained network reads, (N, 36 or more): the probabilities that the
+                aliens are left.
+        """
+        left = np.clip(features[:, :N_ALIENS], MISREAD, 1.0 - MISREAD)
+        # How much more likely the screens before a step are if the alien is left until then.
+        gain = np.zeros((len(left) + 1, N_ALIENS))
+        np.cumsum(np.log(left) - np.log1p(-left), axis=0, out=gain[1:])
+        steps = gain.argmax(0)
+        return cls(np.where(steps < len(left), steps.astype(float), np.inf), len(left) - 1)
+
+    @property
+    def gone(self) -> npt.NDArray[np.bool_]:
+        """Which aliens are gone in the end, bool (36,)."""
+        return np.isfinite(self.steps)
+
+    @property
+    def swept(self) -> npt.NDArray[np.bool_]:
+        """Up to which aliens the rows are swept in the end, bool (36,)."""
+        gone = self.gone.reshape(ROWS, COLUMNS)
+        return np.logical_and.accumulate(gone, axis=1).ravel()
+
+    @property
+    def in_reach(self) -> npt.NDArray[np.bool_]:
+        """Which aliens the player could have aimed at, bool (36,).
+
+        An alien is in reach once all below it are gone. A hit on one behind others counts, too, if
+        the lowest of its column is also hit; otherwise it is taken for an accident.
+        """
+        grid = self.steps.reshape(ROWS, COLUMNS)
+        lowest_from = np.zeros_like(grid)
+        np.maximum.accumulate(grid[:-1], axis=0, out=lowest_from[1:])
+        could = lowest_from <= self.n_steps - REACH_STEPS
+        hit = np.isfinite(grid) & np.isfinite(grid[0])
+        reached: npt.NDArray[np.bool_] = (hit | could).ravel()
+        return reached
+
+
+def learned_order(best: Sequence[Hits]) -> Array:
+    """Return how surely each alien counts only once its row is swept up to it, float64 (36,).
+
+    It grows in proportion from 0, where half of the games that clear the row up to the alien or
+    fewer have hit it last, to 1. The share is the posterior mean under Jeffreys' prior, so that two
+    games that agree make it 0.67, and ten 0.91.
+
+    Args:
+        best: Of the best games.
+    """
+    grid = np.reshape([one.steps for one in best], (-1, N_ALIENS)).reshape(-1, ROWS, COLUMNS)
+    order = np.zeros((ROWS, COLUMNS))
+    for column in range(1, COLUMNS):
+        before, own = grid[:, :, :column].max(2), grid[:, :, column]
+        n_cleared = (np.isfinite(before) & np.isfinite(own)).sum(0)
+        n_in_order = ((before < own) & np.isfinite(own)).sum(0)
+        share = (n_in_order + 0.5) / (n_cleared + 1.0)
+        order[:, column] = (2.0 * share - 1.0).clip(0.0)
+    return order.ravel()
+
+
+def log_prior(best: Sequence[Hits]) -> Array:
+    """Return that of how many aliens of each column are wanted, float64 (6, 7), but for a constant.
+
+    Args:
+        best: Of the best games.
+    """
+    in_reach = np.reshape([one.in_reach for one in best], (-1, N_ALIENS)).astype(bool)
+    gone = np.reshape([one.gone for one in best], (-1, N_ALIENS)).astype(bool)
+    n_hit, n_reached = (in_reach & gone).sum(0).tolist(), in_reach.sum(0).tolist()
+
+    def of_hits(u: int) -> Array:
+        """Return the log probability of each alien's hits with parameters 1 and u, (6, 1, 6)."""
+        found = [_log_beta_binomial(k, n, u) for k, n in zip(n_hit, n_reached, strict=True)]
+        return np.reshape(found, (ROWS, COLUMNS)).T[:, None]
+
+    n_wanted = np.arange(ROWS + 1)
+    own = n_wanted * np.log(WANTED) + (n_wanted < ROWS) * np.log1p(-WANTED)
+    wanted = of_hits(1)
+    candidates = [own + np.where(LABELS > 0, wanted, of_hits(u)).sum(2) for u in UNWANTED]
+    return max(candidates, key=lambda one: np.logaddexp.reduce(one, axis=1).sum())
+
+
+def _log_beta_binomial(k: int, n: int, u: int) -> float:
+    """Return the log probability of certain k of n, under parameters 1 and u."""
+    return lgamma(k + 1) + lgamma(n - k + u) - lgamma(n + 1 + u) - lgamma(u) + lgamma(1 + u)
+
+
+class Posterior:
+    """Of how many aliens of each column are wanted.
+
+    Args:
+        hits: By game.
+        pairs: Games, the better one first.
+        prior: See log_prior.
+        order: See learned_order.
+    """
+
+    def __init__(
+        self, hits: dict[int, Hits], pairs: Sequence[Pair], prior: Array, order: Array
+    ) -> None:
+        gone = {index: one.gone.astype(float) for index, one in hits.items()}
+        counted = {i: (1.0 - order) * gone[i] + order * one.swept for i, one in hits.items()}
+        # How much more the better game is worth, by column, pair and number of wanted aliens.
+        self._worth = _more(counted, pairs) @ (LABELS > 0).T - _more(gone, pairs) @ (LABELS < 0).T
+        self._prior = prior
+        self._wanted = prior.argmax(1)
+        self._difference = self._worth[np.arange(COLUMNS), :, self._wanted].sum(0)
+
+    def sample(self, rng: np.random.Generator) -> Array:
+        """Draw the number of wanted aliens of one column after another (Gibbs sampling).
+
+        Returns:
+            The probability of each number, given the other columns', float64 (6, 7).
+        """
+        found = np.empty_like(self._prior)
+        for column, worth in enumerate(self._worth):
+            others = self._difference - worth[:, self._wanted[column]]
+            differences = others[:, None] + worth
+            log_odds = self._prior[column] + np.log(_probability(differences)).sum(0)
+            odds = np.exp(log_odds - log_odds.max())
+            found[column] = odds / odds.sum()
+            self._wanted[column] = rng.choice(ROWS + 1, p=found[column])
+            self._difference = differences[:, self._wanted[column]]
+        return found
+
+    def draws(self, rng: np.random.Generator, n_passes: int, burn_in: int) -> npt.NDArray[np.int64]:
+        """Return how many aliens of each column are wanted in each pass, int64 (S, 6).
+
+        Args:
+            rng: Source of the draws.
+            n_passes: Of Gibbs sampling.
+            burn_in: How many of them, the first, are dropped.
+        """
+        found = []
+        for _ in range(n_passes):
+            self.sample(rng)
+            found.append(self._wanted.copy())
+        return np.array(found[burn_in:], np.int64)
+
+    @property
+    def loss(self) -> float:
+        """The cross entropy of the ranking at the last draw."""
+        return float(-np.log(_probability(self._difference)).mean())
+
+    @property
+    def accuracy(self) -> float:
+        """The share of pairs that are ordered as ranked at the last draw."""
+        return float((self._difference > 0).mean())
+
+
+def _more(values: dict[int, Array], pairs: Sequence[Pair]) -> Array:
+    """Return how much more the better game has, float64 (6, P, 6): by column, pair and row."""
+    found = np.stack([values[better] - values[worse] for better, worse in pairs])
+    return found.reshape(-1, ROWS, COLUMNS).transpose(2, 0, 1)
+
+
+def _probability(differences: Array) -> Array:
+    """Return that of ranking games as they are, by how much more the better ones are worth."""
+    probability: Array = MISTAKES + (1.0 - 2.0 * MISTAKES) / (1.0 + np.exp(-differences))
+    return probability
+
+
+def best_games(tiers: Sequence[Sequence[int]], perfect: Collection[int]) -> list[int]:
+    """Return the games that are meant as all of the behaviour.
+
+    They are the perfect demonstrations and the best ranked games, unless the first tier is so large
+    that it says little; without perfect demonstrations they are the best ranked games.
+
+    Args:
+        tiers: Ranked games, best tier first.
+        perfect: The perfect demonstrations.
+    """
+    ranked = best_ranked(tiers)
+    if perfect and len(ranked) > BEST_SHARE * sum(len(tier) for tier in tiers):
+        ranked = []
+    return sorted({*ranked, *perfect})
+
+
+def labels_of_draws(draws: npt.NDArray[np.int64]) -> Array:
+    """Return the labels of draws, float64 (S, 36), -1 or 1, of how many are wanted, (S, 6)."""
+    labels: Array = LABELS[draws].transpose(0, 2, 1).reshape(len(draws), N_ALIENS)
+    return labels
+
+
+def worth(labels: Array, order: Array, hits: Sequence[Hits]) -> Array:
+    """Return what games are worth by each draw's labels, float64 (S, n).
+
+    Args:
+        labels: float64 (S, 36).
+        order: See learned_order.
+        hits: Of n games.
+    """
+    gone = np.reshape([one.gone for one in hits], (-1, N_ALIENS)).astype(float)
+    swept = np.reshape([one.swept for one in hits], (-1, N_ALIENS)).astype(float)
+    counted = (1.0 - order) * gone + order * swept
+    found: Array = (labels > 0) @ counted.T - (labels < 0) @ gone.T
+    return found
+
+
+def log_likelihood_by_game(worth: Array, pairs: npt.NDArray[np.int64]) -> Array:
+    """Return that of the pairs of each game, in each draw, float64 (S, n).
+
+    Args:
+        worth: What n games are worth in S draws, float64 (S, n).
+        pairs: Indices of the better game and the worse one, int64 (P, 2).
+    """
+    better, worse = pairs.T
+    found = np.log(_probability(worth[:, better] - worth[:, worse]))
+    games = np.arange(worth.shape[1])
+    takes_part = (pairs[:, :1] == games) | (pairs[:, 1:] == games)
+    of_games: Array = found @ takes_part
+    return of_games
