@@ -49,7 +49,8 @@ def page(browser: Browser, workplace: Workplace, misplaced: int) -> Iterator[Pag
 
 
 def test_a_misplaced_game_is_moved_where_the_others_suggest(page: Page, misplaced: int) -> None:
-    expect(page.get_by_text("this is not sure")).to_be_visible(timeout=PATIENCE_MS)
+    wanted = page.get_by_role("region", name="What this order asks for")
+    expect(wanted).to_be_visible(timeout=PATIENCE_MS)
     expect(page.get_by_text(re.compile("^The others suggest tier"))).to_have_count(2 * N_GAMES)
     expect(page.get_by_text(re.compile("^Probably tier"))).to_have_count(4)
     card = page.get_by_role("article", name=f"Recording {misplaced}", exact=True)

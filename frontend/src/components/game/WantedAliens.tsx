@@ -1,5 +1,6 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
+import type { ReactNode } from "react";
 
 import type { Behaviour, WantedAliens as Inferred } from "@/api/types";
 import {
@@ -22,23 +23,26 @@ interface WantedAliensProps {
   title: string;
   inferred: Inferred;
   behaviour: Behaviour;
+  /** CSS pixels per pixel of the drawing. */
+  scale: 2 | 3;
+  /** More of how to read it. */
+  children?: ReactNode;
 }
 
 /** Labels nearer to 0 are not sure. */
 const SURE = 0.5;
 /** From here on, an alien counts as one of a row that is swept. */
 const IN_ORDER = 0.5;
-const SCALE = 3;
 
 /** All cells, bottom row first, as labels are ordered. */
 const CELLS: readonly Cell[] = [...ALL_CELLS].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
 
 /** Which aliens are inferred to be wanted, which to be left alone, and which may be either. */
-export function WantedAliens({ title, inferred, behaviour }: WantedAliensProps) {
+export function WantedAliens({ title, inferred, behaviour, scale, children }: WantedAliensProps) {
   const { wanted, others, unsure } = sorted(inferred);
   const rows = orderedRows(inferred);
   const numbers = rows.join(", ");
-  const side = GRID_SIZE * SCALE;
+  const side = GRID_SIZE * scale;
   return (
     <section aria-label={title} className={styles.wanted}>
       <svg
@@ -57,22 +61,14 @@ export function WantedAliens({ title, inferred, behaviour }: WantedAliensProps) 
       <div className={styles.words}>
         <h3>{title}</h3>
         <p>
-          <Trans>
-            Inferred from the order of the games, and from what the best of them hit: coloured
-            aliens are to be hit, grey ones to be left alone.
-          </Trans>{" "}
-          {behaviour.target && (
-            <Trans>
-              The outline shows the behaviour&rsquo;s targets, which no training ever sees.
-            </Trans>
-          )}
+          <Trans>The coloured aliens are to be hit, the grey ones to be left alone.</Trans>
         </p>
         {unsure.length > 0 && (
           <p>
             {plural(unsure.length, {
-              one: "Not sure about # alien (dashed frame). Rank games that hit it, and games that could have hit it but did not.",
+              one: "Not sure about # alien (dashed frame): rank games that hit it, and games that could have hit it but did not.",
               other:
-                "Not sure about # aliens (dashed frames). Rank games that hit them, and games that could have hit them but did not.",
+                "Not sure about # aliens (dashed frames): rank games that hit them, and games that could have hit them but did not.",
             })}
           </p>
         )}
@@ -84,6 +80,20 @@ export function WantedAliens({ title, inferred, behaviour }: WantedAliensProps) 
             })}
           </p>
         )}
+        <details>
+          <summary>
+            <Trans>How to read this</Trans>
+          </summary>
+          <p>
+            <Trans>
+              It is inferred from the order of the games and from what the best of them hit.
+            </Trans>{" "}
+            {behaviour.target && (
+              <Trans>The outline shows the targets, which no training ever sees.</Trans>
+            )}
+          </p>
+          {children}
+        </details>
       </div>
     </section>
   );

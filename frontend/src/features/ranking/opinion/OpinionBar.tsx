@@ -32,17 +32,43 @@ export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarPro
           title={t`What this order asks for`}
           inferred={opinions.answer.wanted}
           behaviour={behaviour}
-        />
+          scale={2}
+        >
+          <p>
+            <Trans>
+              The bar beside a game runs from best to worst. Its mark shows where the other games
+              suggest that it belongs, judging by which aliens it hits. A wide band means that this
+              is not sure.
+            </Trans>
+          </p>
+        </WantedAliens>
       )}
-      {shown && <p>{legend(opinions)}</p>}
+      {shown && <Missing {...opinions} />}
     </div>
   );
 }
 
-function legend({ answer, error }: Opinions): string {
-  if (error !== null) return t`It could not be worked out: ${messageOf(error)}`;
-  if (!answer) return t`Working it out…`;
-  if (!answer.wanted)
-    return t`Rank four games in at least two tiers to see what they ask for, and where they suggest that each game belongs.`;
-  return t`The bar beside a game runs from best to worst. Its mark shows where the other games suggest that it belongs, judging by which aliens it hits. A wide band means that this is not sure.`;
+/** Says why there is nothing to show, or nothing new. */
+function Missing({ answer, error }: Opinions) {
+  if (error !== null)
+    return (
+      <p>
+        <Trans>It could not be worked out: {messageOf(error)}</Trans>
+      </p>
+    );
+  if (!answer)
+    return (
+      <p>
+        <Trans>Working it out…</Trans>
+      </p>
+    );
+  if (answer.wanted) return null;
+  return (
+    <p>
+      <Trans>
+        Rank four games in at least two tiers to see what they ask for, and where they suggest that
+        each game belongs.
+      </Trans>
+    </p>
+  );
 }

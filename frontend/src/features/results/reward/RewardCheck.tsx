@@ -29,6 +29,7 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
           title={t`What the reward wants`}
           inferred={check.wanted}
           behaviour={behaviour}
+          scale={3}
         />
       )}
       {check.confused.length > 0 && <Confused confused={check.confused} />}
