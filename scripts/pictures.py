@@ -9,7 +9,6 @@ photographed into docs/pictures.
 
 from __future__ import annotations
 
-import re
 import sys
 from io import BytesIO
 from pathlib import Path
@@ -58,16 +57,13 @@ def play(page: Page, behaviour: int) -> None:
 def photograph(page: Page, path: str, name: str, anchor: str | None = None) -> None:
     """Photograph a page, from a heading on where one is named."""
     page.goto(path)
-    page.wait_for_timeout(1500)
+    page.wait_for_timeout(4000)
     if anchor is not None:
         page.get_by_role("heading", name=anchor, exact=True).evaluate(
             "heading => window.scrollTo(0, heading.getBoundingClientRect().top + scrollY - 24)"
         )
         page.wait_for_timeout(1500)
-    # Opinions on a ranking come once its games have been replayed.
-    page.get_by_text(re.compile("Looking at how|Working it out")).wait_for(
-        state="hidden", timeout=60_000
-    )
+    page.get_by_text("Working it out").wait_for(state="hidden")
     page.screenshot(path=FOLDER / f"{name}.png")
 
 
