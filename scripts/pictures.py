@@ -57,7 +57,7 @@ def play(page: Page, behaviour: int) -> None:
 def photograph(page: Page, path: str, name: str, anchor: str | None = None) -> None:
     """Photograph a page, from a heading on where one is named."""
     page.goto(path)
-    page.wait_for_timeout(4000)
+    page.wait_for_timeout(4000)  # Games are replayed for their previews.
     if anchor is not None:
         page.get_by_role("heading", name=anchor, exact=True).evaluate(
             "heading => window.scrollTo(0, heading.getBoundingClientRect().top + scrollY - 24)"

@@ -1,9 +1,9 @@
-"""What a ranking says of each game that it would place without it, in a tenth of a second.
+"""Where the other ranked games place each game, and which aliens they ask for.
 
 Which aliens are wanted is inferred from the ranking and from the best games as in a training (see
 tril.analysis.wanted_aliens), from the hits of the recordings. A game's place is where its worth
-falls among the ranked games'. Of each ranked game the others alone are asked: the draws of one
-posterior are weighted by the inverse of the likelihood of the game's own pairs (importance
+falls among the ranked games'. Each ranked game is left out when its own place is asked for: the
+draws of one posterior are weighted by the inverse of the likelihood of its pairs (importance
 sampling, as for leave-one-out by Gelfand, Dey and Chang 1992). Places are compared as normal scores
 (Van der Waerden's, Conover 1999, section 5.10).
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from statistics import NormalDist
 
 import numpy as np
@@ -29,19 +30,19 @@ from tril.analysis.wanted_aliens import (
     log_prior,
     worth,
 )
+from tril.game.space_invaders import COLUMNS
 from tril.ranking import Ranking
 
 MIN_GAMES = 4
-"""Ranked games, in at least two tiers, from which on a ranking says something."""
+"""Fewest ranked games, in at least two tiers, that say something."""
 MIN_GAMES_TO_CONTRADICT = 8
 """With six games, others are contradicted more often than the misplaced one."""
 FALSE_CONTRADICTIONS = 0.3
 """Contradicted games to expect of a ranking whose places are as uncertain as is said."""
 
 _MAX_PAIRS = 1000
-"""More of them are drawn from: they would say little more, but take long."""
+"""Of more than these, so many are drawn: the others would say little more, but take long."""
 _PASSES = 150
-_BURN_IN = 30
 _SEED = 0
 _LEAST_DEVIATION = 0.3
 """Of a game's score."""
@@ -118,14 +119,15 @@ def form_opinions(
     pairs = _pairs(ranking, rng)
     hits_of_ranked = [hits[item] for item in ranked]
     posterior = Posterior(dict(enumerate(hits_of_ranked)), pairs.tolist(), prior, order)
-    draws = posterior.draws(rng, _PASSES, _BURN_IN)
+    draws = posterior.draws(rng, _PASSES)
     labels = labels_of_draws(draws)
     own = worth(labels, order, hits_of_ranked)
-    without = np.stack(
-        [log_prior([hits[one] for one in best if one != item]) - prior for item in ranked]
-    )
-    columns = np.arange(draws.shape[1])
-    weights = _softmax(without[:, columns, draws].sum(2).T - log_likelihood_by_game(own, pairs))
+    log_weights = -log_likelihood_by_game(own, pairs)
+    for index, item in enumerate(ranked):
+        if item in best:
+            without = log_prior([hits[one] for one in best if one != item]) - prior
+            log_weights[:, index] += without[np.arange(COLUMNS), draws].sum(1)
+    weights = _softmax(log_weights)
     judged = _Judged(ranking, own, weights)
     found = judged.opinions()
     others = [item for item in hits if item not in set(ranked)]
@@ -241,6 +243,7 @@ def _normal_scores(tiers: npt.NDArray[np.int64]) -> Array:
     return _quantiles(len(tiers)).take(2 * n_worse + n_tied)
 
 
+@lru_cache
 def _quantiles(n: int) -> Array:
     """Return the normal quantiles at k / 2n for k from 0 to 2n, 0 where these are infinite."""
     inner = [_NORMAL.inv_cdf(k / (2 * n)) for k in range(1, 2 * n)]

@@ -138,7 +138,7 @@ def learned_order(best: Sequence[Hits]) -> Array:
     Args:
         best: Of the best games.
     """
-    grid = np.reshape([one.steps for one in best], (-1, N_ALIENS)).reshape(-1, ROWS, COLUMNS)
+    grid = np.stack([one.steps for one in best]).reshape(-1, ROWS, COLUMNS)
     order = np.zeros((ROWS, COLUMNS))
     for column in range(1, COLUMNS):
         before, own = grid[:, :, :column].max(2), grid[:, :, column]
@@ -150,10 +150,12 @@ def learned_order(best: Sequence[Hits]) -> Array:
 
 
 def log_prior(best: Sequence[Hits]) -> Array:
-    """Return that of how many aliens of each column are wanted, float64 (6, 7), but for a constant.
+    """Return the log prior of how many aliens of each column are wanted, float64 (6, 7).
+
+    It is known up to a constant.
 
     Args:
-        best: Of the best games.
+        best: Of the best games, perhaps none.
     """
     in_reach = np.reshape([one.in_reach for one in best], (-1, N_ALIENS)).astype(bool)
     gone = np.reshape([one.gone for one in best], (-1, N_ALIENS)).astype(bool)
@@ -177,7 +179,7 @@ def _log_beta_binomial(k: int, n: int, u: int) -> float:
 
 
 class Posterior:
-    """Of how many aliens of each column are wanted.
+    """The posterior of how many aliens of each column are wanted.
 
     Args:
         hits: By game.
@@ -189,10 +191,12 @@ class Posterior:
     def __init__(
         self, hits: dict[int, Hits], pairs: Sequence[Pair], prior: Array, order: Array
     ) -> None:
-        gone = {index: one.gone.astype(float) for index, one in hits.items()}
-        counted = {i: (1.0 - order) * gone[i] + order * one.swept for i, one in hits.items()}
+        gains, costs = _counted(list(hits.values()), order)
+        place = {game: at for at, game in enumerate(hits)}
+        better, worse = np.array([[place[game] for game in pair] for pair in pairs]).T
         # How much more the better game is worth, by column, pair and number of wanted aliens.
-        self._worth = _more(counted, pairs) @ (LABELS > 0).T - _more(gone, pairs) @ (LABELS < 0).T
+        self._worth = _by_column(gains[better] - gains[worse]) @ (LABELS > 0).T
+        self._worth -= _by_column(costs[better] - costs[worse]) @ (LABELS < 0).T
         self._prior = prior
         self._wanted = prior.argmax(1)
         self._difference = self._worth[np.arange(COLUMNS), :, self._wanted].sum(0)
@@ -214,19 +218,16 @@ class Posterior:
             self._difference = differences[:, self._wanted[column]]
         return found
 
-    def draws(self, rng: np.random.Generator, n_passes: int, burn_in: int) -> npt.NDArray[np.int64]:
-        """Return how many aliens of each column are wanted in each pass, int64 (S, 6).
+    def draws(self, rng: np.random.Generator, n_passes: int) -> npt.NDArray[np.int64]:
+        """Return how many aliens of each column are wanted after each pass, int64 (S, 6).
 
-        Args:
-            rng: Source of the draws.
-            n_passes: Of Gibbs sampling.
-            burn_in: How many of them, the first, are dropped.
+        The first passes are dropped, see BURN_IN.
         """
         found = []
         for _ in range(n_passes):
             self.sample(rng)
             found.append(self._wanted.copy())
-        return np.array(found[burn_in:], np.int64)
+        return np.array(found[int(BURN_IN * n_passes) :], np.int64)
 
     @property
     def loss(self) -> float:
@@ -239,14 +240,20 @@ class Posterior:
         return float((self._difference > 0).mean())
 
 
-def _more(values: dict[int, Array], pairs: Sequence[Pair]) -> Array:
-    """Return how much more the better game has, float64 (6, P, 6): by column, pair and row."""
-    found = np.stack([values[better] - values[worse] for better, worse in pairs])
-    return found.reshape(-1, ROWS, COLUMNS).transpose(2, 0, 1)
+def _counted(hits: Sequence[Hits], order: Array) -> tuple[Array, Array]:
+    """Return what each game gains by each alien if it is wanted, and loses if not, (n, 36) each."""
+    gone = np.reshape([one.gone for one in hits], (-1, N_ALIENS)).astype(float)
+    swept = np.reshape([one.swept for one in hits], (-1, N_ALIENS)).astype(float)
+    return (1.0 - order) * gone + order * swept, gone
+
+
+def _by_column(values: Array) -> Array:
+    """Return values of aliens, float64 (P, 36), by column, pair and row, (6, P, 6)."""
+    return values.reshape(-1, ROWS, COLUMNS).transpose(2, 0, 1)
 
 
 def _probability(differences: Array) -> Array:
-    """Return that of ranking games as they are, by how much more the better ones are worth."""
+    """Return the probability of ranking pairs as they are, by how much more the better is worth."""
     probability: Array = MISTAKES + (1.0 - 2.0 * MISTAKES) / (1.0 + np.exp(-differences))
     return probability
 
@@ -281,15 +288,13 @@ def worth(labels: Array, order: Array, hits: Sequence[Hits]) -> Array:
         order: See learned_order.
         hits: Of n games.
     """
-    gone = np.reshape([one.gone for one in hits], (-1, N_ALIENS)).astype(float)
-    swept = np.reshape([one.swept for one in hits], (-1, N_ALIENS)).astype(float)
-    counted = (1.0 - order) * gone + order * swept
-    found: Array = (labels > 0) @ counted.T - (labels < 0) @ gone.T
+    gains, costs = _counted(hits, order)
+    found: Array = (labels > 0) @ gains.T - (labels < 0) @ costs.T
     return found
 
 
 def log_likelihood_by_game(worth: Array, pairs: npt.NDArray[np.int64]) -> Array:
-    """Return that of the pairs of each game, in each draw, float64 (S, n).
+    """Return the log likelihood of each game's pairs in each draw, float64 (S, n).
 
     Args:
         worth: What n games are worth in S draws, float64 (S, n).

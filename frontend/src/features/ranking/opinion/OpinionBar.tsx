@@ -17,6 +17,7 @@ interface OpinionBarProps {
 
 /** Shows what the ranking asks for and what the marks beside the games mean, and hides both. */
 export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarProps) {
+  const missing = whyMissing(opinions);
   return (
     <div className={styles.bar}>
       <label>
@@ -43,32 +44,15 @@ export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarPro
           </p>
         </WantedAliens>
       )}
-      {shown && <Missing {...opinions} />}
+      {shown && missing !== null && <p>{missing}</p>}
     </div>
   );
 }
 
-/** Says why there is nothing to show, or nothing new. */
-function Missing({ answer, error }: Opinions) {
-  if (error !== null)
-    return (
-      <p>
-        <Trans>It could not be worked out: {messageOf(error)}</Trans>
-      </p>
-    );
-  if (!answer)
-    return (
-      <p>
-        <Trans>Working it out…</Trans>
-      </p>
-    );
+/** Returns why there is nothing to show, or nothing new; null if there is. */
+function whyMissing({ answer, error }: Opinions): string | null {
+  if (error !== null) return t`It could not be worked out: ${messageOf(error)}`;
+  if (!answer) return t`Working it out…`;
   if (answer.wanted) return null;
-  return (
-    <p>
-      <Trans>
-        Rank four games in at least two tiers to see what they ask for, and where they suggest that
-        each game belongs.
-      </Trans>
-    </p>
-  );
+  return t`Rank four games in at least two tiers to see what they ask for, and where they suggest that each game belongs.`;
 }
