@@ -113,7 +113,8 @@ def test_several_policies_are_watched_side_by_side_on_a_phone(
         width = page.evaluate("document.documentElement.scrollWidth")
         assert width <= PHONE["width"], "nothing is cut off at the side"
         page.get_by_role("button", name="Next start").click()
-        expect(page.get_by_text("Evaluation start 3", exact=True).first).to_be_visible()
+        beginning = page.get_by_role("paragraph").filter(has_text="Evaluation start 3")
+        expect(beginning).to_be_visible()
         expect(page.get_by_role("button", name="Pause")).to_be_visible(timeout=PATIENCE_MS)
 
 
