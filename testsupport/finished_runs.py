@@ -106,9 +106,9 @@ def _keep_games(workplace: Workplace, run_id: str) -> None:
                 )
                 cells = tuple((hit.row, hit.column) for hit in recordings.hits_of(shown))
                 key = EvaluationKey(policy, how, 0)
-                evaluations.add(
-                    session, run_id, key, row.id, True, float(number), score(taught, cells)
-                )
+                found = score(taught, cells)
+                level = number / 10
+                evaluations.add(session, run_id, key, row.id, True, float(number), level, found)
 
 
 def _outcome(workplace: Workplace, games: list[EvaluationRow]) -> RunOutcome:

@@ -39,7 +39,7 @@ def run_id(workplace: Workplace) -> str:
                 run_id=made,
             )
             name = EvaluationKey("imitator", "greedy", start)
-            evaluations.add(session, made, name, row.id, True, 1.0, Score(start - 3, 0, 0))
+            evaluations.add(session, made, name, row.id, True, 1.0, 0.5, Score(start - 3, 0, 0))
         artifacts.save(session, made, "imitator", "imitator.zip", "application/zip", 1)
         leases.end(session, lease, RunStatus.DONE)
     return made

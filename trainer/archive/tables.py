@@ -23,6 +23,7 @@ EVALUATION_COLUMNS = (
     "died",
     "end",
     "predicted_return",
+    "final_level",
     "recording",
 )
 
@@ -62,6 +63,7 @@ def evaluation_table(games: Sequence[EvaluationRow]) -> str:
                 figures.died,
                 game.recording.end,
                 game.predicted_return,
+                game.final_level,
                 line,
             )
         )

@@ -19,7 +19,7 @@ from PIL import Image, ImageDraw
 
 from trainer.reporting.ledger import Entry
 from trainer.reporting.skilled_games import QUANTITIES, Extrapolation, SkilledGame
-from tril.analysis.extrapolation import JudgedGame, JudgedGames
+from tril.analysis.extrapolation import JudgedGames, Measure
 from tril.behaviours import Behaviour, Cell, score
 from tril.game.space_invaders import COLUMNS, ROWS
 
@@ -38,6 +38,12 @@ COLOURS = {
 
 MARKS = {"imitator": "o", "clone": "D", "person": "^", "demonstrator": "s", "varied": "P"}
 """One shape per thing, those of the pages (frontend/src/components/ThingMark.tsx)."""
+
+MEASURES: dict[Measure, str] = {
+    "final_level": "final level of R",
+    "predicted_return": "predicted return",
+}
+"""What of R a figure shows."""
 
 _BAND = "#f2f0ea"
 _INK, _FAINT, _STRAY = "#20242b", "#c9ced6", "#b3261e"
@@ -138,12 +144,18 @@ def aliens_figure(
 
 
 def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCREEN) -> bytes:
-    """Draw predicted return against rank (thesis, appendix C).
+    """Draw what R makes of the demonstrations against rank (thesis, appendix C).
+
+    The final levels, by which the ranking is checked; predicted returns where a panel has a result
+    of an earlier version, which did not keep them.
 
     Args:
         panels: Of each its title and the result that it shows.
         form: Format of the figure.
     """
+    measure: Measure = (
+        "final_level" if all(entry.has_levels for _, entry in panels) else "predicted_return"
+    )
     n_columns = min(PANELS_PER_ROW, len(panels))
     n_rows = -(-len(panels) // PANELS_PER_ROW)
     width, height = (4.8, 3.2) if len(panels) == 1 else (2.6 * n_columns, 2.2 * n_rows)
@@ -151,8 +163,8 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
     flat = [axis for row in axes for axis in row]
     for axis, (title, entry) in zip(flat, panels, strict=False):
         ranks = [one.rank for one in entry.demonstrations]
-        returns = [one.predicted_return for one in entry.demonstrations]
-        axis.plot(ranks, returns, "o", color=COLOURS["imitator"], markersize=4)
+        predicted = [getattr(one, measure) for one in entry.demonstrations]
+        axis.plot(ranks, predicted, "o", color=COLOURS["imitator"], markersize=4)
         tau = entry.check.get("tau")
         said = title if tau is None else f"{title}, tau {tau:.2f}"
         axis.set_title(said, fontsize=9, loc="left")
@@ -162,7 +174,7 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
     for axis in flat[len(panels) :]:
         axis.set_visible(False)
     for row in axes:
-        row[0].set_ylabel("predicted return", fontsize=8)
+        row[0].set_ylabel(MEASURES[measure], fontsize=8)
     for axis in axes[-1]:
         axis.set_xlabel("rank (1 is the best)", fontsize=8)
     return _rendered(figure, form)
@@ -170,19 +182,22 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
 
 @dataclass(frozen=True)
 class ReturnsGroup:
-    """Games of one kind: label and colour, mark of matplotlib, whether R was learned from them."""
+    """Games of one kind: label and colour, mark of matplotlib, whether R was learned from them.
+
+    ``points`` are their true quantities and what R predicts.
+    """
 
     label: str
     colour: str
     mark: str
     demonstrated: bool
-    games: Sequence[JudgedGame | SkilledGame]
+    points: Sequence[tuple[float, float]]
 
 
 def extrapolation_figure(
     groups: Sequence[JudgedGames], quantity: str, form: PictureForm = SCREEN
 ) -> bytes:
-    """Draw predicted return against true quantity for the games of a run, see returns_scatter."""
+    """Draw what R predicts against true quantity for the games of a run, see returns_scatter."""
     kinds = {True: "demonstrations", False: "unseen games"}
     return returns_scatter(
         [
@@ -191,11 +206,12 @@ def extrapolation_figure(
                 COLOURS[one.player],
                 MARKS[one.player],
                 one.demonstrated,
-                one.games,
+                [(game.true_quantity, game.predicted) for game in one.games],
             )
             for one in groups
         ],
         quantity,
+        MEASURES[groups[0].measure],
         form=form,
     )
 
@@ -203,22 +219,30 @@ def extrapolation_figure(
 def experiment_figure(found: Extrapolation) -> bytes:
     """Draw the same for an extrapolation experiment."""
     groups = [
-        ReturnsGroup("demonstrations", "#c2371f", "o", True, found.demonstrations),
-        ReturnsGroup("unseen games within their range", "#0067b0", "o", False, found.unseen),
-        ReturnsGroup("unseen games beyond it", "#6a4c93", "o", False, found.beyond),
+        ReturnsGroup("demonstrations", "#c2371f", "o", True, _points(found.demonstrations)),
+        ReturnsGroup(
+            "unseen games within their range", "#0067b0", "o", False, _points(found.unseen)
+        ),
+        ReturnsGroup("unseen games beyond it", "#6a4c93", "o", False, _points(found.beyond)),
     ]
     quantity = QUANTITIES[found.experiment.quantity]
-    return returns_scatter([one for one in groups if one.games], quantity, set_apart=False)
+    shown = [one for one in groups if one.points]
+    return returns_scatter(shown, quantity, MEASURES["predicted_return"], set_apart=False)
+
+
+def _points(games: Sequence[SkilledGame]) -> list[tuple[float, float]]:
+    return [(game.true_quantity, game.predicted_return) for game in games]
 
 
 def returns_scatter(
     groups: Sequence[ReturnsGroup],
     quantity: str,
+    measure: str,
     *,
     set_apart: bool = True,
     form: PictureForm = SCREEN,
 ) -> bytes:
-    """Draw predicted return against true quantity (T-REX, Brown et al. 2019, figure 3).
+    """Draw what R predicts against true quantity (T-REX, Brown et al. 2019, figure 3).
 
     Filled marks are demonstrations, hollow ones games that the reward was not learned from. The
     band is the range of the demonstrations: what lies beyond it is extrapolated.
@@ -226,22 +250,22 @@ def returns_scatter(
     Args:
         groups: The games, at least one in each group.
         quantity: What the true quantity counts.
+        measure: What of R is drawn.
         set_apart: Whether marks that share a quantity are set apart by their groups.
         form: Format of the figure.
     """
     figure, ((axis,),) = _grid_of_axes(6.0, 4.0, 1, 1)
-    shown = [game for group in groups if group.demonstrated for game in group.games]
+    shown = [point for group in groups if group.demonstrated for point in group.points]
     if shown:
-        worths = [game.true_quantity for game in shown]
-        returns = [game.predicted_return for game in shown]
+        worths, predicted = zip(*shown, strict=True)
         axis.axvspan(min(worths) - 0.5, max(worths) + 0.5, color=_BAND, linewidth=0)
-        axis.axhline(max(returns), color=_FAINT, linewidth=1, linestyle="--")
-        axis.axhline(min(returns), color=_FAINT, linewidth=1, linestyle="--")
+        axis.axhline(max(predicted), color=_FAINT, linewidth=1, linestyle="--")
+        axis.axhline(min(predicted), color=_FAINT, linewidth=1, linestyle="--")
     for place, group in enumerate(groups):
         apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups) if set_apart else 0.0
         axis.plot(
-            [game.true_quantity + apart for game in group.games],
-            [game.predicted_return for game in group.games],
+            [quantity + apart for quantity, _ in group.points],
+            [value for _, value in group.points],
             group.mark,
             color=group.colour,
             markersize=6,
@@ -249,7 +273,7 @@ def returns_scatter(
             label=group.label,
         )
     axis.set_xlabel(quantity, color=_INK)
-    axis.set_ylabel("predicted return", color=_INK)
+    axis.set_ylabel(measure, color=_INK)
     axis.xaxis.set_major_locator(MaxNLocator(integer=True))
     _calm(axis)
     axis.legend(fontsize=8, frameon=False)

@@ -104,11 +104,15 @@ class LedgerGame(NamedTuple):
 
 
 class LedgerDemonstration(NamedTuple):
-    """A ranked demonstration: its rank from 1, the best, its hits, and its predicted return."""
+    """A ranked demonstration: its rank from 1, the best, its hits, and what R makes of it.
+
+    ``final_level``, by which the ranking is checked, is None in results of earlier versions.
+    """
 
     rank: int
     hits: tuple[Cell, ...]
     predicted_return: Rounded
+    final_level: Rounded | None = None
 
 
 @dataclass(frozen=True)
@@ -144,6 +148,11 @@ class Entry:
     def game(self, policy: str, start: int) -> LedgerGame | None:
         """Return the greedy game of a policy from a start; None if it was not played."""
         return next((game for game in self.of(policy, "greedy") if game.start == start), None)
+
+    @property
+    def has_levels(self) -> bool:
+        """Whether the final levels of all demonstrations are known."""
+        return all(one.final_level is not None for one in self.demonstrations)
 
     @property
     def minutes(self) -> float:

@@ -51,6 +51,7 @@ def entry_of(session: Session, run: RunRow) -> Entry:
     check, imitator = run.outcome.check, run.outcome.imitator or ImitatorOutcome()
     learned_on = {PRECISION: imitator.precision, DEVICE: imitator.device}
     returns = check.predicted_returns if check else {}
+    levels = check.final_levels if check else {}
     tiers = run.snapshot.tiers if run.snapshot else []
     shown = recordings.by_ids(session, list(returns))
     games = defaultdict(list)
@@ -74,7 +75,7 @@ def entry_of(session: Session, run: RunRow) -> Entry:
         check=check.figures if check else {},
         versions=run.versions | {name: value for name, value in learned_on.items() if value},
         demonstrations=tuple(
-            LedgerDemonstration(rank, cells(shown[number]), returns[number])
+            LedgerDemonstration(rank, cells(shown[number]), returns[number], levels.get(number))
             for rank, tier in enumerate(tiers, start=1)
             for number in tier
             if number in returns

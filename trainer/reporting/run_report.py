@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from trainer.reporting.figures import (
     COLOURS,
+    MEASURES,
     SCREEN,
     AliensRow,
     PictureForm,
@@ -130,6 +131,7 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         "policies": evaluations.POLICIES,
         "action_selections": evaluations.ACTION_SELECTIONS,
         "judged": judged,
+        "measure": MEASURES[judged[0].measure] if judged else "",
         "alarm": alarm,
         "attention": {
             (row.kind, row.details["state"]): row

@@ -2,6 +2,8 @@
 
 T-REX (Brown et al. 2019, section 5 and figure 3) plots the predicted return against the true one
 for the demonstrations and for trajectories that the learning has not seen, better ones among them.
+A sum of R grows with a game's length, so a game that is lost early is predicted less than it is
+worth. Games are therefore judged by the level of R that they end at, as the ranking is checked.
 """
 
 from __future__ import annotations
@@ -14,13 +16,16 @@ from tril.ranking import kendall_tau
 
 PlayerKind = Literal["person", "demonstrator", "varied", "imitator", "clone"]
 
+Measure = Literal["final_level", "predicted_return"]
+"""What of R a game is judged by: the mean level of its last 25 states, or the sum of R over all."""
+
 
 @dataclass(frozen=True)
 class JudgedGame:
-    """A game's true quantity (targets hit less strays) and its predicted return (sum of R)."""
+    """A game's true quantity (targets hit less strays), and what R makes of it by the measure."""
 
     true_quantity: int
-    predicted_return: float
+    predicted: float
     recording_id: int
 
 
@@ -30,11 +35,12 @@ class JudgedGames:
 
     player: PlayerKind
     demonstrated: bool
+    measure: Measure
     games: tuple[JudgedGame, ...]
 
     @property
     def tau(self) -> float | None:
-        """Kendall's tau-b between true quantity and predicted return, -1 to 1.
+        """Kendall's tau-b between true quantity and what R predicts, -1 to 1.
 
         None where all games have the same true quantity and so no order.
         """
@@ -44,7 +50,7 @@ class JudgedGames:
         if len(tiers) < 2:
             return None
         best_first = [tiers[quantity] for quantity in sorted(tiers, reverse=True)]
-        return kendall_tau(best_first, [game.predicted_return for game in self.games])
+        return kendall_tau(best_first, [game.predicted for game in self.games])
 
 
 def true_quantity(targets: int, strays: int) -> int:

@@ -147,6 +147,7 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
                 start_number=game.start_number,
                 held_out=game.held_out,
                 predicted_return=game.predicted_return,
+                final_level=game.final_level,
             )
             for game in games
         ],
@@ -420,6 +421,7 @@ def _add_results(
             row.id,
             game.held_out,
             game.predicted_return,
+            game.final_level,
             score(taught, tuple((hit.row, hit.column) for hit in played.hits)),
         )
     points = [(str(one.stage), one.step, one.values) for one in archive.run.curves]

@@ -373,6 +373,7 @@ class EvaluationRow(Base):
     held_out: Mapped[bool] = mapped_column(Boolean, default=True)
     recording_id: Mapped[int] = mapped_column(ForeignKey("recordings.id"))
     predicted_return: Mapped[float | None] = mapped_column(Float)
+    final_level: Mapped[float | None] = mapped_column(Float)
     targets: Mapped[int | None] = mapped_column(Integer)
     strays: Mapped[int | None] = mapped_column(Integer)
     order_errors: Mapped[int | None] = mapped_column(Integer)

@@ -1727,11 +1727,11 @@ export interface components {
         };
         /**
          * JudgedGame
-         * @description A game's true quantity (targets hit less strays) and its predicted return (sum of R).
+         * @description A game's true quantity (targets hit less strays), and what R makes of it by the measure.
          */
         JudgedGame: {
-            /** Predicted Return */
-            predicted_return: number;
+            /** Predicted */
+            predicted: number;
             /** Recording Id */
             recording_id: number;
             /** True Quantity */
@@ -1741,14 +1741,20 @@ export interface components {
          * JudgedGames
          * @description The games of a player: demonstrations, or games that the reward model has not seen.
          *
-         *     ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
-         *     quantities are equal.
+         *     ``measure`` tells what of R each game's ``predicted`` is, the same for all games of a training;
+         *     "predicted_return" in trainings of earlier versions. ``tau`` is Kendall's tau between true
+         *     quantity and ``predicted``; None if all true quantities are equal.
          */
         JudgedGames: {
             /** Demonstrated */
             demonstrated: boolean;
             /** Games */
             games: components["schemas"]["JudgedGame"][];
+            /**
+             * Measure
+             * @enum {string}
+             */
+            measure: "final_level" | "predicted_return";
             /**
              * Player
              * @enum {string}

@@ -10,7 +10,7 @@ from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.recordings import Recording
-from tril.analysis.extrapolation import JudgedGame, PlayerKind
+from tril.analysis.extrapolation import JudgedGame, Measure, PlayerKind
 from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, RewardState
 from tril.analysis.summary import Policy, PolicySummary, Winner
 from tril.analysis.verdict import NextStep, Tone
@@ -206,12 +206,14 @@ class PolicyGamesSummary(Schema):
 class JudgedGames(Schema):
     """The games of a player: demonstrations, or games that the reward model has not seen.
 
-    ``tau`` is Kendall's tau between true quantity and predicted return; None if all true
-    quantities are equal.
+    ``measure`` tells what of R each game's ``predicted`` is, the same for all games of a training;
+    "predicted_return" in trainings of earlier versions. ``tau`` is Kendall's tau between true
+    quantity and ``predicted``; None if all true quantities are equal.
     """
 
     player: PlayerKind
     demonstrated: bool
+    measure: Measure
     games: list[JudgedGame]
     tau: float | None
 

@@ -106,7 +106,7 @@ def policys_game(workplace: Workplace) -> tuple[str, int]:
         played = verify(game).replay
         row = recordings.add(session, 1, game, played, Source.POLICY, run_id=run_id)
         key = EvaluationKey("imitator", "sticky", 7)
-        evaluations.add(session, run_id, key, row.id, True, 1.5, Score(3, 1, 0))
+        evaluations.add(session, run_id, key, row.id, True, 1.5, 0.5, Score(3, 1, 0))
         return run_id, row.id
 
 

@@ -247,7 +247,7 @@ def fill_with_results(workplace: Workplace) -> str:
                 session.flush()
                 key = EvaluationKey(policy, "greedy", number)
                 evaluations.add(
-                    session, run_id, key, row.id, held_out, 1.5, Score(targets, strays, 0)
+                    session, run_id, key, row.id, held_out, 1.5, 0.5, Score(targets, strays, 0)
                 )
         row_of_run = leases.finish_stage(session, lease, "evaluation", 1.0)
         found = [
@@ -336,7 +336,8 @@ def test_returns_are_shown_with_what_the_games_were_worth(
     assert list(shown) == [("demonstrator", True), ("imitator", False), ("clone", False)]
     learned_from = shown["demonstrator", True]["games"]
     assert {game["recording_id"] for game in learned_from} == set(workplace.ranked)
-    assert all(game["predicted_return"] == -game["recording_id"] for game in learned_from)
+    assert shown["demonstrator", True]["measure"] == "predicted_return"
+    assert all(game["predicted"] == -game["recording_id"] for game in learned_from)
     assert [game["true_quantity"] for game in shown["imitator", False]["games"]] == [2, 2]
     assert [game["true_quantity"] for game in shown["clone", False]["games"]] == [1, 1]
     assert shown["clone", False]["tau"] is None

@@ -76,7 +76,7 @@ def test_strays_are_drawn_in_a_colour_of_their_own() -> None:
 
 def _judged(player: PlayerKind, demonstrated: bool) -> JudgedGames:
     games = tuple(JudgedGame(worth, 10.0 * worth, worth) for worth in range(4))
-    return JudgedGames(player, demonstrated, games)
+    return JudgedGames(player, demonstrated, "final_level", games)
 
 
 def _count(png: bytes, colour: str) -> int:

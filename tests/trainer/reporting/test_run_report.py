@@ -28,7 +28,7 @@ def page_of(workplace: Workplace, training: Training, warning: str | None = WARN
         for number, how, targets in zip(workplace.ranked, HOW, (5, 4, 2), strict=False):
             key = EvaluationKey("imitator", how, 0)
             played[number].hits = [[0, 1, 60], *([row, 0, 90] for row in range(targets))]
-            evaluations.add(session, run_id, key, number, True, 640.0, Score(targets, 1, 0))
+            evaluations.add(session, run_id, key, number, True, 640.0, 0.5, Score(targets, 1, 0))
         for place, (step, _) in enumerate(curves["hits"]):
             values = {name: points[place][1] for name, points in curves.items()}
             metrics.add(session, run_id, "imitator", step, values)

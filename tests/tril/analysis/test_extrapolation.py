@@ -1,4 +1,4 @@
-"""How far the predicted returns follow what games were worth."""
+"""How far what R predicts follows what games were worth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tril.analysis.extrapolation import JudgedGame, JudgedGames, true_quantity
 
 def games(*points: tuple[int, float]) -> JudgedGames:
     made = tuple(JudgedGame(worth, value, number) for number, (worth, value) in enumerate(points))
-    return JudgedGames("imitator", demonstrated=False, games=made)
+    return JudgedGames("imitator", demonstrated=False, measure="final_level", games=made)
 
 
 def test_strays_take_away_from_what_a_game_is_worth() -> None:
@@ -17,7 +17,7 @@ def test_strays_take_away_from_what_a_game_is_worth() -> None:
     assert true_quantity(2, 5) == -3
 
 
-def test_tau_is_one_where_returns_follow_the_worth_and_minus_one_where_they_oppose_it() -> None:
+def test_tau_is_one_where_levels_follow_the_worth_and_minus_one_where_they_oppose_it() -> None:
     assert games((-1, 0.5), (3, 2.0), (0, 1.0)).tau == 1.0
     assert games((-1, 3.0), (3, -2.0), (0, 1.0)).tau == -1.0
 

@@ -110,12 +110,18 @@ def results_of(database: Database, run_id: str) -> dict[str, Any]:
             "stages": run.finished_stages,
             "finished_at": run.finished_at,
             "games": [
-                (one.policy, one.action_selection, one.targets, one.strays, one.predicted_return)
+                (
+                    one.policy,
+                    one.action_selection,
+                    one.targets,
+                    one.strays,
+                    one.predicted_return,
+                    one.final_level,
+                )
                 for one in games
             ],
             "judged": [
-                [game.predicted_return for game in one.games]
-                for one in judged_games(session, run, games)
+                [game.predicted for game in one.games] for one in judged_games(session, run, games)
             ],
             "curves": metrics.series(session, run_id)[1],
             "kinds": {one.kind for one in artifacts.listing(session, run_id)},

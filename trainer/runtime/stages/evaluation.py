@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from trainer.policy.evaluation import EvaluatedGame, beginnings, play, stickiness
 from trainer.progress import Progress, ScaledProgress
+from trainer.reward.check import final_level
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import Headline, RunOutcome
@@ -63,6 +64,7 @@ def keep_games(
     context = data.context
     seen = starts_seen(data)
     verified = verify_games(context, games, console)
+    model = data.reward_model
     sticky = stickiness(action_selection)
     with context.database.writing() as session:
         leases.owned(session, context.lease)
@@ -78,6 +80,9 @@ def keep_games(
                 row.id,
                 held_out=number not in seen,
                 predicted_return=game.predicted_return,
+                final_level=None
+                if game.rewards is None
+                else final_level(model.level(game.rewards)),
                 score=found,
             )
 

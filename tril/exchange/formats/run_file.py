@@ -78,6 +78,7 @@ class EvaluationGame(PlayedGame):
     start_number: int = Field(ge=0, lt=EVALUATION_START_COUNT)
     held_out: bool
     predicted_return: float | None
+    final_level: float | None = None
 
 
 class CurvePoint(_ClosedModel):

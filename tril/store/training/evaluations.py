@@ -46,6 +46,7 @@ def add(
     recording_id: int,
     held_out: bool,
     predicted_return: float | None,
+    final_level: float | None,
     score: Score | None,
 ) -> EvaluationRow:
     """Add one evaluation game.
@@ -57,6 +58,7 @@ def add(
         recording_id: Its recording.
         held_out: Whether no demonstration of the run began from this start.
         predicted_return: Sum of R over the game's observations.
+        final_level: Mean level of R of its last 25 states.
         score: Its hits compared with the target; None for behaviours without one.
     """
     row = EvaluationRow(
@@ -65,6 +67,7 @@ def add(
         held_out=held_out,
         recording_id=recording_id,
         predicted_return=predicted_return,
+        final_level=final_level,
         targets=None if score is None else score.targets,
         strays=None if score is None else score.strays,
         order_errors=None if score is None else score.order_errors,

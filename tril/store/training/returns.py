@@ -1,4 +1,4 @@
-"""The predicted returns of a run's demonstrations and evaluation games."""
+"""What the reward of a run makes of its demonstrations and evaluation games."""
 
 from __future__ import annotations
 
@@ -8,7 +8,14 @@ from typing import cast, get_args
 
 from sqlalchemy.orm import Session
 
-from tril.analysis.extrapolation import JudgedGame, JudgedGames, PlayerKind, true_quantity
+from tril.analysis.extrapolation import (
+    JudgedGame,
+    JudgedGames,
+    Measure,
+    PlayerKind,
+    true_quantity,
+)
+from tril.analysis.outcome import CheckOutcome
 from tril.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import EvaluationRow, RunRow, Source
@@ -25,7 +32,10 @@ PLAYERS: dict[str, PlayerKind] = {
 def judged_games(
     session: Session, run: RunRow, games: Sequence[EvaluationRow]
 ) -> list[JudgedGames]:
-    """Return all games whose predicted return is known, the demonstrations first.
+    """Return all games that R has judged, the demonstrations first.
+
+    They are judged by their final levels; those of a run of an earlier version, which did not keep
+    them, by their predicted returns.
 
     Args:
         session: The transaction.
@@ -38,25 +48,34 @@ def judged_games(
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     if behaviour.target is None:
         return []
-    check = run.outcome.check
-    returns = {} if check is None else check.predicted_returns
+    judged = [g for g in games if None not in (g.predicted_return, g.targets, g.strays)]
+    measure, predicted = _shown_games(run.outcome.check, judged)
     found: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
-    for number, row in recordings.by_ids(session, list(returns)).items():
+    for number, row in recordings.by_ids(session, list(predicted)).items():
         worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
         assert worth is not None
         quantity = true_quantity(worth.targets, worth.strays)
-        game = JudgedGame(quantity, returns[number], number)
+        game = JudgedGame(quantity, predicted[number], number)
         found[PLAYERS[row.source], True].append(game)
-    for played in games:
-        if played.predicted_return is None or played.targets is None or played.strays is None:
-            continue
-        quantity = true_quantity(played.targets, played.strays)
-        game = JudgedGame(quantity, played.predicted_return, played.recording_id)
+    for played in judged:
+        quantity = true_quantity(cast(int, played.targets), cast(int, played.strays))
+        game = JudgedGame(quantity, cast(float, getattr(played, measure)), played.recording_id)
         found[cast(PlayerKind, played.policy), False].append(game)
     return [
-        JudgedGames(player, demonstrated, tuple(found[player, demonstrated]))
+        JudgedGames(player, demonstrated, measure, tuple(found[player, demonstrated]))
         for player, demonstrated in sorted(found, key=_place)
     ]
+
+
+def _shown_games(
+    check: CheckOutcome | None, judged: Sequence[EvaluationRow]
+) -> tuple[Measure, dict[int, float]]:
+    """Return what all games can be judged by, and what it is of the demonstrations, by id."""
+    if check is None:
+        return "predicted_return", {}
+    if check.final_levels and all(game.final_level is not None for game in judged):
+        return "final_level", check.final_levels
+    return "predicted_return", check.predicted_returns
 
 
 def _place(group: tuple[PlayerKind, bool]) -> tuple[bool, int]:

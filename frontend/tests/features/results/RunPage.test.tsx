@@ -451,36 +451,58 @@ describe("the results", () => {
     expect(screen.getByText(/but can’t tell some tiers apart/)).toBeVisible();
   });
 
-  it("set predicted returns against what games were worth", async () => {
+  it("judge ranked games by the levels that they end at", async () => {
+    const levels = [0.91, 0.42];
+    const returns = results.check?.returns.map((row, i) => ({
+      ...row,
+      final_level: levels[i] ?? 0,
+    }));
+    const check = results.check && { ...results.check, returns: returns ?? [] };
+    open(one, { ...results, check: check ?? null });
+    const plot = await screen.findByRole("img", { name: "Final level by tier" });
+    expect(plot).toHaveTextContent("Recording 12, tier 1: 0.91");
+    const table = screen.getByRole("table", { name: "Predicted returns" });
+    const rows = within(table)
+      .getAllByRole("row")
+      .slice(1)
+      .map((row) => row.textContent);
+    expect(rows).toEqual(["1Recording 12scripted5.000.91", "2Recording 11Ada7.000.42"]);
+  });
+
+  it("set what the reward predicts against what games were worth", async () => {
     const played = [
-      { true_quantity: 6, predicted_return: 900, recording_id: 20 },
-      { true_quantity: 5, predicted_return: 300, recording_id: 22 },
+      { true_quantity: 6, predicted: 0.97, recording_id: 20 },
+      { true_quantity: 5, predicted: 0.8, recording_id: 22 },
     ];
+    const measure = "final_level" as const;
     open(one, {
       ...results,
       judged: [
         {
           player: "demonstrator",
           demonstrated: true,
+          measure,
           tau: 0.97,
           games: [
-            { true_quantity: -13, predicted_return: -2, recording_id: 11 },
-            { true_quantity: 6, predicted_return: 860, recording_id: 12 },
+            { true_quantity: -13, predicted: -2.35, recording_id: 11 },
+            { true_quantity: 6, predicted: 1.02, recording_id: 12 },
           ],
         },
-        { player: "imitator", demonstrated: false, tau: null, games: played },
+        { player: "imitator", demonstrated: false, measure, tau: null, games: played },
       ],
     });
-    const plot = await screen.findByRole("img", { name: /Predicted return by targets hit/ });
-    expect(plot).toHaveTextContent("Recording 22, worth 5: 300");
-    const table = screen.getByRole("table", { name: "Predicted returns and worth of games" });
+    const plot = await screen.findByRole("img", { name: /Final level by targets hit/ });
+    expect(plot).toHaveTextContent("Recording 22, worth 5: 0.80");
+    const table = screen.getByRole("table", {
+      name: "What the reward predicts, and worth of games",
+    });
     const rows = within(table)
       .getAllByRole("row")
       .slice(1)
       .map((row) => row.textContent);
     expect(rows).toEqual([
-      "Demonstratorlearned from2−13 to 6−2.00 to 8600.97",
-      "Imitatornever seen25 to 6300 to 900–",
+      "Demonstratorlearned from2−13 to 6−2.35 to 1.020.97",
+      "Imitatornever seen25 to 60.80 to 0.97–",
     ]);
     expect(screen.getByText(/Beyond the shaded range/)).toBeVisible();
   });

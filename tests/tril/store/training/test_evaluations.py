@@ -18,7 +18,7 @@ def play(
 ) -> None:
     with workplace.database.writing() as session:
         score = Score(targets, 0, 0)
-        evaluations.add(session, run_id, key, workplace.ranked[0], held_out, 1.0, score)
+        evaluations.add(session, run_id, key, workplace.ranked[0], held_out, 1.0, 0.5, score)
 
 
 def test_means_are_over_held_out_starts_by_policy_and_action_selection(

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from testsupport.workplace import Workplace
 from tril.analysis.outcome import CheckOutcome, RunOutcome
+from tril.behaviours import Score
 from tril.demonstrator import play_randomly
 from tril.store import behaviours, borrowed, recordings
 from tril.store.models import Source
-from tril.store.training import runs
+from tril.store.training import evaluations, runs
+from tril.store.training.evaluations import EvaluationKey
 from tril.store.training.returns import PLAYERS, judged_games
 
 
@@ -29,10 +32,35 @@ def test_borrowed_games_are_worth_what_they_are_to_the_run(workplace: Workplace)
         run.outcome = RunOutcome(check=_check({lent.id: 1.5}))
         (group,) = judged_games(session, run, [])
     assert (group.player, group.demonstrated) == ("varied", True)
-    assert [(one.true_quantity, one.predicted_return) for one in group.games] == [(2 - 1, 1.5)]
+    assert [(one.true_quantity, one.predicted) for one in group.games] == [(2 - 1, 1.5)]
 
 
-def _check(predicted_returns: dict[int, float]) -> CheckOutcome:
+@pytest.mark.parametrize(
+    ("kept", "measure", "shown", "unseen"),
+    [
+        (0.75, "final_level", [1.0, -0.5], [0.75]),
+        (None, "predicted_return", [300.0, 200.0], [640.0]),
+    ],
+)
+def test_games_are_judged_by_the_levels_they_end_at_if_all_are_known(
+    workplace: Workplace, kept: float | None, measure: str, shown: list[float], unseen: list[float]
+) -> None:
+    run_id = workplace.make_run()
+    best, worse, played, *_ = workplace.ranked
+    with workplace.database.writing() as session:
+        key = EvaluationKey("imitator", "greedy", 0)
+        evaluations.add(session, run_id, key, played, True, 640.0, kept, Score(5, 0, 0))
+        run = runs.get(session, run_id)
+        levels = {best: 1.0, worse: -0.5}
+        run.outcome = RunOutcome(check=_check({best: 300.0, worse: 200.0}, levels))
+        groups = judged_games(session, run, evaluations.listing(session, run_id))
+    assert [one.measure for one in groups] == [measure, measure]
+    assert [[game.predicted for game in one.games] for one in groups] == [shown, unseen]
+
+
+def _check(
+    predicted_returns: dict[int, float], final_levels: dict[int, float] | None = None
+) -> CheckOutcome:
     return CheckOutcome(
         tau=1.0,
         pair_accuracy=1.0,
@@ -41,4 +69,5 @@ def _check(predicted_returns: dict[int, float]) -> CheckOutcome:
         advice="",
         confused=[],
         predicted_returns=predicted_returns,
+        final_levels=final_levels or {},
     )

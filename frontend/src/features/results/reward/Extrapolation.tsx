@@ -4,18 +4,20 @@ import { Trans } from "@lingui/react/macro";
 import type { JudgedGames } from "@/api/types";
 import { ThingMark } from "@/components/game/ThingMark";
 import tables from "@/features/results/tables.module.css";
-import { fixed, measured, NONE, whole } from "@/lib/format";
+import { fixed, NONE, whole } from "@/lib/format";
 
-import { marksOf, returnOf, worthOf } from "./judged-games";
+import { marksOf, predictedOf, worthOf } from "./judged-games";
+import { type Measure, nameOf, write } from "./measure";
 import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 import { wholeTicks } from "./ticks";
 
-/** Predicted returns against what games were worth: increasing if the reward is right. */
+/** What the reward predicts against what games were worth: increasing if the reward is right. */
 export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
   const all = worthOf(judged);
   const shown = worthOf(judged.filter((group) => group.demonstrated));
-  if (!all) return null;
+  const measure = judged[0]?.measure;
+  if (!all || !measure) return null;
   const range = [all.low - 1, all.high + 1] as const;
   return (
     <>
@@ -35,13 +37,11 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
         )}
       </p>
       <div className={styles.check}>
-        <Groups judged={judged} />
+        <Groups judged={judged} measure={measure} />
         <figure className={styles.scatter}>
-          <figcaption>
-            <Trans>Predicted return by targets hit, less strays</Trans>
-          </figcaption>
+          <figcaption>{t`${nameOf(measure)} by targets hit, less strays`}</figcaption>
           <ScatterPlot
-            label={t`Predicted return by targets hit, less strays; see the table for the numbers`}
+            label={t`${nameOf(measure)} by targets hit, less strays; see the table for the numbers`}
             range={range}
             xTicks={wholeTicks(all.low, all.high, 12)}
             band={shown ? [shown.low - 0.5, shown.high + 0.5] : undefined}
@@ -54,9 +54,9 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
 }
 
 /** The plot as a table. */
-function Groups({ judged }: { judged: readonly JudgedGames[] }) {
+function Groups({ judged, measure }: { judged: readonly JudgedGames[]; measure: Measure }) {
   return (
-    <table className={tables.table} aria-label={t`Predicted returns and worth of games`}>
+    <table className={tables.table} aria-label={t`What the reward predicts, and worth of games`}>
       <thead>
         <tr>
           <th scope="col">
@@ -69,7 +69,7 @@ function Groups({ judged }: { judged: readonly JudgedGames[] }) {
             <Trans>Worth</Trans>
           </th>
           <th scope="col" className={tables.number}>
-            <Trans>Predicted return</Trans>
+            {nameOf(measure)}
           </th>
           <th scope="col" className={tables.right}>
             <Trans>Agreement (Kendall&rsquo;s tau)</Trans>
@@ -85,7 +85,9 @@ function Groups({ judged }: { judged: readonly JudgedGames[] }) {
             </th>
             <td className={tables.number}>{group.games.length}</td>
             <td className={tables.number}>{between(worthOf([group]), whole)}</td>
-            <td className={tables.number}>{between(returnOf([group]), measured)}</td>
+            <td className={tables.number}>
+              {between(predictedOf([group]), (value) => write(measure, value))}
+            </td>
             <td className={tables.right}>{group.tau === null ? NONE : fixed(group.tau, 2)}</td>
           </tr>
         ))}

@@ -9,8 +9,9 @@ import type { Watched } from "@/features/results/watched";
 import { fixed, measured, percent } from "@/lib/format";
 import { recordingName, describeScore } from "@/lib/recordings";
 
-import { ReturnsByTier } from "./ReturnsByTier";
+import { judgedBy, measureOf } from "./measure";
 import styles from "./reward.module.css";
+import { RewardByTier } from "./RewardByTier";
 
 interface RewardCheckProps {
   check: RankingCheck;
@@ -33,9 +34,17 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
         />
       )}
       {check.confused.length > 0 && <Confused confused={check.confused} />}
+      {measureOf(check.returns) === "final_level" && (
+        <p className={styles.verdict}>
+          <Trans>
+            The final level is what the reward reached at the end of a game: 0 as at the beginning,
+            1 as at the end of the best games.
+          </Trans>
+        </p>
+      )}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
-        <ReturnsByTier returns={check.returns} />
+        <RewardByTier returns={check.returns} measure={measureOf(check.returns)} />
       </div>
     </>
   );
@@ -139,10 +148,12 @@ function names(ids: readonly number[]): string {
 }
 
 function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
-  const hasLevels = check.returns.some((one) => one.final_level !== null);
-  const best = Math.max(...check.returns.map(judged));
+  const measure = measureOf(check.returns);
+  const hasLevels = measure === "final_level";
+  const judged = check.returns.map((one) => judgedBy(measure, one));
+  const best = Math.max(...judged);
   const odd = (index: number) =>
-    isOdd(check, index) ? `${tables.right} ${styles.odd}` : tables.right;
+    isOdd(check, judged, index) ? `${tables.right} ${styles.odd}` : tables.right;
   return (
     <table className={tables.table} aria-label={t`Predicted returns`}>
       <thead>
@@ -160,11 +171,7 @@ function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
             <Trans>Predicted return</Trans>
           </th>
           {hasLevels && (
-            <th
-              scope="col"
-              className={tables.right}
-              title={t`What the game reached in the end: 0 at the beginning, 1 at the end of the best`}
-            >
+            <th scope="col" className={tables.right}>
               <Trans>Final level</Trans>
             </th>
           )}
@@ -212,14 +219,10 @@ function Highest() {
   );
 }
 
-/** What the ranking is checked by: the final level, or the return in runs of earlier versions. */
-function judged(one: RankingCheck["returns"][number]): number {
-  return one.final_level ?? one.predicted_return;
-}
-
 /** Whether a game is judged to be better than one of a better tier. */
-function isOdd({ returns }: RankingCheck, index: number): boolean {
+function isOdd({ returns }: RankingCheck, judged: readonly number[], index: number): boolean {
   const one = returns[index];
-  if (!one) return false;
-  return returns.some((other) => other.tier < one.tier && judged(other) < judged(one));
+  const value = judged[index];
+  if (!one || value === undefined) return false;
+  return returns.some((other, place) => other.tier < one.tier && (judged[place] ?? value) < value);
 }

@@ -1,21 +1,28 @@
 import { describe, expect, it } from "vitest";
 
-import { marksOf, returnOf, worthOf } from "@/features/results/reward/judged-games";
+import { marksOf, predictedOf, worthOf } from "@/features/results/reward/judged-games";
 
 describe("returns and worth", () => {
   const game = (worth: number, value: number, id: number) => ({
     true_quantity: worth,
-    predicted_return: value,
+    predicted: value,
     recording_id: id,
   });
   const judged = [
     {
       player: "person" as const,
       demonstrated: true,
+      measure: "final_level" as const,
       tau: 1,
       games: [game(-4, -1, 1), game(6, 9, 2)],
     },
-    { player: "clone" as const, demonstrated: false, tau: null, games: [game(6, 12, 3)] },
+    {
+      player: "clone" as const,
+      demonstrated: false,
+      measure: "final_level" as const,
+      tau: null,
+      games: [game(6, 12, 3)],
+    },
   ];
 
   it("are marks beside each other where they share a worth, hollow where unseen", () => {
@@ -30,7 +37,7 @@ describe("returns and worth", () => {
 
   it("have bounds over all who played", () => {
     expect(worthOf(judged)).toEqual({ low: -4, high: 6 });
-    expect(returnOf(judged)).toEqual({ low: -1, high: 12 });
+    expect(predictedOf(judged)).toEqual({ low: -1, high: 12 });
     expect(worthOf([])).toBeNull();
   });
 });

@@ -1,0 +1,37 @@
+import { t } from "@lingui/core/macro";
+
+import type { RankingCheck } from "@/api/types";
+import { recordingName } from "@/lib/recordings";
+import { playedBy } from "@/lib/things";
+
+import { judgedBy, type Measure, nameOf, write } from "./measure";
+import styles from "./reward.module.css";
+import { ScatterPlot } from "./ScatterPlot";
+
+interface RewardByTierProps {
+  returns: RankingCheck["returns"];
+  measure: Measure;
+}
+
+/** What ranked games are judged by, by tier: decreasing if the reward agrees with the ranking. */
+export function RewardByTier({ returns, measure }: RewardByTierProps) {
+  if (returns.length === 0) return null;
+  const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
+  return (
+    <figure className={styles.scatter}>
+      <figcaption>{t`${nameOf(measure)} by tier, 1 is the best`}</figcaption>
+      <ScatterPlot
+        label={t`${nameOf(measure)} by tier`}
+        range={[0.5, tiers + 0.5]}
+        xTicks={Array.from({ length: tiers }, (_, index) => index + 1)}
+        points={returns.map((one) => ({
+          key: one.recording.id,
+          x: one.tier,
+          y: judgedBy(measure, one),
+          thing: playedBy(one.recording.source),
+          title: t`${recordingName(one.recording)}, tier ${one.tier}: ${write(measure, judgedBy(measure, one))}`,
+        }))}
+      />
+    </figure>
+  );
+}

@@ -1,0 +1,29 @@
+/** What of the reward a game is judged by. */
+
+import { t } from "@lingui/core/macro";
+
+import type { JudgedGames, RankingCheck } from "@/api/types";
+import { fixed, measured } from "@/lib/format";
+
+export type Measure = JudgedGames["measure"];
+
+type RankedReturn = RankingCheck["returns"][number];
+
+/** The final level, or the return in runs of earlier versions, which did not keep the level. */
+export function measureOf(returns: RankingCheck["returns"]): Measure {
+  const hasLevels = returns.length > 0 && returns.every((one) => one.final_level !== null);
+  return hasLevels ? "final_level" : "predicted_return";
+}
+
+/** What a ranked game is judged by. */
+export function judgedBy(measure: Measure, one: RankedReturn): number {
+  return measure === "final_level" ? (one.final_level ?? 0) : one.predicted_return;
+}
+
+export function nameOf(measure: Measure): string {
+  return measure === "final_level" ? t`Final level` : t`Predicted return`;
+}
+
+export function write(measure: Measure, value: number): string {
+  return measure === "final_level" ? fixed(value, 2) : measured(value);
+}
