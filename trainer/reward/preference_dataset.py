@@ -15,6 +15,7 @@ from trainer.reward.fragments import Fragmenter, FragmentStarts, preference_pair
 from trainer.reward.model import RewardModel
 from trainer.reward.perturbation import PerturbedDemonstration
 from trainer.reward.pretraining import read_features
+from tril.game.episode import Hit
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -35,10 +36,12 @@ class ObservedTrajectory:
     Attributes:
         observations: uint8 (N, 4, 84, 84), 0 to 255, one per step.
         first_step: Step of the first observation.
+        hits: The aliens shot in a whole trajectory, in order of time.
     """
 
     observations: npt.NDArray[np.uint8]
     first_step: int = 0
+    hits: tuple[Hit, ...] = ()
 
     @cached_property
     def features(self) -> Tensor:
@@ -113,13 +116,13 @@ class PreferenceDataset:
             recipe: How much each kind of pair counts; kinds that count nothing are left out.
             perfect: The perfect demonstrations and their perturbed copies.
         """
-        observed = [ObservedTrajectory(trajectory.observations) for trajectory in trajectories]
+        observed = [_observed(trajectory) for trajectory in trajectories]
         indices = []
         if recipe.uses_perfect:
             for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:
-                    observed.append(ObservedTrajectory(trajectory.observations))
+                    observed.append(_observed(trajectory))
         perturbed = []
         if recipe.perturbed_share:
             for copy in perfect.perturbed:
@@ -207,6 +210,10 @@ class PreferenceDataset:
             PreferenceGroup(tuple(perturbed), perturbed_share, "same"),
         ]
         return [group for group in groups if group.share > 0.0]
+
+
+def _observed(trajectory: Trajectory) -> ObservedTrajectory:
+    return ObservedTrajectory(trajectory.observations, hits=trajectory.hits)
 
 
 def _sample_at_most(count: int, items: Sequence[T], rng: np.random.Generator) -> list[T]:

@@ -1,8 +1,9 @@
-"""Inferring which aliens are wanted from screens, and a reward network that says so.
+"""Inferring which aliens are wanted, and a reward network that says so.
 
 A pretrained network's R is linear in which aliens are left and in how far rows have been swept. Its
 weights are made of the labels' posterior means, see tril.analysis.wanted_aliens, so that R is their
-sum over what has been hit. Which aliens a game hits, and when, is read off its screens alone.
+sum over what has been hit. Which aliens a demonstration hits is known from its replay; what R makes
+of a game is read off its screens alone.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import torch
 from trainer.progress import Progress
 from trainer.reward.fragment_logits import Seed
 from trainer.reward.model import RewardNetwork
-from trainer.reward.preference_dataset import PreferenceDataset
+from trainer.reward.preference_dataset import ObservedTrajectory, PreferenceDataset
 from trainer.reward.pretraining import pretrained_network
 from tril.analysis.wanted_aliens import (
     BURN_IN,
@@ -26,7 +27,7 @@ from tril.analysis.wanted_aliens import (
     learned_order,
     log_prior,
 )
-from tril.game.space_invaders import COLUMNS, ROWS
+from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
 
 _TINY = 1e-3
 
@@ -55,10 +56,10 @@ class WantedAliensTrainer:
         """Return the network; ``progress`` counts passes."""
         dataset = self._dataset
         best = best_games(dataset.tiers, dataset.perfect)
-        hits = {}
-        for index in dict.fromkeys((*dataset.ranked, *best)):
-            hits[index] = Hits.read(dataset.trajectories[index].features.numpy())
-            progress.advance(0, self._passes)
+        hits = {
+            index: _hits_of(dataset.trajectories[index])
+            for index in dict.fromkeys((*dataset.ranked, *best))
+        }
         hits_of_best = [hits[index] for index in best]
         order = learned_order(hits_of_best)
         posterior = Posterior(hits, dataset.pairs, log_prior(hits_of_best), order)
@@ -82,6 +83,11 @@ class WantedAliensTrainer:
             progress.advance(number, self._passes, values)
         labels: Array = (probabilities @ LABELS).T.ravel()
         return labels
+
+
+def _hits_of(observed: ObservedTrajectory) -> Hits:
+    hits = ((hit.row, hit.column, hit.frame) for hit in observed.hits)
+    return Hits.of(hits, (len(observed.observations) - 1) * FRAMES_PER_STEP)
 
 
 def labels_of(network: RewardNetwork) -> tuple[Array, Array]:

@@ -36,9 +36,6 @@ N_ALIENS = ROWS * COLUMNS
 LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
 """Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
 
-MISREAD = 0.05
-"""Least probability that an alien is read as left where it is gone, or the other way round."""
-
 WANTED = 0.3
 """Probability that an alien is wanted if all below it in its column are."""
 
@@ -82,24 +79,6 @@ class Hits:
             # The first time: a cleared grid is filled again.
             steps[alien] = min(steps[alien], -(-frame // FRAMES_PER_STEP))
         return cls(steps, -(-n_frames // FRAMES_PER_STEP))
-
-    @classmethod
-    def read(cls, features: Array) -> Self:
-        """Read them off a game's screens.
-
-        The steps are the most likely ones if the readings of single screens were independent, so
-        that an alien which is misread for a while does not count as back.
-
-        Args:
-            features: What a pretrained network reads, (N, 36 or more): the probabilities that the
-                aliens are left.
-        """
-        left = np.clip(features[:, :N_ALIENS], MISREAD, 1.0 - MISREAD)
-        # How much more likely the screens before a step are if the alien is left until then.
-        gain = np.zeros((len(left) + 1, N_ALIENS))
-        np.cumsum(np.log(left) - np.log1p(-left), axis=0, out=gain[1:])
-        steps = gain.argmax(0)
-        return cls(np.where(steps < len(left), steps.astype(float), np.inf), len(left) - 1)
 
     @property
     def gone(self) -> npt.NDArray[np.bool_]:
