@@ -31,7 +31,7 @@ from tril.store.database import Database
 from tril.store.models import RecordingRow
 from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.alarms import alarm_of
-from tril.store.training.returns import PLAYERS, judged_games
+from tril.store.training.judged_games import PLAYERS, judged_games
 from tril.store.training.verdicts import verdict_of
 
 CURVES = {

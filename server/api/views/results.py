@@ -38,7 +38,7 @@ from tril.store import behaviours, recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.store.training import artifacts, evaluations, training_games
 from tril.store.training.alarms import alarm_of
-from tril.store.training.returns import judged_games
+from tril.store.training.judged_games import judged_games
 from tril.store.training.verdicts import verdict_of
 
 

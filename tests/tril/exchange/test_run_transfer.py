@@ -31,7 +31,7 @@ from tril.store.database import Database, create_database
 from tril.store.models import RecordingRow, RunRow, RunStatus
 from tril.store.schema import upgrade
 from tril.store.training import artifacts, evaluations, metrics, runs
-from tril.store.training.returns import judged_games
+from tril.store.training.judged_games import judged_games
 from tril.store.training.verdicts import verdict_of
 
 Members = dict[str, bytes]

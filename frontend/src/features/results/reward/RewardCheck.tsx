@@ -9,7 +9,7 @@ import type { Watched } from "@/features/results/watched";
 import { fixed, measured, percent } from "@/lib/format";
 import { recordingName, describeScore } from "@/lib/recordings";
 
-import { judgedBy, measureOf } from "./measure";
+import { judgedBy, type Measure, measureOf, type RankedReturn } from "./measure";
 import styles from "./reward.module.css";
 import { RewardByTier } from "./RewardByTier";
 
@@ -21,6 +21,7 @@ interface RewardCheckProps {
 
 /** How well the learned reward agrees with the ranking. */
 export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
+  const measure = measureOf(check.returns);
   return (
     <>
       <Numbers check={check} />
@@ -34,7 +35,7 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
         />
       )}
       {check.confused.length > 0 && <Confused confused={check.confused} />}
-      {measureOf(check.returns) === "final_level" && (
+      {measure === "final_level" && (
         <p className={styles.verdict}>
           <Trans>
             The final level is what the reward reached at the end of a game: 0 as at the beginning,
@@ -43,8 +44,8 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
         </p>
       )}
       <div className={styles.check}>
-        <Returns check={check} behaviour={behaviour} onWatch={onWatch} />
-        <RewardByTier returns={check.returns} measure={measureOf(check.returns)} />
+        <Returns check={check} behaviour={behaviour} measure={measure} onWatch={onWatch} />
+        <RewardByTier returns={check.returns} measure={measure} />
       </div>
     </>
   );
@@ -147,13 +148,12 @@ function names(ids: readonly number[]): string {
   return ids.map((id) => recordingName({ id })).join(", ");
 }
 
-function Returns({ check, behaviour, onWatch }: RewardCheckProps) {
-  const measure = measureOf(check.returns);
+function Returns({ check, behaviour, measure, onWatch }: RewardCheckProps & { measure: Measure }) {
   const hasLevels = measure === "final_level";
-  const judged = check.returns.map((one) => judgedBy(measure, one));
-  const best = Math.max(...judged);
+  const judged = (one: RankedReturn) => judgedBy(measure, one);
+  const best = Math.max(...check.returns.map(judged));
   const odd = (index: number) =>
-    isOdd(check, judged, index) ? `${tables.right} ${styles.odd}` : tables.right;
+    isOdd(check.returns, judged, index) ? `${tables.right} ${styles.odd}` : tables.right;
   return (
     <table className={tables.table} aria-label={t`Predicted returns`}>
       <thead>
@@ -220,9 +220,12 @@ function Highest() {
 }
 
 /** Whether a game is judged to be better than one of a better tier. */
-function isOdd({ returns }: RankingCheck, judged: readonly number[], index: number): boolean {
+function isOdd(
+  returns: RankingCheck["returns"],
+  judged: (one: RankedReturn) => number,
+  index: number,
+): boolean {
   const one = returns[index];
-  const value = judged[index];
-  if (!one || value === undefined) return false;
-  return returns.some((other, place) => other.tier < one.tier && (judged[place] ?? value) < value);
+  if (!one) return false;
+  return returns.some((other) => other.tier < one.tier && judged(other) < judged(one));
 }

@@ -7,7 +7,7 @@ import { fixed, measured } from "@/lib/format";
 
 export type Measure = JudgedGames["measure"];
 
-type RankedReturn = RankingCheck["returns"][number];
+export type RankedReturn = RankingCheck["returns"][number];
 
 /** The final level, or the return in runs of earlier versions, which did not keep the level. */
 export function measureOf(returns: RankingCheck["returns"]): Measure {

@@ -48,8 +48,7 @@ def judged_games(
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     if behaviour.target is None:
         return []
-    judged = [g for g in games if None not in (g.predicted_return, g.targets, g.strays)]
-    measure, predicted = _shown_games(run.outcome.check, judged)
+    measure, predicted = _measure_of(run.outcome.check, games)
     found: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(predicted)).items():
         worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
@@ -57,9 +56,12 @@ def judged_games(
         quantity = true_quantity(worth.targets, worth.strays)
         game = JudgedGame(quantity, predicted[number], number)
         found[PLAYERS[row.source], True].append(game)
-    for played in judged:
-        quantity = true_quantity(cast(int, played.targets), cast(int, played.strays))
-        game = JudgedGame(quantity, cast(float, getattr(played, measure)), played.recording_id)
+    for played in games:
+        value = played.final_level if measure == "final_level" else played.predicted_return
+        if value is None or played.targets is None or played.strays is None:
+            continue
+        quantity = true_quantity(played.targets, played.strays)
+        game = JudgedGame(quantity, value, played.recording_id)
         found[cast(PlayerKind, played.policy), False].append(game)
     return [
         JudgedGames(player, demonstrated, measure, tuple(found[player, demonstrated]))
@@ -67,13 +69,13 @@ def judged_games(
     ]
 
 
-def _shown_games(
-    check: CheckOutcome | None, judged: Sequence[EvaluationRow]
+def _measure_of(
+    check: CheckOutcome | None, games: Sequence[EvaluationRow]
 ) -> tuple[Measure, dict[int, float]]:
     """Return what all games can be judged by, and what it is of the demonstrations, by id."""
     if check is None:
         return "predicted_return", {}
-    if check.final_levels and all(game.final_level is not None for game in judged):
+    if check.final_levels and all(game.final_level is not None for game in games):
         return "final_level", check.final_levels
     return "predicted_return", check.predicted_returns
 

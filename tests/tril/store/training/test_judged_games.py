@@ -13,7 +13,7 @@ from tril.store import behaviours, borrowed, recordings
 from tril.store.models import Source
 from tril.store.training import evaluations, runs
 from tril.store.training.evaluations import EvaluationKey
-from tril.store.training.returns import PLAYERS, judged_games
+from tril.store.training.judged_games import PLAYERS, judged_games
 
 
 def test_every_source_has_a_player() -> None:
