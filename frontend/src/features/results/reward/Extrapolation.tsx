@@ -42,6 +42,7 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
           <figcaption>{t`${nameOf(measure)} by targets hit, less strays`}</figcaption>
           <ScatterPlot
             label={t`${nameOf(measure)} by targets hit, less strays; see the table for the numbers`}
+            measure={measure}
             range={range}
             xTicks={wholeTicks(all.low, all.high, 12)}
             band={shown ? [shown.low - 0.5, shown.high + 0.5] : undefined}

@@ -22,6 +22,7 @@ export function RewardByTier({ returns, measure }: RewardByTierProps) {
       <figcaption>{t`${nameOf(measure)} by tier, 1 is the best`}</figcaption>
       <ScatterPlot
         label={t`${nameOf(measure)} by tier`}
+        measure={measure}
         range={[0.5, tiers + 0.5]}
         xTicks={Array.from({ length: tiers }, (_, index) => index + 1)}
         points={returns.map((one) => ({

@@ -1,9 +1,9 @@
 import type { CSSProperties } from "react";
 
 import { classes } from "@/lib/classes";
-import { measured } from "@/lib/format";
 import { type Thing, THING_SHAPES, thingColour } from "@/lib/things";
 
+import { type Measure, rangeOf, write } from "./measure";
 import styles from "./ScatterPlot.module.css";
 import { endTicks } from "./ticks";
 
@@ -21,6 +21,8 @@ interface ScatterPlotProps {
   /** Accessible name; a table beside the plot has the numbers. */
   label: string;
   points: readonly ScatterPoint[];
+  /** What of the reward the vertical axis shows. */
+  measure: Measure;
   /** Ends of the horizontal axis. */
   range: readonly [number, number];
   xTicks: readonly number[];
@@ -36,10 +38,11 @@ const TOP = 8;
 const MARK = 10;
 
 /** A scatter plot, with the colour and shape of each thing. */
-export function ScatterPlot({ label, points, range, xTicks, band }: ScatterPlotProps) {
-  const values = points.map((point) => point.y);
-  const low = Math.min(...values);
-  const high = Math.max(...values);
+export function ScatterPlot({ label, points, measure, range, xTicks, band }: ScatterPlotProps) {
+  const [low, high] = rangeOf(
+    measure,
+    points.map((point) => point.y),
+  );
   const x = (value: number) => LEFT + ((value - range[0]) / (range[1] - range[0])) * (WIDTH - LEFT);
   const y = (value: number) =>
     TOP + (1 - (value - low) / (high - low || 1)) * (HEIGHT - TOP - BOTTOM);
@@ -58,7 +61,7 @@ export function ScatterPlot({ label, points, range, xTicks, band }: ScatterPlotP
         <g key={value}>
           <line className={styles.grid} x1={LEFT} x2={WIDTH} y1={y(value)} y2={y(value)} />
           <text x={LEFT - 8} y={y(value) + 4} textAnchor="end">
-            {measured(value)}
+            {write(measure, value)}
           </text>
         </g>
       ))}

@@ -27,3 +27,10 @@ export function nameOf(measure: Measure): string {
 export function write(measure: Measure, value: number): string {
   return measure === "final_level" ? fixed(value, 2) : measured(value);
 }
+
+/** Ends of an axis with these values; that of final levels has 0 and 1, which mean something. */
+export function rangeOf(measure: Measure, values: readonly number[]): [number, number] {
+  if (measure !== "final_level") return [Math.min(...values), Math.max(...values)];
+  const tenths = values.map((value) => Math.round(value * 10) / 10 || 0); // 0 for -0
+  return [Math.min(0, ...tenths), Math.max(1, ...tenths)];
+}
