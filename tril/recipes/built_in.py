@@ -81,7 +81,7 @@ FAST = replace(
         fold_updates=500,
         pretrained=True,
     ),
-    default_steps=300_000,
+    default_steps=600_000,
     ordered_steps=900_000,
     summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
 )
@@ -112,7 +112,7 @@ GAIL = Recipe(
         "Baseline without a ranking: PPO from the clone on, against a network that tells its games"
         " from the perfect ones."
     ),
-    default_steps=300_000,
+    default_steps=FAST.default_steps,
     method="gail",
     reward=FAST_0_2.reward,
     policy=PolicyRecipe(
