@@ -15,7 +15,7 @@ starts with their openings, greedily and with sticky actions, and without openin
 
 Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome
 and the digests of the recipe, of the weights that ship with Tril and of the demonstrations;
-benchmarks.learning.people_table makes tables of it. 300,000 steps take five to seven minutes on one
+benchmarks.learning.people_table makes tables of it. 600,000 steps take six to nine minutes on one
 of two cores.
 """
 
