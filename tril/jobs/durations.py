@@ -23,7 +23,7 @@ GIBBS_PASS_S = 0.0003
 """A pass of Gibbs sampling over the six columns, with a dozen ranked games."""
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
-FROZEN_STEPS_PER_S = 1_400.0
+FROZEN_STEPS_PER_S = 2_000.0
 """With the convolutions of the small network as they are."""
 DAGGER_LABELS_PER_S = 100.0
 DAGGER_EPOCHS_SHARE = 0.4

@@ -71,7 +71,7 @@ def test_aliens_in_order_are_trained_on_for_longer(client: TestClient) -> None:
     slugs = {one["slug"]: one["id"] for one in client.get("/api/behaviours").json()}
     run = client.post("/api/runs", json={"behaviour_id": slugs["row-1"], "example": True}).json()
     proposed = {one["name"]: one for one in client.get("/api/recipes").json()}["fast"]
-    assert run["steps"] == proposed["ordered_steps"] == 3 * proposed["default_steps"]
+    assert run["steps"] == proposed["ordered_steps"] > proposed["default_steps"]
 
 
 def test_a_ranking_that_does_not_suffice_says_what_to_do(
