@@ -123,7 +123,9 @@ def _advised(
     strays, order_errors = _mean_of(imitator.strays), _mean_of(imitator.order_errors)
     makes_mistakes = strays + order_errors > FEW_MISTAKES
     if targets.mean >= GOOD_SHARE * best and lost <= FEW_LOST and not makes_mistakes:
-        advice = "It plays about as well as the best demonstration. Watch some of its games."
+        is_better = run.best_targets is not None and targets.low > run.best_targets
+        compared = "better than" if is_better else "about as well as"
+        advice = f"It plays {compared} the best demonstration. Watch some of its games."
         return Verdict("good", sentence, advice, "games")
     tone: Tone = "bad" if is_no_better or lost > MOST_LOST else "fair"
     if lost > MOST_LOST:

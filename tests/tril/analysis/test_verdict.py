@@ -59,6 +59,13 @@ def test_a_run_that_went_well_is_praised_with_its_figures() -> None:
     assert said.sentence.startswith("The imitator hits 5.8 of 6 targets (95% interval 5.5 to 5.9,")
     assert "20 games); the clone hits 1.5, the best demonstration 6." in said.sentence
     assert said.sentence.endswith("It is clearly better than the clone. It loses no game.")
+    assert said.advice.startswith("It plays about as well as the best demonstration.")
+
+
+def test_one_that_is_surely_better_than_what_was_shown_is_said_to_be() -> None:
+    said = verdict(replace(DONE, best_targets=5))
+    assert (said.tone, said.next_step) == ("good", "games")
+    assert said.advice.startswith("It plays better than the best demonstration.")
 
 
 def test_one_that_is_no_better_than_the_clone_needs_another_ranking() -> None:

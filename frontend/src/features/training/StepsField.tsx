@@ -9,7 +9,7 @@ import { describeEstimate, proposedSteps } from "@/lib/runs";
 import { readWhole } from "./form";
 import styles from "./StepsField.module.css";
 
-const PRESETS = [20_000, 200_000, 500_000, 1_000_000, 10_000_000] as const;
+const PRESETS = [20_000, 200_000, 2_000_000, 10_000_000] as const;
 
 interface StepsFieldProps {
   value: string;

@@ -3,9 +3,8 @@ import type { CSSProperties } from "react";
 import { classes } from "@/lib/classes";
 import { type Thing, THING_SHAPES, thingColour } from "@/lib/things";
 
-import { type Measure, rangeOf, write } from "./measure";
+import { type Measure, rangeOf, ticksOf, write } from "./measure";
 import styles from "./ScatterPlot.module.css";
-import { endTicks } from "./ticks";
 
 export interface ScatterPoint {
   readonly key: string | number;
@@ -57,7 +56,7 @@ export function ScatterPlot({ label, points, measure, range, xTicks, band }: Sca
           height={HEIGHT - BOTTOM + TOP}
         />
       )}
-      {endTicks(low, high).map((value) => (
+      {ticksOf(measure, low, high).map((value) => (
         <g key={value}>
           <line className={styles.grid} x1={LEFT} x2={WIDTH} y1={y(value)} y2={y(value)} />
           <text x={LEFT - 8} y={y(value) + 4} textAnchor="end">

@@ -5,6 +5,8 @@ import { t } from "@lingui/core/macro";
 import type { JudgedGames, RankingCheck } from "@/api/types";
 import { fixed, measured } from "@/lib/format";
 
+import { endTicks } from "./ticks";
+
 export type Measure = JudgedGames["measure"];
 
 export type RankedReturn = RankingCheck["returns"][number];
@@ -33,4 +35,12 @@ export function rangeOf(measure: Measure, values: readonly number[]): [number, n
   if (measure !== "final_level") return [Math.min(...values), Math.max(...values)];
   const tenths = values.map((value) => Math.round(value * 10) / 10 || 0); // 0 for -0
   return [Math.min(0, ...tenths), Math.max(1, ...tenths)];
+}
+
+/** Ticks of that axis: its ends, and 0 and 1 of final levels, beside which no end has a tick. */
+export function ticksOf(measure: Measure, low: number, high: number): number[] {
+  if (measure !== "final_level") return endTicks(low, high);
+  const apart = (high - low) / 10;
+  const ends = [low, high].filter((end) => Math.min(Math.abs(end), Math.abs(end - 1)) > apart);
+  return [...ends, 0, 1];
 }
