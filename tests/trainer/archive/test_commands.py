@@ -31,6 +31,7 @@ def changed(run: RunObject, **values: Any) -> RunObject:
 def test_an_example_is_one_command(shipped: RunObject) -> None:
     assert commands(changed(shipped, recipe=FAST.to_dict()), BUILT_IN[0]) == [
         f"tril demo --behaviour column-1 --recipe fast --steps {shipped.steps} --training-seed 0"
+        " --demonstrations person-250"
     ]
 
 

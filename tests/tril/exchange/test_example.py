@@ -44,6 +44,8 @@ def test_its_recordings_replay_and_it_shows_what_it_was_made_to_show(tmp_path: P
         verdict = verdict_of(session, run, None)
         assert verdict is not None
         assert verdict.tone == "good", verdict.sentence
+        # Two neighbours at the top are ranked the wrong way round.
+        assert "the best demonstration 6." in verdict.sentence
         behaviour = behaviours.get(session, found.behaviour_id)
         assert (behaviour.name, behaviour.built_in) == (BEHAVIOUR_NAME, False)
         library = recordings.listing(session, behaviour.id)

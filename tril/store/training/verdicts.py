@@ -42,12 +42,15 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
 
 
 def _best_targets(session: Session, run: RunRow) -> int | None:
-    """Return the targets that the best demonstration hits; None if that is not known."""
-    if run.snapshot is None or not run.snapshot.ranked:
+    """Return the most targets that a demonstration hits, of those with the fewest other aliens.
+
+    Of all of them, since the order may be wrong at the top. None if that is not known.
+    """
+    if run.snapshot is None:
         return None
-    best = recordings.by_ids(session, run.snapshot.ranked[:1])
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
-    for row in best.values():
-        found = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
-        return None if found is None else found.targets
-    return None
+    rows = recordings.by_ids(session, run.snapshot.recordings).values()
+    scores = [score(behaviour, tuple((r, c) for r, c, _ in row.hits)) for row in rows]
+    known = [one for one in scores if one is not None]
+    best = max(known, key=lambda one: one.targets - one.strays, default=None)
+    return None if best is None else best.targets
