@@ -114,7 +114,7 @@ def each(trainings: Sequence[Line]) -> str:
         "| behaviour | seed | learned from | targets | strays | lost | perfect games |",
         "|---|---:|---|---:|---:|---:|---:|",
     ]
-    for line in sorted(trainings, key=lambda line: (line["behaviour"], _title(line))):
+    for line in sorted(trainings, key=_place):
         found = last_round(line)["sticky"]
         rows.append(
             f"| {line['behaviour']} | {line['training_seed']} | {_title(line)} |"
@@ -122,6 +122,11 @@ def each(trainings: Sequence[Line]) -> str:
             f" {found['perfect']:.0%} |"
         )
     return "\n".join(rows)
+
+
+def _place(line: Line) -> tuple[str, str, int]:
+    """Return what a table of trainings is sorted by."""
+    return line["behaviour"], _title(line), line["training_seed"]
 
 
 def _row(
