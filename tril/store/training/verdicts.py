@@ -6,6 +6,7 @@ from typing import cast
 
 from sqlalchemy.orm import Session
 
+from tril.analysis.extrapolation import true_quantity
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
 from tril.behaviours import score
@@ -42,9 +43,9 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
 
 
 def _best_targets(session: Session, run: RunRow) -> int | None:
-    """Return the most targets that a demonstration hits, of those with the fewest other aliens.
+    """Return the targets of the demonstration that is worth most; None if that is not known.
 
-    Of all of them, since the order may be wrong at the top. None if that is not known.
+    Of all of them, since the order may be wrong at the top.
     """
     if run.snapshot is None:
         return None
@@ -52,5 +53,5 @@ def _best_targets(session: Session, run: RunRow) -> int | None:
     rows = recordings.by_ids(session, run.snapshot.recordings).values()
     scores = [score(behaviour, tuple((r, c) for r, c, _ in row.hits)) for row in rows]
     known = [one for one in scores if one is not None]
-    best = max(known, key=lambda one: one.targets - one.strays, default=None)
+    best = max(known, key=lambda one: true_quantity(one.targets, one.strays), default=None)
     return None if best is None else best.targets
