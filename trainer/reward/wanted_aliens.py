@@ -26,6 +26,7 @@ from tril.analysis.wanted_aliens import (
     best_games,
     learned_order,
     log_prior,
+    pair_weights,
 )
 from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
 
@@ -62,7 +63,9 @@ class WantedAliensTrainer:
         }
         hits_of_best = [hits[index] for index in best]
         order = learned_order(hits_of_best)
-        posterior = Posterior(hits, dataset.pairs, log_prior(hits_of_best), order)
+        pairs = dataset.pairs
+        weights = pair_weights(pairs, dataset.tiers)
+        posterior = Posterior(hits, pairs, weights, log_prior(hits_of_best), order)
         labels = self._sample(posterior, progress)
         network = pretrained_network(self._rng)
         set_labels(network, labels, order)

@@ -28,6 +28,7 @@ from tril.analysis.wanted_aliens import (
     learned_order,
     log_likelihood_by_game,
     log_prior,
+    pair_weights,
     worth,
 )
 from tril.game.space_invaders import COLUMNS
@@ -116,19 +117,18 @@ def form_opinions(
     order = learned_order([hits[item] for item in best])
     prior = log_prior([hits[item] for item in best])
     rng = np.random.default_rng(_SEED)
-    pairs = _pairs(ranking, rng)
+    pairs, weights = _pairs(ranking, rng)
     hits_of_ranked = [hits[item] for item in ranked]
-    posterior = Posterior(dict(enumerate(hits_of_ranked)), pairs.tolist(), prior, order)
+    posterior = Posterior(dict(enumerate(hits_of_ranked)), pairs.tolist(), weights, prior, order)
     draws = posterior.draws(rng, _PASSES)
     labels = labels_of_draws(draws)
     own = worth(labels, order, hits_of_ranked)
-    log_weights = -log_likelihood_by_game(own, pairs)
+    log_weights = -log_likelihood_by_game(own, pairs, weights)
     for index, item in enumerate(ranked):
         if item in best:
             without = log_prior([hits[one] for one in best if one != item]) - prior
             log_weights[:, index] += without[np.arange(COLUMNS), draws].sum(1)
-    weights = _softmax(log_weights)
-    judged = _Judged(ranking, own, weights)
+    judged = _Judged(ranking, own, _softmax(log_weights))
     found = judged.opinions()
     others = [item for item in hits if item not in set(ranked)]
     found |= {
@@ -138,14 +138,19 @@ def form_opinions(
     return Opinions(found, labels.mean(0), order)
 
 
-def _pairs(ranking: Ranking, rng: np.random.Generator) -> npt.NDArray[np.int64]:
-    """Return indices of ranked games in different tiers, the better one first, int64 (P, 2)."""
+def _pairs(ranking: Ranking, rng: np.random.Generator) -> tuple[npt.NDArray[np.int64], Array]:
+    """Return pairs of ranked games in different tiers, and how much each counts.
+
+    Returns:
+        Indices of games, the better one first, int64 (P, 2), and weights, float64 (P,).
+    """
     sizes = [len(tier) for tier in ranking.tiers]
     tiers = np.repeat(np.arange(len(sizes)), sizes)
     pairs = np.argwhere(tiers[:, None] < tiers)
-    if len(pairs) <= _MAX_PAIRS:
-        return pairs
-    return rng.choice(pairs, _MAX_PAIRS, replace=False)
+    if len(pairs) > _MAX_PAIRS:
+        pairs = rng.choice(pairs, _MAX_PAIRS, replace=False)
+    by_tier = [np.flatnonzero(tiers == tier).tolist() for tier in range(len(sizes))]
+    return pairs, pair_weights(pairs.tolist(), by_tier)
 
 
 class _Judged:

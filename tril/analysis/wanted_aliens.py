@@ -11,7 +11,8 @@ from the likelihood of the preferences; the labels and the prior are ours.
   beta-binomial distribution, with parameters 1 and 1 if it is wanted, 1 and u if it is not. u is
   the most likely one (empirical Bayes).
 - Likelihood. Of two games in different tiers, the better one is ranked higher with probability
-  0.1 + 0.8 sigmoid(difference in worth).
+  0.1 + 0.8 sigmoid(difference in worth). Each pair's log likelihood is divided by the size of the
+  larger of its tiers: whoever puts 24 games below another says one thing, not 24.
 - Order. Where the best games that clear a row up to a wanted alien have hit it after all on its
   left, it counts only once the row has been swept up to it.
 """
@@ -157,18 +158,35 @@ def _log_beta_binomial(k: int, n: int, u: int) -> float:
     return lgamma(k + 1) + lgamma(n - k + u) - lgamma(n + 1 + u) - lgamma(u) + lgamma(1 + u)
 
 
+def pair_weights(pairs: Iterable[Sequence[int]], tiers: Iterable[Sequence[int]]) -> Array:
+    """Return how much each pair counts, float64 (P,): 1 by the size of the larger of its tiers.
+
+    Args:
+        pairs: Games of different tiers.
+        tiers: All ranked games.
+    """
+    sizes = {game: len(tier) for tier in tiers for game in tier}
+    return np.array([1.0 / max(sizes[better], sizes[worse]) for better, worse in pairs])
+
+
 class Posterior:
     """The posterior of how many aliens of each column are wanted.
 
     Args:
         hits: By game.
         pairs: Games, the better one first.
+        weights: How much each pair counts, float64 (P,), see pair_weights.
         prior: See log_prior.
         order: See learned_order.
     """
 
     def __init__(
-        self, hits: dict[int, Hits], pairs: Sequence[Pair], prior: Array, order: Array
+        self,
+        hits: dict[int, Hits],
+        pairs: Sequence[Pair],
+        weights: Array,
+        prior: Array,
+        order: Array,
     ) -> None:
         gains, costs = _counted(list(hits.values()), order)
         place = {game: at for at, game in enumerate(hits)}
@@ -176,6 +194,7 @@ class Posterior:
         # How much more the better game is worth, by column, pair and number of wanted aliens.
         self._worth = _by_column(gains[better] - gains[worse]) @ (LABELS > 0).T
         self._worth -= _by_column(costs[better] - costs[worse]) @ (LABELS < 0).T
+        self._weights = weights
         self._prior = prior
         self._wanted = prior.argmax(1)
         self._difference = self._worth[np.arange(COLUMNS), :, self._wanted].sum(0)
@@ -190,7 +209,7 @@ class Posterior:
         for column, worth in enumerate(self._worth):
             others = self._difference - worth[:, self._wanted[column]]
             differences = others[:, None] + worth
-            log_odds = self._prior[column] + np.log(_probability(differences)).sum(0)
+            log_odds = self._prior[column] + self._weights @ np.log(_probability(differences))
             odds = np.exp(log_odds - log_odds.max())
             found[column] = odds / odds.sum()
             self._wanted[column] = rng.choice(ROWS + 1, p=found[column])
@@ -241,13 +260,16 @@ def best_games(tiers: Sequence[Sequence[int]], perfect: Collection[int]) -> list
     """Return the games that are meant as all of the behaviour.
 
     They are the perfect demonstrations and the best ranked games, unless the first tier is so large
-    that it says little; without perfect demonstrations they are the best ranked games.
+    that it says little; without perfect demonstrations they are the best ranked games. These are
+    of the best quarter of the tiers, too, since many bad games in a tier make no others good.
 
     Args:
         tiers: Ranked games, best tier first.
         perfect: The perfect demonstrations.
     """
-    ranked = best_ranked(tiers)
+    n_best_tiers = max(1, round(BEST_SHARE * len(tiers)))
+    in_best_tiers = {game for tier in tiers[:n_best_tiers] for game in tier}
+    ranked = [game for game in best_ranked(tiers) if game in in_best_tiers]
     if perfect and len(ranked) > BEST_SHARE * sum(len(tier) for tier in tiers):
         ranked = []
     return sorted({*ranked, *perfect})
@@ -272,15 +294,16 @@ def worth(labels: Array, order: Array, hits: Sequence[Hits]) -> Array:
     return found
 
 
-def log_likelihood_by_game(worth: Array, pairs: npt.NDArray[np.int64]) -> Array:
+def log_likelihood_by_game(worth: Array, pairs: npt.NDArray[np.int64], weights: Array) -> Array:
     """Return the log likelihood of each game's pairs in each draw, float64 (S, n).
 
     Args:
         worth: What n games are worth in S draws, float64 (S, n).
         pairs: Indices of the better game and the worse one, int64 (P, 2).
+        weights: How much each pair counts, float64 (P,), see pair_weights.
     """
     better, worse = pairs.T
-    found = np.log(_probability(worth[:, better] - worth[:, worse]))
+    found = weights * np.log(_probability(worth[:, better] - worth[:, worse]))
     games = np.arange(worth.shape[1])
     takes_part = (pairs[:, :1] == games) | (pairs[:, 1:] == games)
     of_games: Array = found @ takes_part

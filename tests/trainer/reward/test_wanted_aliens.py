@@ -67,13 +67,24 @@ def hits(aliens: Sequence[int], n_steps: int = N_STEPS) -> Hits:
 
 
 def dataset(
-    ranked: Sequence[Sequence[int]], perfect: Sequence[Sequence[int]] = ()
+    ranked: Sequence[Sequence[int]],
+    perfect: Sequence[Sequence[int]] = (),
+    worst: Sequence[Sequence[int]] = (),
 ) -> PreferenceDataset:
-    """Return the dataset of games by what they hit, those ranked from best to worst."""
+    """Return the dataset of games by what they hit.
+
+    Args:
+        ranked: From best to worst, each in a tier of its own.
+        perfect: Perfect ones, which are not ranked.
+        worst: Further ranked ones, all in the last tier.
+    """
     further = [game(aliens) for aliens in perfect]
+    tiers = [[index] for index in range(len(ranked))]
+    if worst:
+        tiers.append([*range(len(ranked), len(ranked) + len(worst))])
     return PreferenceDataset.from_demonstrations(
-        [game(aliens) for aliens in ranked],
-        [[index] for index in range(len(ranked))],
+        [game(aliens) for aliens in (*ranked, *worst)],
+        tiers,
         RECIPE,
         PerfectDemonstrations(further, [None] * len(further)),
     )
@@ -131,6 +142,14 @@ def test_a_few_games_in_wrong_places_change_little() -> None:
     right, wrong = labels(dataset(COLUMN_3_RANKING)), labels(dataset(swapped))
     assert np.array_equal(right > 0, wrong > 0)
     assert np.abs(right - wrong).max() < 0.4
+
+
+def test_many_games_that_are_wrongly_called_the_worst_change_little() -> None:
+    # Most of them are better than the four worst of the others.
+    varied = [(column,) for column in (0, 1, 3, 4, 5)] * 6
+    right = labels(dataset(COLUMN_3_RANKING, [COLUMN_3] * 6))
+    wrong = labels(dataset(COLUMN_3_RANKING, [COLUMN_3] * 6, worst=varied))
+    assert np.array_equal(right > 0, wrong > 0)
 
 
 def test_a_row_that_the_best_games_sweep_pays_as_far_as_it_is_swept() -> None:

@@ -16,6 +16,7 @@ from tril.analysis.wanted_aliens import (
     learned_order,
     log_likelihood_by_game,
     log_prior,
+    pair_weights,
     worth,
 )
 from tril.game.space_invaders import FRAMES_PER_STEP
@@ -96,7 +97,8 @@ def test_the_posterior_is_what_all_combinations_give() -> None:
     played = {index: hits(aliens) for index, aliens in enumerate(ranking)}
     pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
     prior = log_prior([played[0]])
-    posterior = Posterior(played, pairs, prior, np.zeros(36))
+    weights = np.array([1.0, 0.5, 0.5, 1.0, 0.25, 1.0])
+    posterior = Posterior(played, pairs, weights, prior, np.zeros(36))
     rng = np.random.default_rng(0)
     sampled = np.mean([posterior.sample(rng) for _ in range(3_000)], axis=0)
     # Only the third and the fourth column are told apart by the ranking.
@@ -111,9 +113,9 @@ def test_the_posterior_is_what_all_combinations_give() -> None:
         return total
 
     log_odds = prior[2][:, None] + prior[3][None]
-    for better, worse in pairs:
+    for (better, worse), weight in zip(pairs, weights, strict=True):
         gap = worth(ranking[better]) - worth(ranking[worse])
-        log_odds += np.log(0.1 + 0.8 / (1.0 + np.exp(-gap)))
+        log_odds += weight * np.log(0.1 + 0.8 / (1.0 + np.exp(-gap)))
     odds = np.exp(log_odds - log_odds.max())
     odds /= odds.sum()
     np.testing.assert_allclose(sampled[2], odds.sum(1), atol=0.02)
@@ -123,7 +125,7 @@ def test_the_posterior_is_what_all_combinations_give() -> None:
 def test_draws_follow_the_passes_after_the_burn_in() -> None:
     played = {0: hits(COLUMN_3), 1: hits([1])}
     prior = log_prior([played[0]])
-    one, other = (Posterior(played, [(0, 1)], prior, np.zeros(36)) for _ in range(2))
+    one, other = (Posterior(played, [(0, 1)], np.ones(1), prior, np.zeros(36)) for _ in range(2))
     draws = one.draws(np.random.default_rng(0), 30)
     assert draws.shape == (24, 6)
     rng = np.random.default_rng(0)
@@ -146,9 +148,16 @@ def test_games_are_worth_what_each_draw_wants_of_their_hits() -> None:
 
 def test_the_likelihood_of_a_game_is_that_of_its_own_pairs() -> None:
     gains = np.array([[3.0, 1.0, 1.0]])
-    found = log_likelihood_by_game(gains, np.array([[0, 1], [2, 1]]))
+    found = log_likelihood_by_game(gains, np.array([[0, 1], [2, 1]]), np.array([1.0, 0.5]))
     better, tied = (np.log(0.1 + 0.8 / (1.0 + np.exp(-gap))) for gap in (2.0, 0.0))
-    assert found[0] == pytest.approx([better, better + tied, tied])
+    assert found[0] == pytest.approx([better, better + tied / 2, tied / 2])
+
+
+def test_a_pair_counts_by_the_size_of_its_larger_tier() -> None:
+    tiers = [[5], [7, 2], [1, 3, 4]]
+    assert pair_weights([(5, 2), (5, 1), (7, 3), (2, 5)], tiers) == pytest.approx(
+        [1 / 2, 1 / 3, 1 / 3, 1 / 2]
+    )
 
 
 def test_the_best_games_are_the_perfect_ones_and_the_best_ranked() -> None:
@@ -158,3 +167,9 @@ def test_the_best_games_are_the_perfect_ones_and_the_best_ranked() -> None:
     # A first tier of half of the games says little beside perfect ones.
     assert best_games([[1, 2], [3, 4]], [9]) == [9]
     assert best_games([[1, 2], [3, 4]], []) == [1, 2]
+
+
+def test_many_games_in_the_last_tier_make_no_others_good() -> None:
+    ranked = [[index] for index in range(7)]
+    assert best_games([*ranked, [7]], [9]) == [0, 1, 9]
+    assert best_games([*ranked, list(range(10, 50))], [9]) == [0, 1, 9]
