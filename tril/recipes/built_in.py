@@ -82,7 +82,7 @@ FAST = replace(
         pretrained=True,
     ),
     default_steps=600_000,
-    ordered_steps=900_000,
+    ordered_steps=1_800_000,
     summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
 )
 

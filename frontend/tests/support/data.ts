@@ -99,7 +99,7 @@ export function recipe(change: Partial<Recipe> = {}): Recipe {
     name: "fast",
     summary: "Minutes on a laptop.",
     default_steps: 300_000,
-    ordered_steps: 900_000,
+    ordered_steps: 1_800_000,
     warm_up_steps: 12_000,
     learning_rate: 0.0003,
     values: { name: "fast", reward: { updates: 200 }, policy: { n_envs: 24 } },

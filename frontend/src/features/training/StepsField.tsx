@@ -9,7 +9,10 @@ import { describeEstimate, proposedSteps } from "@/lib/runs";
 import { readWhole } from "./form";
 import styles from "./StepsField.module.css";
 
-const PRESETS = [20_000, 200_000, 2_000_000, 10_000_000] as const;
+const PRESETS = [20_000, 200_000, 2_000_000, 10_000_000];
+
+/** Presets that differ less than by this factor from what the recipe proposes are left out. */
+const APART = 1.5;
 
 interface StepsFieldProps {
   value: string;
@@ -22,8 +25,9 @@ interface StepsFieldProps {
 
 /** The number of environment steps, typed or chosen from presets. */
 export function StepsField({ value, error, recipe, ordered, onChange }: StepsFieldProps) {
-  const presets = [...new Set([...PRESETS, proposedSteps(recipe, { ordered })])];
-  presets.sort((one, other) => one - other);
+  const proposed = proposedSteps(recipe, { ordered });
+  const others = PRESETS.filter((steps) => steps > APART * proposed || proposed > APART * steps);
+  const presets = [...others, proposed].sort((one, other) => one - other);
   return (
     <div>
       <Field

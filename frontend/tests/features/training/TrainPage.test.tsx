@@ -1,4 +1,4 @@
-import { fireEvent, screen, waitFor } from "@testing-library/react";
+import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
@@ -71,6 +71,21 @@ describe("training", () => {
       device: "gpu",
       example: false,
     });
+  });
+
+  it("proposes more steps where aliens are to be hit in order, beside presets that differ", async () => {
+    open(
+      { ...RANKED, ordered: true },
+      { "GET /api/recipes": () => [recipe({ ordered_steps: 1_800_000 })] },
+    );
+    expect(await screen.findByLabelText("Steps")).toHaveValue("1,800,000");
+    const presets = within(screen.getByRole("group", { name: "Preset numbers of steps" }));
+    expect(presets.getAllByRole("button").map((button) => button.textContent)).toEqual([
+      "20 k",
+      "200 k",
+      "1.8 M",
+      "10 M",
+    ]);
   });
 
   it("says when so few steps teach nothing", async () => {
