@@ -31,6 +31,7 @@ from tril.store.database import Database
 from tril.store.models import RecordingRow
 from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.alarms import alarm_of
+from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import PLAYERS, judged_games
 from tril.store.training.verdicts import verdict_of
 
@@ -98,6 +99,7 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         result = entry_of(session, run)
         ranked = run.snapshot.ranked if run.snapshot else []
         demonstrations = recordings.by_ids(session, ranked)
+        best = best_demonstration(session, run)
         judged = judged_games(session, run, evaluations.listing(session, run_id))
         alarm = alarm_of(session, run)
         verdict = verdict_of(session, run, alarm)
@@ -105,7 +107,6 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         files = artifacts.listing(session, run_id)
     group = ResultGroup(behaviour, (result,))
     duels = group.duels(recipe_from_dict(run.recipe).evaluation.start_numbers)
-    best = demonstrations.get(ranked[0]) if ranked else None
     figures: dict[str, Figure] = {"aliens": partial(_aliens, duels, best)}
     if result.check:
         figures["returns"] = partial(returns_figure, [(behaviour.name, result)])

@@ -38,6 +38,7 @@ from tril.store import behaviours, recordings
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.store.training import artifacts, evaluations, training_games
 from tril.store.training.alarms import alarm_of
+from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import judged_games
 from tril.store.training.verdicts import verdict_of
 
@@ -58,7 +59,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
     further = sorted({row.start_number for row in games} - set(headline_starts))
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
     shown = {key: views.one(row) for key, row in demonstrations.items()}
-    best = shown.get(tiers[0][0]) if tiers else None
+    best = best_demonstration(session, run)
     said = verdict_of(session, run, alarm)
     return RunResults(
         run=run_view(session, run),
@@ -70,7 +71,7 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         proposed=[row.recording_id for row in evaluations.proposed_games(games, headline_starts)],
         training_games=_training_games(session, run.id, views),
         summaries=_summaries(games, behaviours.n_targets(session, run.behaviour_id)),
-        best_demonstration=best,
+        best_demonstration=None if best is None else views.one(best),
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
         attention=_attention(files),

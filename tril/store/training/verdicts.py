@@ -6,13 +6,13 @@ from typing import cast
 
 from sqlalchemy.orm import Session
 
-from tril.analysis.extrapolation import true_quantity
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
 from tril.behaviours import score
 from tril.recipes import recipe_from_dict
-from tril.store import behaviours, recordings
+from tril.store import behaviours
 from tril.store.models import BehaviourRow, RunRow, RunStatus
+from tril.store.training.demonstrations import best_demonstration
 
 
 def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verdict | None:
@@ -43,15 +43,10 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
 
 
 def _best_targets(session: Session, run: RunRow) -> int | None:
-    """Return the targets of the demonstration that is worth most; None if that is not known.
-
-    Of all of them, since the order may be wrong at the top.
-    """
-    if run.snapshot is None:
+    """Return the targets of the best demonstration; None if that is not known."""
+    best = best_demonstration(session, run)
+    if best is None:
         return None
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
-    rows = recordings.by_ids(session, run.snapshot.recordings).values()
-    scores = [score(behaviour, tuple((r, c) for r, c, _ in row.hits)) for row in rows]
-    known = [one for one in scores if one is not None]
-    best = max(known, key=lambda one: true_quantity(one.targets, one.strays), default=None)
-    return None if best is None else best.targets
+    hit = score(behaviour, tuple((r, c) for r, c, _ in best.hits))
+    return None if hit is None else hit.targets

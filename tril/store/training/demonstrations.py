@@ -1,0 +1,35 @@
+"""The demonstrations of a run."""
+
+from __future__ import annotations
+
+from sqlalchemy.orm import Session
+
+from tril.analysis.extrapolation import true_quantity
+from tril.behaviours import score
+from tril.store import behaviours, recordings
+from tril.store.models import BehaviourRow, RecordingRow, RunRow
+
+
+def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
+    """Return the demonstration that is worth most, and of several the one that is ranked highest.
+
+    It need not be at the top, since the order may be wrong there. Without a target the order is all
+    that says which is best.
+
+    Returns:
+        None if the run has none.
+    """
+    if run.snapshot is None:
+        return None
+    ids = dict.fromkeys(run.snapshot.recordings)
+    rows = recordings.by_ids(session, ids)
+    known = [rows[one] for one in ids if one in rows]
+    behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
+    if behaviour.target is None:
+        return known[0] if known else None
+
+    def worth(row: RecordingRow) -> int:
+        found = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
+        return 0 if found is None else true_quantity(found.targets, found.strays)
+
+    return max(known, key=worth, default=None)
