@@ -193,14 +193,16 @@ def _learns_from_its_ranking(line: Line) -> bool:
 
 
 def _lines(path: Path, weights: str) -> list[Line]:
-    lines = [json.loads(text) for text in path.read_text().splitlines()]
-    return [
-        {"bulk_answers": 0, "ranked_alone": False}
-        | line
-        | {"rounds_asked": len(line["rounds"]), "length": _length(line)}
-        for line in lines
-        if line.get("weights") == weights
-    ]
+    """Read the trainings with such weights, of those of the same kind and seed the last one."""
+    found = {}
+    for text in path.read_text().splitlines():
+        line = {"bulk_answers": 0, "ranked_alone": False, **json.loads(text)}
+        if line.get("weights") != weights:
+            continue
+        line |= {"rounds_asked": len(line["rounds"]), "length": _length(line)}
+        cell = ("behaviour", "training_seed", *CONDITION)
+        found[json.dumps([line[name] for name in cell])] = line
+    return list(found.values())
 
 
 def _length(line: Line) -> str:

@@ -42,7 +42,7 @@ FALSE_CONTRADICTIONS = 0.3
 """Contradicted games to expect of a ranking whose places are as uncertain as is said."""
 
 _MAX_PAIRS = 1000
-"""Of more than these, so many are drawn: the others would say little more, but take long."""
+"""Of more than these, so many are drawn by their weights: more take long and say little else."""
 _PASSES = 150
 _SEED = 0
 _LEAST_DEVIATION = 0.3
@@ -147,10 +147,13 @@ def _pairs(ranking: Ranking, rng: np.random.Generator) -> tuple[npt.NDArray[np.i
     sizes = [len(tier) for tier in ranking.tiers]
     tiers = np.repeat(np.arange(len(sizes)), sizes)
     pairs = np.argwhere(tiers[:, None] < tiers)
-    if len(pairs) > _MAX_PAIRS:
-        pairs = rng.choice(pairs, _MAX_PAIRS, replace=False)
     by_tier = [np.flatnonzero(tiers == tier).tolist() for tier in range(len(sizes))]
-    return pairs, pair_weights(pairs.tolist(), by_tier)
+    weights = pair_weights(pairs.tolist(), by_tier)
+    if len(pairs) <= _MAX_PAIRS:
+        return pairs, weights
+    total = float(weights.sum())
+    pairs = rng.choice(pairs, _MAX_PAIRS, p=weights / total)
+    return pairs, np.full(_MAX_PAIRS, min(1.0, total / _MAX_PAIRS))
 
 
 class _Judged:

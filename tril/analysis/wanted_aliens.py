@@ -159,7 +159,7 @@ def _log_beta_binomial(k: int, n: int, u: int) -> float:
 
 
 def pair_weights(pairs: Iterable[Sequence[int]], tiers: Iterable[Sequence[int]]) -> Array:
-    """Return how much each pair counts, float64 (P,): 1 by the size of the larger of its tiers.
+    """Return how much each pair counts, float64 (P,): 1 divided by the size of its larger tier.
 
     Args:
         pairs: Games of different tiers.
@@ -229,8 +229,9 @@ class Posterior:
 
     @property
     def loss(self) -> float:
-        """The cross entropy of the ranking at the last draw."""
-        return float(-np.log(_probability(self._difference)).mean())
+        """The cross entropy of the ranking at the last draw, weighted."""
+        log_probability = np.log(_probability(self._difference))
+        return float(-(self._weights @ log_probability) / self._weights.sum())
 
     @property
     def accuracy(self) -> float:
@@ -260,8 +261,8 @@ def best_games(tiers: Sequence[Sequence[int]], perfect: Collection[int]) -> list
     """Return the games that are meant as all of the behaviour.
 
     They are the perfect demonstrations and the best ranked games, unless the first tier is so large
-    that it says little; without perfect demonstrations they are the best ranked games. These are
-    of the best quarter of the tiers, too, since many bad games in a tier make no others good.
+    that it says little; without perfect demonstrations they are the best ranked games. The ranked
+    ones are also in the best quarter of the tiers: many bad games in a tier make no others good.
 
     Args:
         tiers: Ranked games, best tier first.

@@ -145,7 +145,7 @@ def test_a_few_games_in_wrong_places_change_little() -> None:
 
 
 def test_many_games_that_are_wrongly_called_the_worst_change_little() -> None:
-    # Most of them are better than the four worst of the others.
+    # All of them are better than the three worst of the others.
     varied = [(column,) for column in (0, 1, 3, 4, 5)] * 6
     right = labels(dataset(COLUMN_3_RANKING, [COLUMN_3] * 6))
     wrong = labels(dataset(COLUMN_3_RANKING, [COLUMN_3] * 6, worst=varied))

@@ -153,6 +153,16 @@ def test_of_many_pairs_some_say_what_all_would(monkeypatch: pytest.MonkeyPatch) 
     assert any(where(said.of[one]) != where(fewer.of[one]) for one in hits)
 
 
+def test_a_huge_tier_of_bad_games_does_not_crowd_out_the_others() -> None:
+    hits = games()
+    bad = dict.fromkeys(range(1000, 1500), game(0, 6))
+    asked = say(Ranking((*((one,) for one in hits), tuple(bad))), hits | bad)
+    few = say(Ranking((*((one,) for one in hits), tuple(bad)[:2])), hits | bad)
+    wanted = [row * 6 + 2 for row in range(6)]
+    assert np.array_equal(asked.labels[wanted] > 0.3, few.labels[wanted] > 0.3)
+    assert (asked.labels[wanted] > 0.3).all()
+
+
 @given(
     st.lists(st.integers(0, 5), min_size=4, max_size=14),
     st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=16, max_size=16),

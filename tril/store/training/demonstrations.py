@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from sqlalchemy.orm import Session
 
-from tril.analysis.extrapolation import true_quantity
 from tril.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import BehaviourRow, RecordingRow, RunRow
 
 
 def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
-    """Return the demonstration that is worth most, and of several the one that is ranked highest.
+    """Return the demonstration with the most targets, less strays and errors in the order.
 
-    It need not be at the top, since the order may be wrong there. Without a target the order is all
-    that says which is best.
+    Of several it is the one that is ranked highest. It need not be at the top, since the ranking
+    may be wrong there; without a target, nothing else says which is best.
 
     Returns:
         None if the run has none.
@@ -30,6 +29,6 @@ def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
 
     def worth(row: RecordingRow) -> int:
         found = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
-        return 0 if found is None else true_quantity(found.targets, found.strays)
+        return 0 if found is None else found.targets - 2 * found.order_errors - found.strays
 
     return max(known, key=worth, default=None)

@@ -11,7 +11,7 @@ import styles from "./StepsField.module.css";
 
 const PRESETS = [20_000, 200_000, 2_000_000, 10_000_000];
 
-/** Presets that differ less than by this factor from what the recipe proposes are left out. */
+/** Presets within this factor of what the recipe proposes are left out. */
 const APART = 1.5;
 
 interface StepsFieldProps {

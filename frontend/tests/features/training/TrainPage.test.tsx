@@ -73,7 +73,7 @@ describe("training", () => {
     });
   });
 
-  it("proposes more steps where aliens are to be hit in order, beside presets that differ", async () => {
+  it("proposes more steps where aliens are to be hit in order, beside presets far enough from it", async () => {
     open(
       { ...RANKED, ordered: true },
       { "GET /api/recipes": () => [recipe({ ordered_steps: 1_800_000 })] },

@@ -47,3 +47,13 @@ def test_without_a_target_it_is_at_the_top(workplace: Workplace) -> None:
         session.get_one(BehaviourRow, workplace.behaviour_id).target = None
     hit(workplace, workplace.ranked[1], COLUMN_1)
     assert best(workplace, run_id) == workplace.ranked[0]
+
+
+def test_aliens_out_of_order_count_as_strays(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    with workplace.database.writing() as session:
+        behaviour = session.get_one(BehaviourRow, workplace.behaviour_id)
+        behaviour.target, behaviour.ordered = [[0, column] for column in range(6)], True
+    hit(workplace, workplace.ranked[0], [(0, column) for column in (5, 4, 3, 2, 1, 0)])
+    hit(workplace, workplace.ranked[2], [(0, column) for column in range(3)])
+    assert best(workplace, run_id) == workplace.ranked[2]
