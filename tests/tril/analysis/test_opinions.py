@@ -158,9 +158,7 @@ def test_a_huge_tier_of_bad_games_does_not_crowd_out_the_others() -> None:
     bad = dict.fromkeys(range(1000, 1500), game(0, 6))
     asked = say(Ranking((*((one,) for one in hits), tuple(bad))), hits | bad)
     few = say(Ranking((*((one,) for one in hits), tuple(bad)[:2])), hits | bad)
-    wanted = [row * 6 + 2 for row in range(6)]
-    assert np.array_equal(asked.labels[wanted] > 0.3, few.labels[wanted] > 0.3)
-    assert (asked.labels[wanted] > 0.3).all()
+    assert np.abs(asked.labels - few.labels).max() < 0.1
 
 
 @given(
