@@ -61,6 +61,11 @@ class Score:
     strays: int
     order_errors: int
 
+    @property
+    def worth(self) -> int:
+        """Targets minus strays, where a target out of order counts as a stray."""
+        return self.targets - 2 * self.order_errors - self.strays
+
 
 def score(behaviour: Behaviour, hits: tuple[Cell, ...]) -> Score | None:
     """Compare hits, in order of time, with a behaviour's target; None without a target."""

@@ -118,8 +118,6 @@ def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) ->
 def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: EndReason | None) -> tuple[int, int]:
     """Return what a game is worth, to be compared: its hits, then whether it was survived.
 
-    An out-of-order target counts as a stray.
-
     Args:
         behaviour: A behaviour with target cells.
         hits: The aliens hit as (row, column), in order of time.
@@ -127,5 +125,4 @@ def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: EndReason | None) -
     """
     found = score(behaviour, hits)
     assert found is not None, "only behaviours with target cells have an example"
-    worth = found.targets - 2 * found.order_errors - found.strays
-    return worth, int(end is not EndReason.HIT)
+    return found.worth, int(end is not EndReason.HIT)

@@ -10,10 +10,9 @@ from tril.store.models import BehaviourRow, RecordingRow, RunRow
 
 
 def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
-    """Return the demonstration with the most targets, less strays and errors in the order.
+    """Return the demonstration that is worth most, and of several the one that is ranked highest.
 
-    Of several it is the one that is ranked highest. It need not be at the top, since the ranking
-    may be wrong there; without a target, nothing else says which is best.
+    It need not be at the top, since the ranking may be wrong there. Without a target it is.
 
     Returns:
         None if the run has none.
@@ -24,11 +23,9 @@ def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
     rows = recordings.by_ids(session, ids)
     known = [rows[one] for one in ids if one in rows]
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
-    if behaviour.target is None:
-        return known[0] if known else None
 
     def worth(row: RecordingRow) -> int:
         found = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
-        return 0 if found is None else found.targets - 2 * found.order_errors - found.strays
+        return 0 if found is None else found.worth
 
     return max(known, key=worth, default=None)
