@@ -113,11 +113,12 @@ def best_ranked(tiers: Sequence[Sequence[int]], share: float = BEST_SHARE) -> li
 
     Args:
         tiers: Ids or indices, best tier first.
-        share: Further tiers are added as long as they fit into this share of all.
+        share: Further tiers are added as long as they fit into this share of all ids, and are in
+            this share of the tiers, too: many bad games in one tier make no others good.
     """
     limit = share * sum(len(tier) for tier in tiers)
     best = list(tiers[0])
-    for tier in tiers[1:]:
+    for tier in tiers[1 : round(share * len(tiers))]:
         if len(best) + len(tier) > limit:
             break
         best += tier

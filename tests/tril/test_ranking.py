@@ -133,3 +133,9 @@ def test_the_best_ranked_are_whole_tiers_from_the_top() -> None:
     assert best_ranked(tiers, 0.3) == [3]
     assert best_ranked(tiers, 0.4) == [3, 1, 2]
     assert best_ranked(tiers, 1.0) == [3, 1, 2, 0, 4, 5, 6, 7]
+
+
+def test_many_games_in_the_last_tier_make_no_others_good() -> None:
+    ranked = [[index] for index in range(7)]
+    assert best_ranked([*ranked, [7]]) == [0, 1]
+    assert best_ranked([*ranked, list(range(10, 50))]) == [0, 1]

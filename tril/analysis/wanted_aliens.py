@@ -261,16 +261,13 @@ def best_games(tiers: Sequence[Sequence[int]], perfect: Collection[int]) -> list
     """Return the games that are meant as all of the behaviour.
 
     They are the perfect demonstrations and the best ranked games, unless the first tier is so large
-    that it says little; without perfect demonstrations they are the best ranked games. The ranked
-    ones are also in the best quarter of the tiers: many bad games in a tier make no others good.
+    that it says little; without perfect demonstrations they are the best ranked games.
 
     Args:
         tiers: Ranked games, best tier first.
         perfect: The perfect demonstrations.
     """
-    n_best_tiers = max(1, round(BEST_SHARE * len(tiers)))
-    in_best_tiers = {game for tier in tiers[:n_best_tiers] for game in tier}
-    ranked = [game for game in best_ranked(tiers) if game in in_best_tiers]
+    ranked = best_ranked(tiers)
     if perfect and len(ranked) > BEST_SHARE * sum(len(tier) for tier in tiers):
         ranked = []
     return sorted({*ranked, *perfect})
