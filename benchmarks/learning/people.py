@@ -10,7 +10,8 @@ that are inserted into the order, or, with `--unsorted`, put below the worst, or
 `--bulk-answers`, sorted by a few answers that each put many of them into one tier. With `--rounds`
 the training is interrupted: some of the imitator's own games are inserted into the order (one
 answer in ten is wrong), and the reward is learned anew. With `--ranked-alone` the best ranked games
-stand in for best efforts. The imitator is judged on the 32 evaluation
+stand in for best efforts; with `--ranked-games` and `--best-efforts` there are fewer than twelve.
+The imitator is judged on the 32 evaluation
 starts with their openings, greedily and with sticky actions, and without openings.
 
 Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome
@@ -36,6 +37,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from benchmarks.learning.own_behaviours import BEHAVIOURS
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import EvaluatedGame, play
@@ -50,7 +52,7 @@ from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstr
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import BUILT_IN, Behaviour, Cell, Score, score
+from tril.behaviours import Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours
 from tril.demonstrator.random_play import play_randomly
@@ -124,6 +126,20 @@ class Ranked:
             tiers.setdefault(worth, []).append(index)
         true = normalise(tiers[worth] for worth in sorted(tiers, reverse=True))
         self.tiers = [list(tier) for tier in swap_neighbours(true, n_mistakes, rng).tiers]
+
+    def keep_evenly(self, n_games: int) -> None:
+        """Drop all games but so many, evenly from the best to the worst."""
+        ranked = [index for tier in self.tiers for index in tier]
+        places = np.linspace(0, len(ranked) - 1, n_games).round().astype(int)
+        kept = {ranked[place]: new for new, place in enumerate(places.tolist())}
+        self.tiers = [
+            [kept[index] for index in tier if index in kept]
+            for tier in self.tiers
+            if any(index in kept for index in tier)
+        ]
+        self.recordings = [self.recordings[index] for index in kept]
+        self.trajectories = [self.trajectories[index] for index in kept]
+        self.merits = [self.merits[index] for index in kept]
 
     def insert(self, index: int, rng: np.random.Generator) -> None:
         """Rank one more game, beside equals if there are any; one answer in ten is wrong."""
@@ -303,7 +319,7 @@ class Lesson:
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         self.arguments = arguments
-        self.behaviour = {one.slug: one for one in BUILT_IN}[arguments.behaviour]
+        self.behaviour = BEHAVIOURS[arguments.behaviour]
         self.recipe: Recipe = with_values(FAST, dict(one.split("=", 1) for one in arguments.set))
         self.seed: int = arguments.training_seed
         self.console = Console()
@@ -315,10 +331,13 @@ class Lesson:
             if not one.perfect:
                 self.ranked.add(one.recording, self.console)
         self.ranked.order(kind.n_mistakes, self.rng)
+        if arguments.ranked_games < len(self.ranked.recordings):
+            self.ranked.keep_evenly(arguments.ranked_games)
         self._add_varied_games(kind.n_mistakes)
         if arguments.reward == "shuffled":
             np.random.default_rng([self.seed, 3]).shuffle(self.ranked.tiers)
-        self.perfect = [one.recording for one in shown if one.perfect]
+        best_efforts = [one.recording for one in shown if one.perfect]
+        self.perfect = best_efforts[: arguments.best_efforts]
         if arguments.ranked_alone:
             best = best_ranked(self.ranked.tiers)
             self.perfect = [self.ranked.recordings[index] for index in best]
@@ -441,11 +460,13 @@ class Lesson:
 def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
     """Return the command line's arguments, or those of other words."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-b", "--behaviour", default="column-3")
+    parser.add_argument("-b", "--behaviour", choices=BEHAVIOURS, default="column-3")
     parser.add_argument("--demonstrations", default="person-250", help="see tril demo --help")
     parser.add_argument("-s", "--training-seed", type=int, default=0)
     parser.add_argument("--steps", type=int, default=200_000, help="of all rounds together")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--ranked-games", type=int, default=12, help="evenly from the order")
+    parser.add_argument("--best-efforts", type=int, default=12)
     parser.add_argument("--varied-games", type=int, default=0)
     parser.add_argument("--random-play", action="store_true", help="of random play alone")
     parser.add_argument("--unsorted", action="store_true", help="all of them below the worst")

@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.learning.own_behaviours import BEHAVIOURS
 from trainer.reporting.digests import weights_digest
 from tril.analysis.summary import Interval, interquartile_interval, nested_interval
-from tril.behaviours import BUILT_IN
 from tril.ranking import kendall_tau
 from tril.recipes import FAST
 
@@ -33,6 +33,8 @@ Line = dict[str, Any]
 
 CONDITION = (
     "demonstrations",
+    "ranked_games",
+    "best_efforts",
     "varied_games",
     "unsorted",
     "bulk_answers",
@@ -50,6 +52,17 @@ SEVERAL = 4
 """Behaviours that a way of training has a table of its own from."""
 
 REWARD_NAMES = {"hits": "reward fitted to the true hits", "shuffled": "in a random order"}
+
+N_SHOWN = 12
+"""Games of a person that are ranked, and best efforts, where no fewer were asked for."""
+
+NOT_ASKED = {
+    "bulk_answers": 0,
+    "ranked_alone": False,
+    "ranked_games": N_SHOWN,
+    "best_efforts": N_SHOWN,
+}
+"""What earlier trainings were not asked for."""
 
 GAIL = "method=gail"
 
@@ -196,7 +209,7 @@ def _lines(path: Path, weights: str) -> list[Line]:
     """Read the trainings with such weights, of those of the same kind and seed the last one."""
     found = {}
     for text in path.read_text().splitlines():
-        line = {"bulk_answers": 0, "ranked_alone": False, **json.loads(text)}
+        line = {**NOT_ASKED, **json.loads(text)}
         if line.get("weights") != weights:
             continue
         line |= {"rounds_asked": len(line["rounds"]), "length": _length(line)}
@@ -207,7 +220,7 @@ def _lines(path: Path, weights: str) -> list[Line]:
 
 def _length(line: Line) -> str:
     """Return how long a training was, if it was not as long as `fast` proposes."""
-    ordered = next(one.ordered for one in BUILT_IN if one.slug == line["behaviour"])
+    ordered = BEHAVIOURS[line["behaviour"]].ordered
     if line["steps"] == FAST.proposed_steps(ordered=ordered):
         return ""
     return f"{line['steps']:,} steps"
@@ -229,7 +242,10 @@ def _mean(values: Iterable[float]) -> float:
 
 def _title(line: Line) -> str:
     varied = f"{line['varied_games'] or 'no'} varied games"
-    parts = [line["demonstrations"], varied]
+    parts = [line["demonstrations"]]
+    if line["ranked_games"] < N_SHOWN or line["best_efforts"] < N_SHOWN:
+        parts.append(f"{line['ranked_games']} ranked games, {line['best_efforts']} best efforts")
+    parts.append(varied)
     if line["ranked_alone"]:
         parts.append("no best efforts")
     if line["unsorted"]:

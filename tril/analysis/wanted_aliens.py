@@ -6,10 +6,10 @@ Each of the 36 aliens then has a label, +1 if it is wanted and -1 if not, and a 
 sum of the labels of what it hit. As in Bayesian REX (Brown et al. 2020), the posterior is sampled
 from the likelihood of the preferences; the labels and the prior are ours.
 
-- Prior. Each further alien of a column is wanted with probability 0.3. The best games are meant as
+- Prior. Each further alien of a column is wanted with probability 0.5. The best games are meant as
   all of the behaviour: of those that had an alien in reach, the number that hit it follows a
-  beta-binomial distribution, with parameters 1 and 1 if it is wanted, 1 and u if it is not. u is
-  the most likely one (empirical Bayes).
+  beta-binomial distribution, with parameters v and 1 if it is wanted, 1 and u if it is not. v and u
+  are the most likely ones (empirical Bayes).
 - Likelihood. Of two games in different tiers, the better one is ranked higher with probability
   0.1 + 0.8 sigmoid(difference in worth). Each pair's log likelihood is divided by the size of the
   larger of its tiers: whoever puts 24 games below another says one thing, not 24.
@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import lgamma
 from typing import Self
 
@@ -37,8 +38,11 @@ N_ALIENS = ROWS * COLUMNS
 LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
 """Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
 
-WANTED = 0.3
+WANTED = 0.5
 """Probability that an alien is wanted if all below it in its column are."""
+
+MISSED = (1, 2, 4, 8)
+"""Values of v that are considered: a wanted alien is missed about once in v + 1 games."""
 
 UNWANTED = (5, 10, 20, 40, 80, 160)
 """Values of u that are considered: an unwanted alien is hit about once in u + 1 games."""
@@ -141,21 +145,22 @@ def log_prior(best: Sequence[Hits]) -> Array:
     gone = np.reshape([one.gone for one in best], (-1, N_ALIENS)).astype(bool)
     n_hit, n_reached = (in_reach & gone).sum(0).tolist(), in_reach.sum(0).tolist()
 
-    def of_hits(u: int) -> Array:
-        """Return the log probability of each alien's hits with parameters 1 and u, (6, 1, 6)."""
-        found = [_log_beta_binomial(k, n, u) for k, n in zip(n_hit, n_reached, strict=True)]
+    def of_hits(a: int, b: int) -> Array:
+        """Return the log probability of each alien's hits with parameters a and b, (6, 1, 6)."""
+        found = [_log_beta_binomial(k, n, a, b) for k, n in zip(n_hit, n_reached, strict=True)]
         return np.reshape(found, (ROWS, COLUMNS)).T[:, None]
 
     n_wanted = np.arange(ROWS + 1)
     own = n_wanted * np.log(WANTED) + (n_wanted < ROWS) * np.log1p(-WANTED)
-    wanted = of_hits(1)
-    candidates = [own + np.where(LABELS > 0, wanted, of_hits(u)).sum(2) for u in UNWANTED]
+    wanted, others = [of_hits(v, 1) for v in MISSED], [of_hits(1, u) for u in UNWANTED]
+    candidates = [own + np.where(LABELS > 0, *both).sum(2) for both in product(wanted, others)]
     return max(candidates, key=lambda one: np.logaddexp.reduce(one, axis=1).sum())
 
 
-def _log_beta_binomial(k: int, n: int, u: int) -> float:
-    """Return the log probability of certain k of n, under parameters 1 and u."""
-    return lgamma(k + 1) + lgamma(n - k + u) - lgamma(n + 1 + u) - lgamma(u) + lgamma(1 + u)
+def _log_beta_binomial(k: int, n: int, a: int, b: int) -> float:
+    """Return the log probability of certain k of n, under parameters a and b."""
+    log_beta = lgamma(k + a) + lgamma(n - k + b) - lgamma(n + a + b)
+    return log_beta - lgamma(a) - lgamma(b) + lgamma(a + b)
 
 
 def pair_weights(pairs: Iterable[Sequence[int]], tiers: Iterable[Sequence[int]]) -> Array:

@@ -1,0 +1,164 @@
+"""From how few games of a person Tril infers which aliens are wanted.
+
+    python -m benchmarks.learning.few_games --first-seed 300 --seeds 6
+
+A scripted player with a person's limits plays each behaviour, the built-in ones and some that
+people might add: twelve games to be ranked, with three pairs of neighbours swapped, and twelve best
+efforts. Some of the ranked games, evenly from the best to the worst, and the first of the best
+efforts are kept; without best efforts, the best ranked games stand in for them. Prints, for each
+number of both, in how many examples an alien is taken wrongly, and how far the worst label is from
+the true one (0 to 2) on average.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.learning.opinion import Game, order, seen
+from benchmarks.learning.own_behaviours import OWN
+from tril.analysis.wanted_aliens import (
+    Hits,
+    Posterior,
+    best_games,
+    labels_of_draws,
+    learned_order,
+    log_prior,
+    pair_weights,
+)
+from tril.behaviours import BUILT_IN, Behaviour
+from tril.demonstrator import kind_named, make_example
+from tril.demonstrator.judging import swap_neighbours
+from tril.game.console import Console
+from tril.game.space_invaders import COLUMNS, ROWS
+from tril.ranking import Ranking, best_ranked, normalise
+
+N_RANKED = (2, 3, 4, 6, 8, 12)
+N_BEST = (0, 1, 2, 3, 4, 6, 12)
+
+N_PASSES = 200
+"""Of Gibbs sampling."""
+
+Labels = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Example:
+    """What a scripted person shows of a behaviour.
+
+    Attributes:
+        ranking: Of the games, by index.
+        games: The ranked games, then the best efforts.
+        best_efforts: Their indices.
+        true_labels: 1 for aliens that are wanted, -1 for others, float64 (36,).
+    """
+
+    ranking: Ranking
+    games: Sequence[Game]
+    best_efforts: Sequence[int]
+    true_labels: Labels
+
+
+class Mistakes(NamedTuple):
+    """What is wrong with inferred labels.
+
+    Attributes:
+        n_wrong: Aliens whose label has the wrong sign.
+        furthest: How far a label is from the true one at most, 0 to 2.
+    """
+
+    n_wrong: int
+    furthest: float
+
+
+def make(behaviour: Behaviour, kind_name: str, seed: int, console: Console) -> Example:
+    """Play an example."""
+    kind = kind_named(kind_name)
+    rng = np.random.default_rng(seed)
+    shown = list(make_example(behaviour, rng, kind=kind))
+    games = [seen(one.recording, console)(behaviour) for one in shown]
+    n_ranked = sum(not one.perfect for one in shown)
+    true = order(games[:n_ranked])
+    n_swaps = min(kind.n_mistakes, len(true.tiers) // 2)
+    labels = np.full((ROWS, COLUMNS), -1.0)
+    for row, column in behaviour.target or ():
+        labels[row, column] = 1.0
+    return Example(
+        swap_neighbours(true, n_swaps, np.random.default_rng([seed, 11])),
+        games,
+        range(n_ranked, len(games)),
+        labels.ravel(),
+    )
+
+
+def keep_evenly(ranking: Ranking, n_games: int) -> Ranking:
+    """Return the ranking of so many of the games, evenly from the best to the worst."""
+    places = np.linspace(0, len(ranking.items) - 1, n_games).round().astype(int)
+    kept = {ranking.items[place] for place in places.tolist()}
+    return normalise([index for index in tier if index in kept] for tier in ranking.tiers)
+
+
+def judge(example: Example, n_ranked: int, n_best: int, seed: int) -> Mistakes | None:
+    """Return what is wrong with the labels; None if the kept games are all in one tier."""
+    ranking = keep_evenly(example.ranking, n_ranked)
+    if len(ranking.tiers) < 2:
+        return None
+    best = best_games(ranking.tiers, example.best_efforts[:n_best] or best_ranked(ranking.tiers))
+    hits: dict[int, Hits] = {i: example.games[i].hits for i in (*ranking.items, *best)}
+    hits_of_best = [hits[index] for index in best]
+    pairs = ranking.pairs()
+    weights = pair_weights(pairs, ranking.tiers)
+    learned = learned_order(hits_of_best)
+    posterior = Posterior(hits, pairs, weights, log_prior(hits_of_best), learned)
+    draws = posterior.draws(np.random.default_rng(seed), N_PASSES)
+    labels = labels_of_draws(draws).mean(0)
+    return Mistakes(
+        int((np.sign(labels) != example.true_labels).sum()),
+        float(np.abs(labels - example.true_labels).max()),
+    )
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--demonstrations", default="person-250", help="see tril demo --help")
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--first-seed", type=int, default=300)
+    arguments = parser.parse_args()
+    console = Console()
+    for name, behaviours in (("Built-in behaviours", BUILT_IN), ("Further behaviours", OWN)):
+        found: dict[tuple[int, int], list[Mistakes]] = {}
+        for behaviour, number in itertools.product(behaviours, range(arguments.seeds)):
+            seed = arguments.first_seed + number
+            example = make(behaviour, arguments.demonstrations, seed, console)
+            for kept in itertools.product(N_RANKED, N_BEST):
+                if (mistakes := judge(example, *kept, seed)) is not None:
+                    found.setdefault(kept, []).append(mistakes)
+        print(f"\n{name}:\n\n{table(found)}", flush=True)
+
+
+def table(found: dict[tuple[int, int], list[Mistakes]]) -> str:
+    """Return a table in Markdown: a row for each number of ranked games."""
+    rows = [
+        "| ranked | " + " | ".join(f"{n} best efforts" for n in N_BEST) + " |",
+        "|---:|" + "---:|" * len(N_BEST),
+    ]
+    for n_ranked in N_RANKED:
+        cells = []
+        for n_best in N_BEST:
+            mistakes = found[n_ranked, n_best]
+            n_wrong = sum(one.n_wrong > 0 for one in mistakes)
+            error = float(np.mean([one.furthest for one in mistakes]))
+            cells.append(f"{n_wrong} of {len(mistakes)} ({error:.2f})")
+        rows.append(f"| {n_ranked} | " + " | ".join(cells) + " |")
+    return "\n".join(rows)
+
+
+if __name__ == "__main__":
+    main()
