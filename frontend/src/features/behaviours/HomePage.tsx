@@ -118,7 +118,7 @@ function Welcome({ all }: { all: readonly Behaviour[] }) {
             <Trans>1. Play</Trans>
           </strong>
           <span>
-            <Trans>Good games and deliberately bad ones, about a dozen.</Trans>
+            <Trans>Three games at your best, and four from good to hopeless.</Trans>
           </span>
         </li>
         <li>

@@ -8,13 +8,12 @@ import { Icon } from "@/components/controls/Icon";
 import { RunName } from "@/components/RunName";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
 import { continuing, withSearch } from "@/lib/runs";
-import { MAX_STEPS } from "@/lib/format";
-import { cellKey } from "@/lib/game/aliens";
-import { hitCells, isLost } from "@/lib/recordings";
 
 import styles from "./Hints.module.css";
 
-const GOOD_NUMBER = 12;
+/** Ranked games, and games marked as perfect, that teach about as much as three times as many. */
+const GOOD_NUMBER = 4;
+const GOOD_NUMBER_PERFECT = 3;
 
 interface Hint {
   readonly id: string;
@@ -46,23 +45,31 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
           done: false,
           text: t`At least two tiers are needed: nothing can be learned from ties alone.`,
         },
-    nPerfect >= 1
+    nPerfect >= GOOD_NUMBER_PERFECT
       ? { id: "perfect", done: true, text: t`${nPerfect} marked as perfect` }
       : {
           id: "perfect",
           done: false,
           optional: true,
-          text: t`None is marked as perfect: the clone copies the best ranked ones. Mark others with their star.`,
+          text: plural(nPerfect, {
+            0: "None is marked as perfect: the best ranked ones stand in. Mark three of your best games with their star: what they hit tells most.",
+            one: "# is marked as perfect. Mark three of your best games with their star: what they hit tells most.",
+            other:
+              "# are marked as perfect. Mark three of your best games with their star: what they hit tells most.",
+          }),
         },
     nRanked >= GOOD_NUMBER
-      ? { id: "number", done: true, text: rankedText(nRanked, nBorrowed) }
+      ? {
+          id: "number",
+          done: true,
+          text: t`${rankedText(nRanked, nBorrowed)}: enough once “What this order asks for” shows the aliens you mean.`,
+        }
       : {
           id: "number",
           done: false,
           optional: true,
-          text: t`${rankedText(nRanked, nBorrowed)}. About ${GOOD_NUMBER}, from perfect to hopeless, work well.`,
+          text: t`${rankedText(nRanked, nBorrowed)}. Four, from perfect to hopeless, are usually enough.`,
         },
-    ...(nRanked >= GOOD_NUMBER ? missingKinds(tiers, recordings) : []),
   ];
 }
 
@@ -70,55 +77,6 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
 function rankedText(n: number, nBorrowed: number): string {
   const games = plural(n, { one: "# game ranked", other: "# games ranked" });
   return nBorrowed > 0 ? t`${games}, ${nBorrowed} of them borrowed` : games;
-}
-
-/** How many kinds are named at a time. */
-const MAX_KINDS = 2;
-
-/** Returns the kinds of games that a ranking of enough games lacks, and what to do about it. */
-function missingKinds(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
-  const ranked = new Set(tiers.flat());
-  const games = recordings.filter(({ id }) => ranked.has(id));
-  // Only a behaviour with target cells scores games.
-  const scored = games.filter(({ targets }) => targets !== null);
-  const kinds = scored.length > 0 ? missingOutcomes(scored) : [];
-  return kinds.slice(0, MAX_KINDS).map((kind) => ({ ...kind, done: false, optional: true }));
-}
-
-const EARLY_STEPS = MAX_STEPS / 2;
-
-/** Returns the outcomes that no scored game has, the most telling first. */
-function missingOutcomes(
-  games: readonly Recording[],
-): { readonly id: string; readonly text: string }[] {
-  const outcomes = [
-    {
-      id: "mixed",
-      there: games.some(({ targets, strays }) => targets && strays),
-      text: t`No ranked game hits a target and a stray. Play one that does: it shows what a stray costs.`,
-    },
-    {
-      id: "survived",
-      there: games.some(({ end }) => !isLost(end)),
-      text: t`Every ranked game is lost. Play one that lasts to its end: it shows that surviving counts.`,
-    },
-    {
-      id: "lost",
-      there: games.some(({ end, n_steps }) => isLost(end) && n_steps < EARLY_STEPS),
-      text: t`No ranked game is lost early. Play one in which the cannon is hit soon: it shows what that costs.`,
-    },
-    {
-      id: "aliens",
-      there: new Set(games.map(aliensHit)).size > 1,
-      text: t`All ranked games hit the same aliens. Play some that hit others, or fewer: they show which ones count.`,
-    },
-  ];
-  return outcomes.filter(({ there }) => !there);
-}
-
-/** Names the aliens that a game hit, in whatever order. */
-function aliensHit(game: Recording): string {
-  return hitCells(game).map(cellKey).sort().join(" ");
 }
 
 /** Whether a run can be started. */

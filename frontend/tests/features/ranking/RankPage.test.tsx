@@ -500,63 +500,28 @@ describe("what training needs", () => {
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
 
-  it("says which kinds of games a ranking of enough games lacks", async () => {
-    const more = Array.from({ length: 12 }, (_, at) => recording({ id: 10 + at }));
-    const mixed = recording({ id: 22, strays: 2 });
-    const tiers = more.map(({ id }) => [id]);
-    await open({ tiers, unranked: [22] }, undefined, [...more, mixed]);
+  it("is enough with four ranked games and three that are marked as perfect", async () => {
+    const games = Array.from({ length: 7 }, (_, at) => recording({ id: 10 + at, perfect: at > 4 }));
+    const tiers = [[10], [11], [12]];
+    await open({ tiers, unranked: [13, 14, 15, 16] }, undefined, games);
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
-    expect(hints.getByText(/No ranked game hits a target and a stray/)).toBeVisible();
-    expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
-    await press("Rank as worst: Recording 22");
-    expect(hints.queryByText(/a target and a stray/)).toBeNull();
+    expect(hints.getByText("3 marked as perfect")).toBeVisible();
+    expect(hints.getByText(/^3 games ranked\. Four/)).toBeVisible();
+    await press("Rank as worst: Recording 13");
+    expect(hints.getByText(/^4 games ranked: enough once/)).toBeVisible();
   });
 
-  describe("names the outcomes that a ranking of enough games lacks:", () => {
-    /** A dozen ranked games that have every outcome, with a change to each. */
-    async function openWith(change: (at: number) => Partial<Recording>) {
-      const outcomes = (at: number): Partial<Recording> => ({
-        targets: 1,
-        strays: 1,
-        end: at === 0 ? "hit" : "steps",
-        n_steps: at === 0 ? 80 : 300,
-        hits: [{ row: 0, column: at % 2, frame: 120, on_target: true }],
-      });
-      const more = Array.from({ length: 12 }, (_, at) =>
-        recording({ id: 10 + at, ...outcomes(at), ...change(at) }),
-      );
-      await open({ tiers: more.map(({ id }) => [id]), unranked: [1] }, undefined, more);
-      return within(screen.getByRole("region", { name: "What training needs" }));
-    }
-    const MISSING = /No ranked game|Every ranked game|All ranked games/;
-
-    it("none if all are there", async () => {
-      const hints = await openWith(() => ({}));
-      expect(hints.getByText("12 games ranked")).toBeVisible();
-      expect(hints.queryByText(MISSING)).toBeNull();
-    });
-
-    it.each([
-      [/hits a target and a stray/, (at: number) => (at % 2 ? { targets: 0 } : { strays: 0 })],
-      [/Every ranked game is lost/, (at: number) => ({ end: at > 6 ? "landed" : "hit" })],
-      [/is lost early/, () => ({ n_steps: 200 })],
-      [/hit the same aliens/, () => ({ hits: [] })],
-    ] as const)("%s", async (text, change) => {
-      const hints = await openWith(change);
-      expect(hints.getByText(text)).toBeVisible();
-      expect(hints.getAllByText(MISSING)).toHaveLength(1);
-    });
-
-    it("no more than two at a time", async () => {
-      const bad = { strays: 0, end: "hit", n_steps: 200, hits: [] };
-      const hints = await openWith(() => bad);
-      expect(hints.getAllByText(MISSING)).toHaveLength(2);
-    });
-
-    it("none without target cells", async () => {
-      const hints = await openWith(() => ({ targets: null, strays: null, end: "hit", hits: [] }));
-      expect(hints.queryByText(MISSING)).toBeNull();
-    });
+  it.each([
+    [0, /^1 is marked as perfect\. Mark three/],
+    [1, /^2 are marked as perfect\. Mark three/],
+  ])("asks for more stars where there is one and %i more", async (nMore, text) => {
+    const games = Array.from({ length: 4 }, (_, at) =>
+      recording({ id: 10 + at, perfect: at < nMore }),
+    );
+    await open({ tiers: [[10], [11]], unranked: [12, 13] }, undefined, games);
+    const hints = within(screen.getByRole("region", { name: "What training needs" }));
+    expect(hints.getByText(text)).toBeVisible();
+    expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
 
   it("begins with a game", async () => {
