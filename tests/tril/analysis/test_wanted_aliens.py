@@ -87,6 +87,14 @@ def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
     assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(WANTED), abs=1e-9)
 
 
+def test_an_alien_that_most_of_the_best_games_spare_is_not_wanted() -> None:
+    lower = [hits(COLUMN_3[:4])] * 9
+    assert log_prior([*lower, *[hits(COLUMN_3[:5])] * 3]).argmax(1).tolist() == [0, 0, 4, 0, 0, 0]
+    # Where wanted ones are missed as often, it may be wanted, too.
+    missed = [hits(COLUMN_3[:3]), hits(COLUMN_3[:2]), hits(COLUMN_3[:1])] * 3
+    assert log_prior([*missed, *[hits(COLUMN_3[:5])] * 3]).argmax(1)[2] == 5
+
+
 def test_accidents_behind_a_columns_lowest_alien_do_not_make_it_wanted() -> None:
     best = [hits(COLUMN_3)] * 13 + [hits([*COLUMN_3, 7]), hits([*COLUMN_3, 13, 19])]
     assert log_prior(best).argmax(1).tolist() == [0, 0, 6, 0, 0, 0]
