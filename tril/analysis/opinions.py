@@ -51,6 +51,8 @@ _NOISE_SHARE = 0.5
 """Of the others' mean squared residual, what counts as variance of a game's score."""
 _SAME = 1e-9
 """Differences in worth below this are none."""
+_ABOUT_SAME = 0.25
+"""Differences in mean worth below this hardly matter, in aliens."""
 
 _NORMAL = NormalDist()
 
@@ -68,8 +70,9 @@ class Opinion:
         worst_tier: Tier of ``worst_place``.
         p_value: Of a ranked game, the probability that the score of its place is at least as far
             from what is expected; None of others.
-        contradicted_by: The one or two ranked games that are worth about as much and speak most
-            against its tier; empty unless its p-value is low and another tier expected.
+        contradicted_by: The one or two ranked games that speak most against its tier: worth no more
+            but ranked above it, or worth no less but ranked below it; empty unless its p-value is
+            low and another tier expected.
     """
 
     place: float
@@ -218,10 +221,16 @@ class _Judged:
         return found
 
     def _against(self, index: int) -> tuple[int, ...]:
-        """Return the one or two games that speak most against a game's tier."""
-        means = self._worth.mean(0)
+        """Return the one or two games that speak most against a game's tier.
+
+        They are worth no more than a game that is ranked too low, but ranked above it, or worth no
+        less than one that is ranked too high, but ranked below it; those that are worth about as
+        much, and ranked far away, speak most.
+        """
         side = np.sign(self._means[index] - self._scores[index])
-        pulls = np.exp(-np.abs(means - means[index])) * side * (self._scores - self._scores[index])
+        ahead = side * (self._worth.mean(0)[index] - self._worth.mean(0))
+        pulls = np.exp(-np.abs(ahead)) * side * (self._scores - self._scores[index])
+        pulls[ahead < -_ABOUT_SAME] = 0.0
         strongest = np.argsort(-pulls)[:2].tolist()
         return tuple(self._ranking.items[other] for other in strongest if pulls[other] > 0)
 

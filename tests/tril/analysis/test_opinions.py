@@ -105,6 +105,8 @@ def test_a_misplaced_game_is_contradicted_by_those_that_are_as_good(item: int, t
     assert opinions[item].contradicted_by
     near = sorted(others, key=lambda one: abs(one - item))[:4]
     assert set(opinions[item].contradicted_by) <= set(near)
+    # Of those that are ranked on the wrong side of it, by what it hits.
+    assert all((one > item) == (to > item - 100) for one in opinions[item].contradicted_by)
     assert min(opinions, key=lambda one: opinions[one].p_value or 0.0) == item
     assert {one for one in opinions if opinions[one].contradicted_by} == {item}
 

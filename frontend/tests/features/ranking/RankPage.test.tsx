@@ -393,7 +393,7 @@ describe("what the other games suggest", () => {
     expect(
       await screen.findByText(
         "The other games suggest that it is better: about tier 1. Judging by what it hits, it is " +
-          "about as good as Recording 1 and Recording 2.",
+          "no worse than Recording 1 and Recording 2.",
       ),
     ).toBeVisible();
     games = [];

@@ -25,6 +25,7 @@ interface OpinionProps {
 export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: OpinionProps) {
   const { place, best_place: best, worst_place: worst, contradicted_by: against } = opinion;
   const name = recordingName({ id: opinion.recording_id });
+  const others = against.map((id) => recordingName({ id }));
   return (
     <div className={styles.opinion}>
       <p className={styles.place}>
@@ -44,14 +45,16 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
           <Icon name="alert" />
           <p>
             {opinion.tier < tier ? (
-              <Trans>The other games suggest that it is better: about tier {opinion.tier}.</Trans>
+              <Trans>
+                The other games suggest that it is better: about tier {opinion.tier}. Judging by
+                what it hits, it is no worse than {listed(others)}.
+              </Trans>
             ) : (
-              <Trans>The other games suggest that it is worse: about tier {opinion.tier}.</Trans>
-            )}{" "}
-            <Trans>
-              Judging by what it hits, it is about as good as{" "}
-              {listed(against.map((id) => recordingName({ id })))}.
-            </Trans>
+              <Trans>
+                The other games suggest that it is worse: about tier {opinion.tier}. Judging by what
+                it hits, it is no better than {listed(others)}.
+              </Trans>
+            )}
           </p>
           <div className={styles.choice}>
             <Button
