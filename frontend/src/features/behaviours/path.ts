@@ -47,7 +47,7 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
           ? t`best to worst`
           : [
               plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
-              t`${behaviour.n_perfect} perfect`,
+              t`${behaviour.n_perfect} marked as perfect`,
             ].join(", "),
     },
     {
