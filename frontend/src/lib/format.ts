@@ -121,6 +121,11 @@ export function percent(share: number, digits = 1): string {
   return t`${fixed(share * 100, digits)}%`;
 }
 
+/** Formats progress, 0 to 1, which is 100% only once it is complete. */
+export function percentDone(progress: number): string {
+  return percent(Math.floor(progress * 100) / 100, 0);
+}
+
 export interface Interval {
   readonly mean: number;
   readonly low: number;
