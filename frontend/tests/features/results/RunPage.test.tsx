@@ -390,14 +390,15 @@ describe("the results", () => {
     expect(screen.queryByText("With sampled actions")).not.toBeInTheDocument();
   });
 
-  it("set the games of a start side by side, with the winner", async () => {
+  it("set the games of a start side by side, below the best demonstration", async () => {
     open(one, results);
     const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
     expect(table.getByRole("button", { name: /^Watch imitator from start 0/ })).toBeVisible();
     expect(table.getByRole("button", { name: /^Watch clone from start 0/ })).toHaveTextContent(
       "1 target, 3 strayshit by a bomb",
     );
-    expect(table.getByRole("button", { name: /^Watch best demonstration/ })).toBeVisible();
+    expect(table.getByRole("columnheader", { name: "Imitator against clone" })).toBeVisible();
+    expect(screen.getAllByRole("button", { name: /^Watch best demonstration/ })).toHaveLength(1);
     expect(table.getByText("seen in training")).toBeVisible();
     expect(screen.getByText("1 further start")).toBeVisible();
   });
