@@ -6,7 +6,6 @@ import { i18n } from "./i18n";
 
 export const FRAME_RATE_HZ = 60;
 export const FRAMES_PER_STEP = 4;
-export const STEPS_PER_S = FRAME_RATE_HZ / FRAMES_PER_STEP;
 export const MAX_STEPS = 300;
 
 /** Placeholder for a missing value. */
