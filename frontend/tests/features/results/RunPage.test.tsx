@@ -437,7 +437,7 @@ describe("the results", () => {
     expect(screen.getByText("0.92")).toBeVisible();
     expect(screen.getByText("98.4%")).toBeVisible();
     expect(
-      screen.getByText(/isn’t always ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
+      screen.getByText(/is never ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
     ).toBeVisible();
   });
 
