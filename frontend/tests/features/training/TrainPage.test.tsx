@@ -181,7 +181,12 @@ describe("training", () => {
     await userEvent.click(screen.getByRole("button", { name: "Train" }));
     expect(steps).toHaveFocus();
     await userEvent.clear(steps);
+    await userEvent.type(steps, "99999999999");
+    expect(steps).toBeInvalid();
+    expect(screen.queryByText(/on this machine/)).toBeNull();
+    await userEvent.clear(steps);
     await userEvent.type(steps, "300");
     expect(steps).toBeValid();
+    expect(screen.getByText(/on this machine/)).toBeVisible();
   });
 });
