@@ -125,6 +125,14 @@ describe("a run that goes", () => {
     expect(await screen.findByRole("figure", { name: "Aliens hit per game" })).toBeVisible();
   });
 
+  it("shows no time left while it is being cancelled", () => {
+    open(run({ status: "cancelling" }));
+    expect(
+      within(screen.getByRole("region", { name: "Progress" })).getByText("Cancelling"),
+    ).toBeVisible();
+    expect(screen.queryByText(/left$/)).toBeNull();
+  });
+
   it("can be cancelled", async () => {
     const one = run();
     const asked = open(

@@ -23,7 +23,9 @@ export function Stages({ run }: { run: Run }) {
         <p className={styles.summary}>
           <span className={styles.percent}>{percentDone(run.progress)}</span>
           <span className={styles.left}>
-            {running && run.remaining_s !== null ? remaining(run.remaining_s) : statusLine(latest)}
+            {run.status === "running" && run.remaining_s !== null
+              ? remaining(run.remaining_s)
+              : statusLine(latest)}
           </span>
         </p>
       )}
