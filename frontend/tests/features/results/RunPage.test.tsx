@@ -215,6 +215,19 @@ describe("a run that ended early", () => {
     expect(asked.some(({ path }) => path.endsWith("/resume"))).toBe(true);
   });
 
+  it("says once that it goes on where it was cancelled before its imitator had played", async () => {
+    const message = "Cancelled. It can be resumed and goes on from its last checkpoint.";
+    const verdict = {
+      tone: "none" as const,
+      sentence: "This run was cancelled before its imitator had played.",
+      advice: "Resume it: it goes on from its last checkpoint.",
+      next_step: null,
+    };
+    open(run({ status: "cancelled", message, headline: null }), { verdict });
+    expect(await screen.findByText(verdict.advice)).toBeVisible();
+    expect(screen.queryByText(message)).toBeNull();
+  });
+
   it("is deleted, and Undo brings it back", async () => {
     const one = run({ name: "Wide", status: "failed", message: "The disk was full." });
     const asked = open(
