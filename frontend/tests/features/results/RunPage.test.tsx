@@ -627,6 +627,7 @@ describe("teaching more", () => {
     openTaught();
     const shown = (await games()).getAllByRole("listitem").map((item) => item.textContent);
     expect(shown[0]).toContain("2 of 2 targets, no strays");
+    expect(screen.getByText(/^These games of the imitator differ most/)).toBeVisible();
     expect(shown[1]).toContain("3 strayshit by a bombsticky actions, start 7");
     await userEvent.click(
       screen.getByRole("button", { name: "Watch imitator, sticky actions, start 7" }),
@@ -635,6 +636,15 @@ describe("teaching more", () => {
     expect(
       await dialog.findByRole("button", { name: "Add to the ranking: Recording 21" }),
     ).toBeVisible();
+  });
+
+  it("says that flawless games teach hardly anything, and lets them be ranked", async () => {
+    openTaught({ proposed: [20] });
+    expect(
+      await screen.findByText(/^All of these games of the imitator are flawless/),
+    ).toBeVisible();
+    expect(screen.queryByText(/differ most/)).toBeNull();
+    expect(await screen.findByRole("button", { name: "Add 1 game and rank it" })).toBeVisible();
   });
 
   it("adds a game to the ranking's games, wherever it is shown, and gives it back", async () => {
