@@ -39,7 +39,7 @@ describe("the first page", () => {
     const play = await screen.findByRole("link", { name: "Play your first game" });
     expect(play).toHaveAttribute("href", "/behaviours/1/play");
     const example = await screen.findByRole("button", {
-      name: /Train an example \(about 12 min\)/,
+      name: /Train an example \(about 12\u00a0min\)/,
     });
     await userEvent.click(example);
     await screen.findByText("Another page");
