@@ -6,8 +6,10 @@ import { i18n } from "./i18n";
 
 export const FRAME_RATE_HZ = 60;
 export const FRAMES_PER_STEP = 4;
-export const STEPS_PER_S = FRAME_RATE_HZ / FRAMES_PER_STEP;
 export const MAX_STEPS = 300;
+
+/** Stands between a number and its unit, which a line break would part. */
+const NO_BREAK_SPACE = "\u00a0";
 
 /** Placeholder for a missing value. */
 export const NONE = "–";
@@ -15,6 +17,10 @@ export const NONE = "–";
 /** Formats an integer with the language's thousands separators. */
 export function whole(n: number): string {
   return i18n.number(n, { maximumFractionDigits: 0 }).replace("-", "−");
+}
+
+function withUnit(figure: string | number, unit: string): string {
+  return `${figure}${NO_BREAK_SPACE}${unit}`;
 }
 
 /** Writes a decimal number as the language does: "9,3" in German. */
@@ -45,8 +51,8 @@ export function listed(names: readonly string[]): string {
 
 /** Formats a number of steps compactly: "300 k", "10 M", "1,500". */
 export function shortCount(n: number): string {
-  if (n >= 1_000_000 && n % 100_000 === 0) return `${trimmed(n / 1_000_000)} M`;
-  if (n >= 10_000 && n % 1_000 === 0) return `${trimmed(n / 1_000)} k`;
+  if (n >= 1_000_000 && n % 100_000 === 0) return withUnit(trimmed(n / 1_000_000), "M");
+  if (n >= 10_000 && n % 1_000 === 0) return withUnit(trimmed(n / 1_000), "k");
   return whole(n);
 }
 
@@ -73,9 +79,9 @@ export function stepLabels(ticks: readonly number[]): string[] {
     trimmed(tick / unit, distance > 0 ? digitsOf(distance / unit) : 1);
   return ticks.map((tick) =>
     tick >= 1_000_000
-      ? `${inUnit(tick, 1_000_000)} M`
+      ? withUnit(inUnit(tick, 1_000_000), "M")
       : tick >= 1000
-        ? `${inUnit(tick, 1000)} k`
+        ? withUnit(inUnit(tick, 1000), "k")
         : distance > 0 && distance < 1
           ? fixed(tick, digitsOf(distance))
           : whole(tick),
@@ -121,6 +127,11 @@ export function percent(share: number, digits = 1): string {
   return t`${fixed(share * 100, digits)}%`;
 }
 
+/** Formats progress, 0 to 1, which is 100% only once it is complete. */
+export function percentDone(progress: number): string {
+  return percent(Math.floor(progress * 100) / 100, 0);
+}
+
 export interface Interval {
   readonly mean: number;
   readonly low: number;
@@ -135,16 +146,19 @@ export function bounds({ low, high }: Interval, digits = 1): string {
 
 /** Formats seconds of play: "14.2 s". */
 export function seconds(s: number, digits = 1): string {
-  return `${fixed(s, digits)} s`;
+  return withUnit(fixed(s, digits), "s");
 }
 
 /** Formats a duration in its largest units: "40 s", "17 min", "2 h 05 min". */
 export function duration(s: number): string {
-  if (s < 59.5) return `${Math.max(0, Math.round(s))} s`;
+  if (s < 59.5) return withUnit(Math.max(0, Math.round(s)), "s");
   const minutes = Math.round(s / 60);
-  if (minutes < 60) return `${minutes} min`;
+  if (minutes < 60) return withUnit(minutes, "min");
   const hours = Math.floor(minutes / 60);
-  if (hours < 48) return `${hours} h ${String(minutes % 60).padStart(2, "0")} min`;
+  if (hours < 48) {
+    const rest = String(minutes % 60).padStart(2, "0");
+    return `${withUnit(hours, "h")} ${withUnit(rest, "min")}`;
+  }
   return plural(Math.round(hours / 24), { one: "# day", other: "# days" });
 }
 
@@ -155,7 +169,7 @@ export function remaining(s: number | null): string {
 
 /** Formats bytes in decimal units: "1.5 kB", "14 MB". */
 export function bytes(n: number): string {
-  if (n < 1000) return `${n} B`;
+  if (n < 1000) return withUnit(n, "B");
   const units = ["kB", "MB", "GB", "TB"];
   let size = n;
   let unit = -1;
@@ -163,7 +177,7 @@ export function bytes(n: number): string {
     size /= 1000;
     unit += 1;
   } while (size >= 999.5 && unit < units.length - 1);
-  return `${fixed(size, size < 10 ? 1 : 0)} ${units[unit] ?? ""}`;
+  return withUnit(fixed(size, size < 10 ? 1 : 0), units[unit] ?? "");
 }
 
 /** Formats a relative time: "just now", "5 min ago", "3 h ago", then the date. */

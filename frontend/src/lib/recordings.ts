@@ -4,7 +4,7 @@ import { plural, t } from "@lingui/core/macro";
 
 import { type Cell } from "@/lib/game/aliens";
 
-import { FRAMES_PER_STEP, seconds, STEPS_PER_S } from "./format";
+import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "./format";
 
 /** The fields of a recording that are read here. */
 interface Played {
@@ -13,6 +13,7 @@ interface Played {
   readonly state: "playing" | "unfinished" | "finished" | "kept";
   readonly verification: "pending" | "verified" | "failed";
   readonly deleted: boolean;
+  readonly n_frames: number;
   readonly n_steps: number;
   readonly hits: readonly { readonly row: number; readonly column: number }[];
   readonly targets: number | null;
@@ -57,17 +58,19 @@ export function describeScore(recording: Played, nTargets: number | null): strin
   return parts.join(", ");
 }
 
+type Course = Pick<Played, "n_frames" | "n_steps" | "end" | "state">;
+
 /** Describes a game: "survived all 300 steps, 20.0 s" or "139 steps, 9.3 s, hit by a bomb". */
-export function describeCourse(recording: Pick<Played, "n_steps" | "end" | "state">): string {
-  const { n_steps: steps, end, state } = recording;
+export function describeCourse(recording: Course): string {
+  const { n_frames: frames, end, state } = recording;
   if (state === "unfinished") return t`${describeLength(recording)}, its page was left`;
-  if (end === "steps") return `${describeEnd(end)}, ${seconds(steps / STEPS_PER_S)}`;
+  if (end === "steps") return `${describeEnd(end)}, ${seconds(frames / FRAME_RATE_HZ)}`;
   return `${describeLength(recording)}, ${describeEnd(end)}`;
 }
 
 /** Describes the length of a game: "300 steps, 20.0 s". */
-function describeLength({ n_steps }: Pick<Played, "n_steps">): string {
-  return `${plural(n_steps, { one: "# step", other: "# steps" })}, ${seconds(n_steps / STEPS_PER_S)}`;
+function describeLength({ n_frames: frames, n_steps }: Course): string {
+  return `${plural(n_steps, { one: "# step", other: "# steps" })}, ${seconds(frames / FRAME_RATE_HZ)}`;
 }
 
 const DEATHS: ReadonlySet<string | null> = new Set(["hit", "lives"]);
@@ -122,7 +125,7 @@ export function whyUnrankable(recording: Rankable): string | null {
   return verification === "pending" ? t`It can be ranked once it is verified.` : null;
 }
 
-/** Returns the step of a frame. */
+/** Returns the step of a frame, from 0 on: that of the state which the agent sees. */
 export function stepOf(frame: number): number {
   return Math.floor(frame / FRAMES_PER_STEP);
 }

@@ -2,7 +2,7 @@
 
 import { t } from "@lingui/core/macro";
 
-import { duration, percent, remaining } from "./format";
+import { duration, percentDone, remaining } from "./format";
 
 type RunStatus = "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
 
@@ -101,7 +101,7 @@ export function statusLine(run: RunProgress): string {
     return `${statusNames().queued}, ${queuePlace(run.queue_position)}`;
   }
   if (run.status !== "running") return statusNames()[run.status];
-  const parts = [currentStage(run)?.label, percent(Math.floor(run.progress * 100) / 100, 0)];
+  const parts = [currentStage(run)?.label, percentDone(run.progress)];
   if (run.remaining_s !== null) parts.push(remaining(run.remaining_s));
   return parts.filter(Boolean).join(", ");
 }

@@ -136,7 +136,7 @@ describe("numbers and dates", () => {
     expect(whole(12_345)).toBe("12.345");
     expect(fixed(-9.25, 2)).toBe("−9,25");
     expect(percent(0.984)).toBe("98,4\u00a0%");
-    expect(bytes(1_500_000)).toBe("1,5 MB");
+    expect(bytes(1_500_000)).toBe("1,5\u00a0MB");
     expect(ordinal(2)).toBe("2.");
     expect(moment("2026-03-04T12:00:00Z")).toContain("März 2026");
     await setLanguage("en");

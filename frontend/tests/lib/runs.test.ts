@@ -15,7 +15,7 @@ describe("a run's standing", () => {
   } as const;
 
   it("names stage, share and time", () => {
-    expect(statusLine(going)).toBe("Imitator, 42%, about 9 min left");
+    expect(statusLine(going)).toBe("Imitator, 42%, about 9\u00a0min left");
     expect(statusLine({ ...going, remaining_s: null })).toBe("Imitator, 42%");
     expect(statusLine({ ...going, status: "stopped" })).toBe("Stopped by the check");
   });
@@ -47,7 +47,9 @@ describe("a run's name", () => {
 
 describe("a run's estimate", () => {
   it("adds the overhead to the time of the steps", () => {
-    expect(describeEstimate({ steps_per_s: 500, overhead_s: 120 }, 300_000)).toBe("about 12 min");
+    expect(describeEstimate({ steps_per_s: 500, overhead_s: 120 }, 300_000)).toBe(
+      "about 12\u00a0min",
+    );
   });
 });
 

@@ -18,6 +18,7 @@ import { useAttention } from "@/components/attention/use-attention";
 import { mapLabel } from "@/components/attention/words";
 import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
+import { classes } from "@/lib/classes";
 import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
@@ -53,6 +54,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
   const player = useRef<HTMLDivElement>(null);
   const attention = useAttention(reward, playback);
   const [opacity, setOpacity] = useState(OPACITY);
+  const [keyed, setKeyed] = useState(false);
 
   // The keyboard controls the player, not the buttons before it.
   useEffect(() => player.current?.focus({ preventScroll: true }), []);
@@ -75,11 +77,14 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
     // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
     <div
       ref={player}
-      className={styles.player}
+      className={classes(styles.player, keyed && styles.keyed)}
       role="group"
       aria-label={t({ message: "Player", context: "playback" })}
       tabIndex={-1}
-      onKeyDown={(event) => onKey(event, playback, frames.last)}
+      onKeyDown={(event) => {
+        setKeyed(true);
+        onKey(event, playback, frames.last);
+      }}
     >
       <div className={styles.stage} ref={stage}>
         <GameCanvas size={size} label={t`Game screen`} onPainter={setPainter} />

@@ -75,11 +75,13 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
       await client.cancelQueries({ queryKey });
       return show((list) => list.filter((one) => one.id !== recording.id));
     },
-    onSuccess: (_nothing, recording) =>
-      toast(`${recordingName(recording)} ${isUndecided(recording) ? "discarded" : "deleted"}.`, {
+    onSuccess: (_nothing, recording) => {
+      const name = recordingName(recording);
+      toast(isUndecided(recording) ? t`${name} discarded.` : t`${name} deleted.`, {
         label: t`Undo`,
         run: () => restore.mutate(recording.id),
-      }),
+      });
+    },
     onError: (error, _recording, before) => {
       client.setQueryData(queryKey, before);
       toast(messageOf(error));

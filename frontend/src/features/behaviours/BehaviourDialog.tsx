@@ -78,7 +78,6 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
           <input
             {...control}
             value={value.name}
-            maxLength={120}
             placeholder={t`Stay on the left`}
             onBlur={(event) => {
               // Cancel and Close need no name.

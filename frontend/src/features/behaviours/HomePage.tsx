@@ -192,7 +192,7 @@ function countsOf(behaviour: Behaviour): string {
     plural(behaviour.n_recordings, { one: "# recording", other: "# recordings" }),
     // Borrowed ones, too, which are no recordings of this behaviour.
     plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
-    t`${behaviour.n_perfect} perfect`,
+    t`${behaviour.n_perfect} marked as perfect`,
     ...(behaviour.n_runs > 0 ? [plural(behaviour.n_runs, { one: "# run", other: "# runs" })] : []),
   ].join(", ");
 }

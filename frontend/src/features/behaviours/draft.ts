@@ -27,27 +27,38 @@ export function draftOf({ name, description, target, ordered }: Behaviour): Beha
   return { name, description, hasTarget: target !== null, target: cells, ordered };
 }
 
+type Named = Pick<Behaviour, "id" | "name">;
+
+/** As the server has it, in characters. */
+const MAX_NAME_LENGTH = 120;
+
 /** The form of a copy: its name is free. */
-export function copyOf(
-  behaviour: Behaviour,
-  others: readonly Pick<Behaviour, "id" | "name">[],
-): BehaviourDraft {
+export function copyOf(behaviour: Behaviour, others: readonly Named[]): BehaviourDraft {
   const draft = draftOf(behaviour);
-  const first = t`${draft.name.slice(0, 100)} with another target`;
+  // Leaves room for the other words and a number.
+  const first = t`${draft.name.slice(0, 90)} with another target`;
   let name = first;
-  for (let number = 2; nameProblem(name, others); number += 1) name = `${first} (${number})`;
+  for (let number = 2; namesake(name, others); number += 1) name = `${first} (${number})`;
   return { ...draft, name, hasTarget: true };
 }
 
 /** What is wrong with the name of a behaviour; null if nothing is. */
 export function nameProblem(
   name: string,
-  others: readonly Pick<Behaviour, "id" | "name">[],
+  others: readonly Named[],
   besides?: number,
 ): string | null {
-  if (!name.trim()) return t`Give the behaviour a name.`;
-  const taken = others.find((one) => one.id !== besides && compared(one.name) === compared(name));
+  const length = Array.from(name.trim()).length;
+  if (length === 0) return t`Give the behaviour a name.`;
+  if (length > MAX_NAME_LENGTH)
+    return t`Use at most ${MAX_NAME_LENGTH} characters; these are ${length}.`;
+  const taken = namesake(name, others, besides);
   return taken ? t`There is a behaviour named ${taken.name} already. Choose another name.` : null;
+}
+
+/** Returns the behaviour that has a name already. */
+function namesake(name: string, others: readonly Named[], besides?: number): Named | undefined {
+  return others.find((one) => one.id !== besides && compared(one.name) === compared(name));
 }
 
 function compared(name: string): string {

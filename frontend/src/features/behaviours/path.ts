@@ -3,7 +3,7 @@
 import { plural, t } from "@lingui/core/macro";
 
 import { type Behaviour, type Run } from "@/api/types";
-import { fixed, percent } from "@/lib/format";
+import { fixed, percentDone } from "@/lib/format";
 import { isActive } from "@/lib/runs";
 
 export type StepId = "play" | "rank" | "train" | "look";
@@ -22,9 +22,7 @@ type RunFacts = Pick<Run, "status" | "progress" | "headline">;
 
 /** Says how far an active run is: "Training, 34%". */
 export function trainingStatus({ status, progress }: Pick<Run, "status" | "progress">): string {
-  return status === "queued"
-    ? t`Waiting to train`
-    : t`Training, ${percent(Math.floor(progress * 100) / 100, 0)}`;
+  return status === "queued" ? t`Waiting to train` : t`Training, ${percentDone(progress)}`;
 }
 
 /** Returns the four steps; the first that is not done is next. */
@@ -47,7 +45,7 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
           ? t`best to worst`
           : [
               plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
-              t`${behaviour.n_perfect} perfect`,
+              t`${behaviour.n_perfect} marked as perfect`,
             ].join(", "),
     },
     {

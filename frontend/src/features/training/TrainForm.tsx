@@ -126,7 +126,7 @@ export function TrainForm(props: TrainFormProps) {
         >
           {start.isPending ? t`Starting…` : example ? t`Train on the example` : t`Train`}
         </Button>
-        {steps > 0 && (
+        {errors.steps === undefined && (
           <p className={styles.estimate}>
             <Trans>
               <strong>{describeEstimate(recipe, steps)}</strong> on this machine

@@ -113,12 +113,12 @@ describe("every page", () => {
     const rows = dialog.getAllByRole("row").map((row) => row.textContent);
     expect(rows).toEqual([
       "Workerlab-3, 8 coresrunning",
-      "Recordings, rankings and curves200 kB",
-      "Files of runs500 kB",
-      "Cache of frames and clips300 kB, at most 500 MB",
-      "Everything else0 B",
-      "Total1.0 MB",
-      "Free on the disk1.0 GB",
+      "Recordings, rankings and curves200\u00a0kB",
+      "Files of runs500\u00a0kB",
+      "Cache of frames and clips300\u00a0kB, at most 500\u00a0MB",
+      "Everything else0\u00a0B",
+      "Total1.0\u00a0MB",
+      "Free on the disk1.0\u00a0GB",
     ]);
   });
 

@@ -1,4 +1,4 @@
-import { screen, within } from "@testing-library/react";
+import { fireEvent, screen, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
@@ -72,6 +72,17 @@ describe("editing a behaviour", () => {
     await userEvent.click(dialog.getByRole("button", { name: "Save" }));
     expect(sent("PATCH")).toEqual([]);
     await userEvent.type(name, "b");
+    expect(name).toBeValid();
+  });
+
+  it("says at the field that a name is too long, instead of cutting it off", async () => {
+    const { dialog, sent } = await open({});
+    const name = dialog.getByLabelText("Name");
+    fireEvent.change(name, { target: { value: "x".repeat(121) } });
+    expect(name).toHaveAccessibleDescription("Use at most 120 characters; these are 121.");
+    await userEvent.click(dialog.getByRole("button", { name: "Save" }));
+    expect(sent("PATCH")).toEqual([]);
+    fireEvent.change(name, { target: { value: "x".repeat(120) } });
     expect(name).toBeValid();
   });
 

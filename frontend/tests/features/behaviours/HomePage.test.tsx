@@ -39,7 +39,7 @@ describe("the first page", () => {
     const play = await screen.findByRole("link", { name: "Play your first game" });
     expect(play).toHaveAttribute("href", "/behaviours/1/play");
     const example = await screen.findByRole("button", {
-      name: /Train an example \(about 12 min\)/,
+      name: /Train an example \(about 12\u00a0min\)/,
     });
     await userEvent.click(example);
     await screen.findByText("Another page");
@@ -121,7 +121,7 @@ describe("the first page", () => {
     show(<HomePage />);
     const card = await screen.findByRole("article");
     expect(
-      within(card).getByText("12 recordings, 12 games ranked, 3 perfect, 1 run"),
+      within(card).getByText("12 recordings, 12 games ranked, 3 marked as perfect, 1 run"),
     ).toBeVisible();
     expect(await within(card).findByText("Imitator hits 1.7 of 2 (1.3 to 2.0)")).toBeVisible();
     expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();

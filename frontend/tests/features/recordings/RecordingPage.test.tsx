@@ -140,7 +140,7 @@ describe("the page of a recording", () => {
     expect(slider.valueAsNumber).toBe(17);
     expect(
       screen.getByRole("img", {
-        name: "Hits: row 1, column 1 at 0.1 s; stray, row 3, column 4 at 0.3 s",
+        name: "Hits: row 1, column 1 at 0.1\u00a0s; stray, row 3, column 4 at 0.3\u00a0s",
       }),
     ).toBeInTheDocument();
   });

@@ -21,7 +21,7 @@ function library(list: Recording[], more: Parameters<typeof serve>[0] = {}, path
 describe("the library", () => {
   it("says how each game went, who played it and whether it is verified", async () => {
     library([
-      recording({ id: 5, targets: 2, strays: 1, end: "hit", n_steps: 139 }),
+      recording({ id: 5, targets: 2, strays: 1, end: "hit", n_frames: 556, n_steps: 139 }),
       recording({ id: 4, source: "scripted", player: null }),
       recording({ id: 3, verification: "failed", verification_note: "Frame 60 differs." }),
     ]);
@@ -53,9 +53,9 @@ describe("the library", () => {
   it("asks about games that nobody decided about, and says what can't be ranked and why", async () => {
     const { asked } = library(
       [
-        recording({ id: 5, state: "finished", end: null, n_steps: 139 }),
-        recording({ id: 4, state: "unfinished", end: null, n_steps: 139 }),
-        recording({ id: 3, end: null, n_steps: 139 }),
+        recording({ id: 5, state: "finished", end: null, n_frames: 556, n_steps: 139 }),
+        recording({ id: 4, state: "unfinished", end: null, n_frames: 556, n_steps: 139 }),
+        recording({ id: 3, end: null, n_frames: 556, n_steps: 139 }),
         recording({ id: 2, verification: "failed" }),
       ],
       {

@@ -125,6 +125,14 @@ describe("a run that goes", () => {
     expect(await screen.findByRole("figure", { name: "Aliens hit per game" })).toBeVisible();
   });
 
+  it("shows no time left while it is being cancelled", () => {
+    open(run({ status: "cancelling" }));
+    expect(
+      within(screen.getByRole("region", { name: "Progress" })).getByText("Cancelling"),
+    ).toBeVisible();
+    expect(screen.queryByText(/left$/)).toBeNull();
+  });
+
   it("can be cancelled", async () => {
     const one = run();
     const asked = open(
@@ -205,6 +213,19 @@ describe("a run that ended early", () => {
     await userEvent.click(screen.getByRole("button", { name: "Go on anyway" }));
     expect(await screen.findByText("It is queued.")).toBeVisible();
     expect(asked.some(({ path }) => path.endsWith("/resume"))).toBe(true);
+  });
+
+  it("says once that it goes on where it was cancelled before its imitator had played", async () => {
+    const message = "Cancelled. It can be resumed and goes on from its last checkpoint.";
+    const verdict = {
+      tone: "none" as const,
+      sentence: "This run was cancelled before its imitator had played.",
+      advice: "Resume it: it goes on from its last checkpoint.",
+      next_step: null,
+    };
+    open(run({ status: "cancelled", message, headline: null }), { verdict });
+    expect(await screen.findByText(verdict.advice)).toBeVisible();
+    expect(screen.queryByText(message)).toBeNull();
   });
 
   it("is deleted, and Undo brings it back", async () => {
@@ -390,14 +411,15 @@ describe("the results", () => {
     expect(screen.queryByText("With sampled actions")).not.toBeInTheDocument();
   });
 
-  it("set the games of a start side by side, with the winner", async () => {
+  it("set the games of a start side by side, below the best demonstration", async () => {
     open(one, results);
     const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
     expect(table.getByRole("button", { name: /^Watch imitator from start 0/ })).toBeVisible();
     expect(table.getByRole("button", { name: /^Watch clone from start 0/ })).toHaveTextContent(
       "1 target, 3 strayshit by a bomb",
     );
-    expect(table.getByRole("button", { name: /^Watch best demonstration/ })).toBeVisible();
+    expect(table.getByRole("columnheader", { name: "Imitator against clone" })).toBeVisible();
+    expect(screen.getAllByRole("button", { name: /^Watch best demonstration/ })).toHaveLength(1);
     expect(table.getByText("seen in training")).toBeVisible();
     expect(screen.getByText("1 further start")).toBeVisible();
   });
@@ -436,7 +458,7 @@ describe("the results", () => {
     expect(screen.getByText("0.92")).toBeVisible();
     expect(screen.getByText("98.4%")).toBeVisible();
     expect(
-      screen.getByText(/isn’t always ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
+      screen.getByText(/is never ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
     ).toBeVisible();
   });
 
@@ -605,6 +627,7 @@ describe("teaching more", () => {
     openTaught();
     const shown = (await games()).getAllByRole("listitem").map((item) => item.textContent);
     expect(shown[0]).toContain("2 of 2 targets, no strays");
+    expect(screen.getByText(/^These games of the imitator differ most/)).toBeVisible();
     expect(shown[1]).toContain("3 strayshit by a bombsticky actions, start 7");
     await userEvent.click(
       screen.getByRole("button", { name: "Watch imitator, sticky actions, start 7" }),
@@ -613,6 +636,15 @@ describe("teaching more", () => {
     expect(
       await dialog.findByRole("button", { name: "Add to the ranking: Recording 21" }),
     ).toBeVisible();
+  });
+
+  it("says that flawless games teach hardly anything, and lets them be ranked", async () => {
+    openTaught({ proposed: [20] });
+    expect(
+      await screen.findByText(/^All of these games of the imitator are flawless/),
+    ).toBeVisible();
+    expect(screen.queryByText(/differ most/)).toBeNull();
+    expect(await screen.findByRole("button", { name: "Add 1 game and rank it" })).toBeVisible();
   });
 
   it("adds a game to the ranking's games, wherever it is shown, and gives it back", async () => {

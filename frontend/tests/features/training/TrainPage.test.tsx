@@ -53,7 +53,7 @@ describe("training", () => {
     });
     await userEvent.click(await screen.findByRole("radio", { name: /paper/ }));
     expect(screen.getByLabelText("Steps")).toHaveValue("10,000,000");
-    await userEvent.click(screen.getByRole("button", { name: "20 k" }));
+    await userEvent.click(screen.getByRole("button", { name: "20\u00a0k" }));
     await userEvent.click(screen.getByText("More settings"));
     await userEvent.clear(screen.getByLabelText("Training seed"));
     await userEvent.type(screen.getByLabelText("Training seed"), "7");
@@ -81,10 +81,10 @@ describe("training", () => {
     expect(await screen.findByLabelText("Steps")).toHaveValue("1,800,000");
     const presets = within(screen.getByRole("group", { name: "Preset numbers of steps" }));
     expect(presets.getAllByRole("button").map((button) => button.textContent)).toEqual([
-      "20 k",
-      "200 k",
-      "1.8 M",
-      "10 M",
+      "20\u00a0k",
+      "200\u00a0k",
+      "1.8\u00a0M",
+      "10\u00a0M",
     ]);
   });
 
@@ -107,7 +107,7 @@ describe("training", () => {
     await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
     expect(seed).toHaveValue("7");
     expect(screen.getByLabelText("Steps")).toHaveValue("10,000,000");
-    await userEvent.click(screen.getByRole("button", { name: "20 k" }));
+    await userEvent.click(screen.getByRole("button", { name: "20\u00a0k" }));
     await userEvent.click(screen.getByRole("radio", { name: /fast/ }));
     expect(screen.getByLabelText("Steps")).toHaveValue("20,000");
     expect(seed).toHaveValue("7");
@@ -181,7 +181,12 @@ describe("training", () => {
     await userEvent.click(screen.getByRole("button", { name: "Train" }));
     expect(steps).toHaveFocus();
     await userEvent.clear(steps);
+    await userEvent.type(steps, "99999999999");
+    expect(steps).toBeInvalid();
+    expect(screen.queryByText(/on this machine/)).toBeNull();
+    await userEvent.clear(steps);
     await userEvent.type(steps, "300");
     expect(steps).toBeValid();
+    expect(screen.getByText(/on this machine/)).toBeVisible();
   });
 });

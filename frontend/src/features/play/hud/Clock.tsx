@@ -55,6 +55,7 @@ export function Clock({
   );
 }
 
+/** Counts a step that has begun, as a recording's number of steps does. */
 function stepWords(frame: number): string {
-  return t`step ${Math.floor(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
+  return t`step ${Math.ceil(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
 }

@@ -5,6 +5,7 @@ import { Button } from "@/components/controls/Button";
 import { steers } from "@/features/play/input/intents";
 import type { GameState } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
+import { percent } from "@/lib/format";
 
 import styles from "./PaceControls.module.css";
 
@@ -62,14 +63,14 @@ export function PaceControls(props: PaceControlsProps) {
         </Button>
       </div>
       <div className={styles.speeds} role="group" aria-label={t`Speed`}>
-        {SPEEDS.map((percent) => (
+        {SPEEDS.map((choice) => (
           <Button
-            key={percent}
+            key={choice}
             kind="quiet"
-            aria-pressed={percent === speed}
-            onClick={() => props.onSpeed(percent)}
+            aria-pressed={choice === speed}
+            onClick={() => props.onSpeed(choice)}
           >
-            {percent}%
+            {percent(choice / 100, 0)}
           </Button>
         ))}
         <span className={styles.speedKeys}>

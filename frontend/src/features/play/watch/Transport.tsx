@@ -6,6 +6,7 @@ import { Button } from "@/components/controls/Button";
 import { Clock, type ClockHandle } from "@/features/play/hud/Clock";
 
 import { keyName } from "@/features/play/input/keys";
+import { percent } from "@/lib/format";
 
 import { type Choice, N_STARTS } from "./choice";
 import styles from "./Transport.module.css";
@@ -48,14 +49,14 @@ export function Transport(props: TransportProps) {
           </Trans>
         </Button>
         <div className={styles.speeds} role="group" aria-label={t`Speed`}>
-          {WATCH_SPEEDS.map((percent) => (
+          {WATCH_SPEEDS.map((choice) => (
             <Button
-              key={percent}
+              key={choice}
               kind="quiet"
-              aria-pressed={percent === state?.speed}
-              onClick={() => props.onSpeed(percent)}
+              aria-pressed={choice === state?.speed}
+              onClick={() => props.onSpeed(choice)}
             >
-              {percent}%
+              {percent(choice / 100, 0)}
             </Button>
           ))}
         </div>

@@ -18,10 +18,10 @@ interface ComparisonProps {
   onWatch: (watched: Watched) => void;
 }
 
-/** Compares the games of imitator, clone and best demonstration, start by start. */
+/** Compares the games of imitator and clone, start by start, below the best demonstration. */
 export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
   const { comparison, further_comparison: further, best_demonstration: best } = results;
-  const shared = { behaviour, best, onWatch };
+  const shared = { behaviour, onWatch };
   return (
     <>
       {behaviour.target && (
@@ -42,6 +42,16 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
             </Trans>
           </span>
         </p>
+      )}
+      {best && (
+        <div className={styles.best}>
+          <p>
+            <Trans>
+              To compare with: the best demonstration, one game from a start of its own.
+            </Trans>
+          </p>
+          <GameCell thing={playedBy(best.source)} best recording={best} from="" {...shared} />
+        </div>
       )}
       <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
       {further.length > 0 && (
@@ -76,11 +86,10 @@ interface StartsTableProps {
   rows: readonly ComparisonRow[];
   label: string;
   behaviour: Behaviour;
-  best: Recording | null;
   onWatch: (watched: Watched) => void;
 }
 
-function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps) {
+function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
   return (
     <table className={styles.table} aria-label={label}>
       <thead>
@@ -94,15 +103,8 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
           <th scope="col">
             <ThingMark thing="clone" />
           </th>
-          {best && (
-            <th scope="col">
-              <ThingMark thing={playedBy(best.source)}>
-                <Trans>Best demonstration</Trans>
-              </ThingMark>
-            </th>
-          )}
           <th scope="col">
-            <Trans>Winner</Trans>
+            <Trans>Imitator against clone</Trans>
           </th>
         </tr>
       </thead>
@@ -126,20 +128,9 @@ function StartsTable({ rows, label, behaviour, best, onWatch }: StartsTableProps
               <td>
                 <GameCell thing="clone" recording={row.clone?.recording} {...cells} />
               </td>
-              {best && (
-                <td>
-                  <GameCell
-                    thing={playedBy(best.source)}
-                    best
-                    recording={best}
-                    {...cells}
-                    from=""
-                  />
-                </td>
-              )}
               <td className={styles.winner}>
                 <span className={styles.only}>
-                  <Trans>Winner</Trans>
+                  <Trans>Imitator against clone</Trans>
                 </span>
                 <Winner winner={row.winner} />
               </td>
@@ -185,8 +176,8 @@ function GameCell({
     <>
       <button type="button" className={styles.game} onClick={() => onWatch({ recording, title })}>
         <span className="visually-hidden">{t`Watch ${inSentence(title)}`}</span>
-        <span className={styles.only}>
-          <ThingMark thing={thing}>{best ? t`Best` : name}</ThingMark>
+        <span className={best ? undefined : styles.only}>
+          <ThingMark thing={thing}>{name}</ThingMark>
         </span>
         <AlienGrid hits={hitCells(recording)} target={behaviour.target} scale={2} />
         <span className={styles.words}>

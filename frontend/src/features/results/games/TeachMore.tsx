@@ -11,7 +11,7 @@ import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import type { Watched } from "@/features/results/watched";
 import { whole } from "@/lib/format";
-import { describeEnd, describeScore, hitCells } from "@/lib/recordings";
+import { describeEnd, describeScore, hitCells, imperfections, isLost } from "@/lib/recordings";
 import { isActive } from "@/lib/runs";
 import { selecting } from "@/lib/selection";
 
@@ -50,6 +50,24 @@ function proposalsIn({ proposed, games, training_games: training }: RunResults):
   return training.games.map((recording) => ({ recording, how }));
 }
 
+/** Whether a game hits all targets and nothing else, and survives; never without a target. */
+function isFlawless({ recording }: Proposal, { target }: Behaviour): boolean {
+  return (
+    target !== null &&
+    recording.targets !== null &&
+    !isLost(recording.end) &&
+    imperfections(recording, target.length).length === 0
+  );
+}
+
+function advice(areFlawless: boolean, active: boolean): string {
+  if (areFlawless)
+    return t`All of these games of the imitator are flawless: they hit every target and no strays, and survive. They hardly teach it anything; you can rank them all the same.`;
+  return active
+    ? t`These games of the imitator differ most among those that it plays from time to time. Rank them among the others, the good ones high and the bad ones low, and go on with the new order: the reward is learned anew, and PPO goes on from the imitator as it is.`
+    : t`These games of the imitator differ most. Rank them among the others, the good ones high and the bad ones low, and train again: the reward learns what it has not understood. A run that learns from a game leaves the game’s start out of its averages.`;
+}
+
 /** Proposes games of the imitator for the ranking, and to train the imitator further. */
 export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
   const games = proposalsIn(results);
@@ -63,9 +81,10 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
   return (
     <>
       <p className={styles.note}>
-        {active
-          ? t`These games of the imitator differ most among those that it plays from time to time. Rank them among the others, the good ones high and the bad ones low, and go on with the new order: the reward is learned anew, and PPO goes on from the imitator as it is.`
-          : t`These games of the imitator differ most. Rank them among the others, the good ones high and the bad ones low, and train again: the reward learns what it has not understood. A run that learns from a game leaves the game’s start out of its averages.`}
+        {advice(
+          games.every((game) => isFlawless(game, behaviour)),
+          active,
+        )}
       </p>
       <ul className={styles.games} aria-label={t`Games to rank`}>
         {games.map((game) => (

@@ -8,7 +8,7 @@ import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
 import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
 import { RunStatus } from "@/features/results/RunStatus";
-import { bounds, duration, fixed, NONE, shortCount } from "@/lib/format";
+import { bounds, duration, fixed, NONE, percent, shortCount } from "@/lib/format";
 import { isActive, queuePlace, runName, shortId, statusLine } from "@/lib/runs";
 
 import styles from "./RunsTable.module.css";
@@ -166,9 +166,7 @@ function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
           </td>
         </>
       )}
-      <td className={styles.right}>
-        {imitator ? `${fixed(imitator.death_rate.mean * 100, 0)}%` : NONE}
-      </td>
+      <td className={styles.right}>{imitator ? percent(imitator.death_rate.mean, 0) : NONE}</td>
       <td className={styles.right}>{tau === null ? NONE : fixed(tau, 2)}</td>
       <td>{run.recipe}</td>
       <td className={styles.right}>{shortCount(run.steps)}</td>

@@ -124,6 +124,18 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
 function ConfusedTier({ confused }: { confused: ConfusedTiers }) {
   const { better_tier: better, worse_tier: worse } = confused;
   const [betterNames, worseNames] = [names(confused.better), names(confused.worse)];
+  if (confused.n_right === 0) {
+    return confused.held_out ? (
+      <Trans>
+        Tier {better} ({betterNames}) is never ranked above the worse tier {worse} ({worseNames})
+        when one of their recordings is held out
+      </Trans>
+    ) : (
+      <Trans>
+        Tier {better} ({betterNames}) is never ranked above the worse tier {worse} ({worseNames})
+      </Trans>
+    );
+  }
   return confused.held_out ? (
     <Trans>
       Tier {better} ({betterNames}) isn&rsquo;t always ranked above the worse tier {worse} (

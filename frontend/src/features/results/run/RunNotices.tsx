@@ -58,11 +58,16 @@ export function RunNotices({ run }: { run: Run }) {
           </p>
         </Notice>
       )}
-      {run.message && (
+      {run.message && !isSaidByVerdict(run) && (
         <Notice tone={run.status === "failed" ? "bad" : "warn"} live>
           <p>{run.message}</p>
         </Notice>
       )}
     </>
   );
+}
+
+/** Whether a run was cancelled before its imitator had played: the verdict says all there is to say. */
+function isSaidByVerdict({ status, headline }: Run): boolean {
+  return status === "cancelled" && !headline?.imitator;
 }

@@ -5,7 +5,7 @@ import type { CSSProperties } from "react";
 import { activeRunsQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
 import { classes } from "@/lib/classes";
-import { remaining } from "@/lib/format";
+import { percentDone, remaining } from "@/lib/format";
 import { currentStage, isActive, statusLine } from "@/lib/runs";
 
 import styles from "./Stages.module.css";
@@ -21,9 +21,11 @@ export function Stages({ run }: { run: Run }) {
     <section aria-label={t`Progress`}>
       {isActive(run) && (
         <p className={styles.summary}>
-          <span className={styles.percent}>{Math.floor(run.progress * 100)}%</span>
+          <span className={styles.percent}>{percentDone(run.progress)}</span>
           <span className={styles.left}>
-            {running && run.remaining_s !== null ? remaining(run.remaining_s) : statusLine(latest)}
+            {run.status === "running" && run.remaining_s !== null
+              ? remaining(run.remaining_s)
+              : statusLine(latest)}
           </span>
         </p>
       )}
@@ -54,7 +56,7 @@ export function Stages({ run }: { run: Run }) {
               </span>
               <span className={styles.name}>
                 {stage.label}
-                {current && ` ${Math.floor(done * 100)}%`}
+                {current && ` ${percentDone(done)}`}
               </span>
             </li>
           );

@@ -41,7 +41,7 @@ function nextOf(
   const at = `/behaviours/${behaviour.id}`;
   switch (step) {
     case "games":
-      return { to: `/runs/${run.id}#games`, label: t`Watch its games` };
+      return { to: `/runs/${run.id}#games`, label: t`Go to its games` };
     case "teach":
       return canTeach
         ? { to: `/runs/${run.id}#teach`, label: t`Choose games to rank` }
