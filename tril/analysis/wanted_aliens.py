@@ -6,7 +6,7 @@ Each of the 36 aliens then has a label, +1 if it is wanted and -1 if not, and a 
 sum of the labels of what it hit. As in Bayesian REX (Brown et al. 2020), the posterior is sampled
 from the likelihood of the preferences; the labels and the prior are ours.
 
-- Prior. Each further alien of a column is wanted with probability 0.5. The best games are meant as
+- Prior. Each further alien of a column is wanted with probability 0.3. The best games are meant as
   all of the behaviour: of those that had an alien in reach, the number that hit it follows a
   beta-binomial distribution, with parameters v and 1 if it is wanted, 1 and u if it is not. v and u
   are the most likely ones (empirical Bayes).
@@ -38,7 +38,7 @@ N_ALIENS = ROWS * COLUMNS
 LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
 """Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
 
-WANTED = 0.5
+WANTED = 0.3
 """Probability that an alien is wanted if all below it in its column are."""
 
 MISSED = (1, 2, 4, 8)

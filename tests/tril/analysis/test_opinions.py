@@ -103,7 +103,7 @@ def test_a_misplaced_game_is_contradicted_by_those_that_are_as_good(item: int, t
     others = [one for one in hits if one != item]
     opinions = say(in_order([*others[:to], item, *others[to:]]), hits).of
     assert opinions[item].contradicted_by
-    near = sorted(others, key=lambda one: abs(one - item))[:4]
+    near = sorted(others, key=lambda one: abs(one - item))[:5]
     assert set(opinions[item].contradicted_by) <= set(near)
     # Of those that are ranked on the wrong side of it, by what it hits.
     assert all((one > item) == (to > item - 100) for one in opinions[item].contradicted_by)
@@ -160,7 +160,7 @@ def test_a_huge_tier_of_bad_games_does_not_crowd_out_the_others() -> None:
     bad = dict.fromkeys(range(1000, 1500), game(0, 6))
     asked = say(Ranking((*((one,) for one in hits), tuple(bad))), hits | bad)
     few = say(Ranking((*((one,) for one in hits), tuple(bad)[:2])), hits | bad)
-    assert np.abs(asked.labels - few.labels).max() < 0.1
+    assert np.abs(asked.labels - few.labels).max() < 0.2
 
 
 @given(
