@@ -23,6 +23,7 @@ MAX_NAME_LENGTH = 80
 MAX_NOTES_LENGTH = 4000
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
+CANCELLED_WAITING_MESSAGE = "Cancelled before it began. It can be resumed and begins then."
 
 
 def create(
@@ -286,7 +287,8 @@ def request_cancel(session: Session, run_id: str, player_id: int | None = None) 
     if has_worker(session, row):
         row.status = RunStatus.CANCELLING
     else:
-        row.status, row.message = RunStatus.CANCELLED, CANCELLED_MESSAGE
+        row.status = RunStatus.CANCELLED
+        row.message = CANCELLED_MESSAGE if row.started_at else CANCELLED_WAITING_MESSAGE
         row.finished_at, row.remaining_s = database_now(session), None
         row.epoch += 1
     audit.note(session, audit.Action.RUN_CANCELLED, player_id, f"run {run_id}")
