@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterable
+from datetime import datetime
 
 from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
@@ -248,19 +249,25 @@ def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
     return list(session.scalars(query))
 
 
-def latest_done(session: Session, recipe_name: str) -> RunRow | None:
-    """Return the newest finished run of a recipe, of those that were trained here."""
-    return session.scalar(
-        select(RunRow)
-        .where(
-            RunRow.recipe_name == recipe_name,
-            RunRow.status == RunStatus.DONE,
-            # No worker has ever had one that was imported.
-            RunRow.epoch > 0,
-        )
-        .order_by(RunRow.finished_at.desc())
-        .limit(1)
+def latest_done(
+    session: Session, recipe_name: str, before: datetime | None = None
+) -> RunRow | None:
+    """Return the newest finished run of a recipe, of those that were trained here.
+
+    Args:
+        session: The transaction.
+        recipe_name: Name of the recipe.
+        before: Only runs that finished before this time.
+    """
+    query = select(RunRow).where(
+        RunRow.recipe_name == recipe_name,
+        RunRow.status == RunStatus.DONE,
+        # No worker has ever had one that was imported.
+        RunRow.epoch > 0,
     )
+    if before is not None:
+        query = query.where(RunRow.finished_at < before)
+    return session.scalar(query.order_by(RunRow.finished_at.desc()).limit(1))
 
 
 def has_worker(session: Session, row: RunRow) -> bool:
