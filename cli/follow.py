@@ -142,7 +142,8 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
         while True:
             with workspace.database.reading() as session:
                 row = runs.get(session, run_id)
-            progress.update(whole, completed=overall_progress(row), remaining_s=row.remaining_s)
+                done = overall_progress(session, row)
+            progress.update(whole, completed=done, remaining_s=row.remaining_s)
             if row.stage:
                 for name, task in stage_tasks.items():
                     if name != row.stage:

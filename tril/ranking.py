@@ -74,6 +74,37 @@ class Ranking:
         """Return the ranking without some recordings, dropping tiers that become empty."""
         return normalise((item for item in tier if item not in items) for tier in self.tiers)
 
+    def with_back(self, item: int, former: Ranking) -> Ranking:
+        """Return the ranking with a recording put back where an earlier one had it.
+
+        It is tied with the first of its former tier that is still ranked; else it gets a tier of
+        its own below the nearest former tier above it or, without any, above the nearest one below.
+
+        Args:
+            item: The recording, which this ranking lacks.
+            former: A ranking that holds it.
+
+        Returns:
+            The ranking as it is if it shares no recording with the earlier one, but holds others.
+        """
+        at = next(place for place, tier in enumerate(former.tiers) if item in tier)
+        mates, tiers = former.tiers[at], [list(tier) for tier in self.tiers]
+        place_of = {one: place for place, tier in enumerate(tiers) for one in tier}
+        if tied := [mate for mate in mates if mate in place_of]:
+            tier = tiers[place_of[tied[0]]]
+            before = mates[: mates.index(item)]
+            tier.insert(
+                max((tier.index(one) + 1 for one in before if one in tier), default=0), item
+            )
+            return normalise(tiers)
+        for above in reversed(former.tiers[:at]):
+            if places := [place_of[one] for one in above if one in place_of]:
+                return normalise([*tiers[: max(places) + 1], [item], *tiers[max(places) + 1 :]])
+        for below in former.tiers[at + 1 :]:
+            if places := [place_of[one] for one in below if one in place_of]:
+                return normalise([*tiers[: min(places)], [item], *tiers[min(places) :]])
+        return self if tiers else normalise([[item]])
+
     def tier_numbers(self) -> dict[int, int]:
         """Return the tier of each recording, from 1 for the best."""
         return {item: place for place, tier in enumerate(self.tiers, start=1) for item in tier}

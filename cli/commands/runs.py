@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 from rich.table import Table
+from sqlalchemy.orm import Session
 
 from cli.follow import duration, follow_to_end
 from cli.output import JsonOption, console, errors, print_json
@@ -134,7 +135,7 @@ def list_runs(
     """List runs, newest first."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         of = None if behaviour is None else find_behaviour(session, behaviour).id
-        entries = [run_entry(row) for row in runs.listing(session, of)]
+        entries = [run_entry(session, row) for row in runs.listing(session, of)]
     if as_json:
         print_json(entries)
         return
@@ -162,9 +163,10 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             row = runs.get(session, run_id)
+            entry = run_entry(session, row)
         if as_json:
             print_json(
-                run_entry(row)
+                entry
                 | {
                     "outcome": row.outcome.model_dump(mode="json", exclude_unset=True),
                     "recipe_values": row.recipe,
@@ -266,7 +268,7 @@ def import_file(
         console.print(added.run_id)
 
 
-def run_entry(row: RunRow) -> dict[str, Any]:
+def run_entry(session: Session, row: RunRow) -> dict[str, Any]:
     """Return a run as JSON data."""
     return {
         "id": row.id,
@@ -280,7 +282,7 @@ def run_entry(row: RunRow) -> dict[str, Any]:
         "device": row.device,
         "status": row.status,
         "stage": row.stage,
-        "progress": overall_progress(row),
+        "progress": overall_progress(session, row),
         "message": row.message,
         "created_at": row.created_at,
         "finished_at": row.finished_at,

@@ -65,12 +65,11 @@ def change_recordings(
     rows = _of_behaviour(session, behaviour_id, body.recording_ids)
     if body.change == "delete":
         recordings.delete(session, rows, who.player_id)
+    elif body.change == "restore":
+        recordings.restore(session, rows, who.player_id)
     else:
         for row in rows:
-            if body.change == "restore":
-                recordings.restore(session, row, who.player_id)
-            else:
-                recordings.update(session, row, perfect=body.change == "mark_perfect")
+            recordings.update(session, row, perfect=body.change == "mark_perfect")
     return RecordingViews(session).all(rows)
 
 
@@ -140,7 +139,7 @@ def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId
 def restore_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
     """Restore a deleted recording, unranked."""
     row = recordings.get(session, recording_id)
-    recordings.restore(session, row, who.player_id)
+    recordings.restore(session, [row], who.player_id)
     return RecordingViews(session).one(row)
 
 

@@ -29,7 +29,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"number": _number, "interval": _interval}
+    environment.filters |= {"number": _number, "interval": _interval, "counting": _counting}
     return environment
 
 
@@ -43,3 +43,8 @@ def _interval(value: Interval | None, form: str = ".2f") -> str:
     if value is None:
         return ""
     return f"{value.mean:{form}} [{value.low:{form}}, {value.high:{form}}]"
+
+
+def _counting(count: int, noun: str) -> str:
+    """Return how many there are of something: "1 stray", "2 strays"."""
+    return f"{count} {noun}" + ("" if count == 1 else "s")

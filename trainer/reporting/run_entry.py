@@ -99,13 +99,14 @@ def describe_example(outcome: RunOutcome) -> str:
     if example is None:
         return ""
     kind, n_wrong = kind_named(example.kind), len(example.mistakes)
+    pairs = "pair of neighbours is" if n_wrong == 1 else "pairs of neighbours are"
     order = (
-        f"{n_wrong} pairs of neighbours are ranked the wrong way round (tau {example.tau:.2f}"
+        f"{n_wrong} {pairs} ranked the wrong way round (tau {example.tau:.2f}"
         " with what the games show)."
     )
     if not n_wrong:
         order = "They are ranked without mistakes."
-    return f"The demonstrations are of the kind `{kind.name}`: {kind.summary}. {order}"
+    return f"The demonstrations are of the kind \u201c{kind.name}\u201d: {kind.summary}. {order}"
 
 
 def cells(row: RecordingRow) -> tuple[Cell, ...]:

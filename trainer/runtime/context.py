@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from sqlalchemy.orm import Session
 
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
@@ -34,6 +35,9 @@ CHECK_EVERY_S = 1.0
 REPORT_EVERY_S = 1.0
 SETTLED_SHARE = 0.02
 """Share of a stage that has to be done before its own rate tells the remaining time."""
+
+SILENT_AFTER_S = 30.0
+"""When a stage has got no further for so long, nothing tells the remaining time."""
 
 
 class WorkerStopping(RunCancelled):
@@ -70,6 +74,7 @@ class RunContext:
     threads: int
     stopping: threading.Event
     _checked_at: float = field(default=-math.inf, init=False)
+    _heard_at: float = field(default_factory=time.monotonic, init=False)
 
     @property
     def run_id(self) -> str:
@@ -98,6 +103,16 @@ class RunContext:
         self._checked_at = time.monotonic()
         if cancelling:
             raise RunCancelled
+
+    def note_progress(self) -> None:
+        """Note that the stage at work has just begun or got further."""
+        self._heard_at = time.monotonic()
+
+    def beat(self, session: Session) -> None:
+        """Write the run's heartbeat, and that a stage that gets no further tells no end."""
+        leases.beat(session, self.lease)
+        if time.monotonic() - self._heard_at > SILENT_AFTER_S:
+            leases.forget_remaining(session, self.lease)
 
     def stage_folder(self, stage: str) -> Path:
         """Return the folder of a stage's checkpoints on this machine; it is made if missing."""
@@ -150,10 +165,11 @@ class StageProgress:
         self._context = context
         self._stage = stage
         self._clock = clock
-        self._began = self._reported_at = clock()
+        self._began = self._reported_at = self._moved_at = clock()
         self._first_share: float | None = None
         # A stage that is begun again is at least as far as it was until it says where it goes on.
         self._share = context.run.stage_done if context.run.stage == stage else 0.0
+        context.note_progress()
 
     def advance(self, done: int, total: int, values: Mapping[str, float] | None = None) -> None:
         """Report progress, see trainer.progress.Progress.
@@ -161,7 +177,10 @@ class StageProgress:
         The first call of a stage says where it goes on: points beyond it are of an attempt that
         ended without a checkpoint there, and are dropped.
         """
-        self._share = done / total if total else 1.0
+        share = done / total if total else 1.0
+        if share != self._share:
+            self._share, self._moved_at = share, self._clock()
+            self._context.note_progress()
         if self._first_share is None:
             self._first_share = self._share
             with self._context.database.writing() as session:
@@ -182,13 +201,22 @@ class StageProgress:
                 metrics.add(session, context.run_id, self._stage, step, point)
         self._reported_at = self._clock()
 
-    def remaining_s(self) -> float:
-        """Return the estimated seconds to the end of the whole run."""
+    def remaining_s(self) -> float | None:
+        """Return the estimated seconds to the end of the whole run.
+
+        None if the stage has got no further for a while, or too little to tell its speed.
+        """
         gained = 0.0 if self._first_share is None else self._share - self._first_share
-        own = None
-        if gained >= SETTLED_SHARE:
-            own = (self._clock() - self._began) * (1.0 - self._share) / gained
-        return self._context.eta.remaining_s(self._context.run.finished_stages, self._stage, own)
+        took_s = self._moved_at - self._began
+        is_settled = gained >= SETTLED_SHARE
+        if self._clock() - (self._moved_at if is_settled else self._began) > SILENT_AFTER_S:
+            return None
+        if not is_settled:
+            gained = took_s = 0.0
+        context = self._context
+        return context.eta.remaining_s(
+            context.run.finished_stages, self._stage, self._share, gained, took_s
+        )
 
     def seconds(self) -> float:
         """Return what the whole stage takes, extrapolated if it went on from a checkpoint."""

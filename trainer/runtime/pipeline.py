@@ -89,7 +89,7 @@ class Pipeline:
     def beat(self, session: Session) -> None:
         """Write the heartbeat of the runs at work."""
         for data in list(self._at_work.values()):
-            leases.beat(session, data.context.lease)
+            data.context.beat(session)
 
     def sweep(self) -> None:
         """Remove the checkpoints of runs that are done or deleted, and their copies."""

@@ -31,6 +31,7 @@ class RunFigures:
 
     Attributes:
         ended: How it ended.
+        began: Whether a worker ever took it up.
         steps: Steps of the imitator's training.
         default_steps: What its recipe proposes for the behaviour.
         warm_up_steps: Steps in which the imitator does not learn yet.
@@ -41,6 +42,7 @@ class RunFigures:
     """
 
     ended: Ended
+    began: bool
     steps: int
     default_steps: int
     warm_up_steps: int
@@ -170,6 +172,13 @@ def _without_games(run: RunFigures) -> Verdict:
                 "This run failed before its imitator had played.",
                 "Resume it: it goes on from its last checkpoint. If it fails again, the message"
                 " says why.",
+                None,
+            )
+        case "cancelled" if not run.began:
+            return Verdict(
+                "none",
+                "This run was cancelled while it waited, before it began.",
+                "Resume it: it begins then.",
                 None,
             )
         case "cancelled":

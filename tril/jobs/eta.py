@@ -5,7 +5,7 @@ Estimates are scaled by the newest finished run of the same recipe, if there is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
@@ -18,12 +18,15 @@ from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
 
 SLOWEST, FASTEST = 4.0, 0.25
-"""Bounds of the correction by which a run's finished stages scale those still to come."""
-
+"""Bounds of the correction by which what a run has done scales the stages still to come."""
 
 NEGLIGIBLE_S = 20.0
 """What a stage takes besides what grows with its work; a stage that took little more says little of
 how fast the machine is."""
+
+PRIOR_SHARE = 0.25
+"""What a run has done says as much of the stages to come as their estimate when it is this share of
+the whole: a short stage says little of a long one."""
 
 
 @dataclass(frozen=True)
@@ -64,14 +67,23 @@ def _stage_seconds(recipe: Recipe, steps: int, last: RunRow | None) -> dict[Stag
     }
 
 
-def _slowness(took_s: float, expected_s: float) -> float:
-    """Return how much longer a stage took than expected, about 1 if it was a short one."""
-    return (took_s + NEGLIGIBLE_S) / (expected_s + NEGLIGIBLE_S)
+def _slowness(
+    took_s: float, expected_s: float, prior: float = 1.0, prior_s: float = NEGLIGIBLE_S
+) -> float:
+    """Return how much longer something took than expected, about ``prior`` if it was short.
+
+    Args:
+        took_s: Seconds that it took.
+        expected_s: Seconds that were expected.
+        prior: The answer where nothing is known.
+        prior_s: Expected seconds of which that is as sure as what was measured.
+    """
+    return (took_s + prior_s * prior) / (expected_s + prior_s)
 
 
 @dataclass(frozen=True)
 class RunEta:
-    """What the stages of one run are expected to take.
+    """What the stages of one run are expected to take: how much is done and what remains.
 
     Attributes:
         seconds: By stage, in order.
@@ -81,47 +93,77 @@ class RunEta:
 
     @classmethod
     def of(cls, session: Session, run: RunRow) -> RunEta:
-        """Estimate the stages of a run."""
+        """Estimate the stages of a run, always in the same way once it has begun.
+
+        Raises:
+            Invalid: A recipe is one of another version.
+        """
         recipe = recipe_from_dict(run.recipe)
-        seconds = _stage_seconds(recipe, run.steps, runs.latest_done(session, run.recipe_name))
+        last = runs.latest_done(session, run.recipe_name, before=run.started_at)
+        seconds = _stage_seconds(recipe, run.steps, last)
         return cls({stage: seconds[stage] for stage in stages_of(run.example)})
 
-    def remaining_s(
-        self, finished: Mapping[str, float], stage: str, stage_remaining_s: float | None
-    ) -> float:
-        """Return the estimated seconds to the end of the run.
+    def progress(self, finished: Collection[str], stage: str, done: float) -> float:
+        """Return how much of the run is done, 0..1, weighting its stages by the time they take.
 
         Args:
-            finished: Seconds that the finished stages took; they scale those still to come.
+            finished: The finished stages.
             stage: The stage at work.
-            stage_remaining_s: Seconds that it still takes by its own rate; None if too little of
-                it is done to tell.
+            done: Share of it that is done, 0..1.
+        """
+        left = sum(self._left(finished, stage, done).values())
+        return 1.0 - left / sum(self.seconds.values())
+
+    def remaining_s(
+        self,
+        finished: Mapping[str, float],
+        stage: str,
+        done: float,
+        gained: float = 0.0,
+        took_s: float = 0.0,
+    ) -> float:
+        """Return the estimated seconds to the end of the run, of what ``progress`` says is left.
+
+        What was done scales it, the stage at work by its own speed.
+
+        Args:
+            finished: Seconds that the finished stages took.
+            stage: The stage at work.
+            done: Share of it that is done, 0..1.
+            gained: Share of it whose duration is known; 0 if too little of it is done to tell.
+            took_s: Seconds that this share took.
         """
         known = [name for name in finished if name in self.seconds]
         expected = sum(self.seconds[name] for name in known)
         took = sum(finished[name] for name in known)
-        pace = min(SLOWEST, max(FASTEST, took / expected)) if expected > 1.0 else 1.0
-        later = sum(
-            seconds
+        gained_s = gained * self.seconds.get(stage, 0.0)
+        prior_s = max(NEGLIGIBLE_S, PRIOR_SHARE * sum(self.seconds.values()))
+        before = _bounded(_slowness(took, expected, prior_s=prior_s))
+        own = _slowness(took_s, gained_s, prior=before)
+        pace = _bounded(_slowness(took + took_s, expected + gained_s, prior_s=prior_s))
+        left = self._left(finished, stage, done)
+        return own * left.pop(stage, 0.0) + pace * sum(left.values())
+
+    def _left(self, finished: Collection[str], stage: str, done: float) -> dict[str, float]:
+        """Return the seconds expected of what is left of each stage that is not finished."""
+        return {
+            name: seconds * (1.0 - done if name == stage else 1.0)
             for name, seconds in self.seconds.items()
-            if name not in finished and name != stage
-        )
-        if stage_remaining_s is None:
-            stage_remaining_s = 0.0 if stage in finished else pace * self.seconds.get(stage, 0.0)
-        return stage_remaining_s + pace * later
+            if name not in finished
+        }
 
 
-def overall_progress(run: RunRow) -> float:
-    """Return how much of a run is done, 0..1, weighting its stages by the time they take."""
+def _bounded(slowness: float) -> float:
+    return min(SLOWEST, max(FASTEST, slowness))
+
+
+def overall_progress(session: Session, run: RunRow) -> float:
+    """Return how much of a run is done, 0..1, by the estimate that tells what remains of it."""
     if run.status == RunStatus.DONE:
         return 1.0
-    stages = stages_of(run.example)
     try:
-        weights = expected_seconds(recipe_from_dict(run.recipe), run.steps)
+        eta = RunEta.of(session, run)
     except Invalid:
         # A recipe of another version: the run is listed all the same.
-        weights = dict.fromkeys(stages, 1.0)
-    done = sum(weights[stage] for stage in stages if stage in run.finished_stages)
-    if run.stage in stages and run.stage not in run.finished_stages:
-        done += weights[Stage(run.stage)] * run.stage_done
-    return min(1.0, done / sum(weights[stage] for stage in stages))
+        eta = RunEta(dict.fromkeys(stages_of(run.example), 1.0))
+    return eta.progress(run.finished_stages, run.stage, run.stage_done)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import time
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cache
@@ -19,6 +20,9 @@ from tril.store.models import ProcessRow
 
 ALIVE_FOR = timedelta(seconds=15)
 """A process whose heartbeat is older is not alive."""
+
+REPLACED_AFTER = timedelta(minutes=5)
+"""A process that has been silent for longer is not listed if another has taken its place."""
 
 FORGOTTEN_AFTER = timedelta(days=1)
 
@@ -47,6 +51,14 @@ class ProcessIdentity:
     def has_ended(self) -> bool:
         """Whether the process is known to have ended; of other machines nothing is known."""
         return self.machine == _machine() and _started(self.pid) != self.started
+
+    @property
+    def age_s(self) -> float | None:
+        """Seconds since the process began; None of other machines and where that is not told."""
+        if self.machine != _machine() or not self.started:
+            return None
+        ticks_per_s = os.sysconf("SC_CLK_TCK")
+        return time.clock_gettime(time.CLOCK_BOOTTIME) - int(self.started) / ticks_per_s
 
 
 @cache
@@ -136,21 +148,36 @@ def leave(session: Session, name: str) -> None:
 
 
 def statuses(session: Session) -> list[ProcessStatus]:
-    """Return every process with a heartbeat of the last day, by name."""
+    """Return every process with a heartbeat of the last day, by name.
+
+    Left out are those that have been silent for a while and were replaced: a process of the same
+    kind that began on the same machine after their last heartbeat is alive.
+    """
     moment = database_now(session)
     rows = session.scalars(
         select(ProcessRow)
         .where(ProcessRow.heartbeat_at > moment - FORGOTTEN_AFTER)
         .order_by(ProcessRow.name)
-    )
+    ).all()
+    alive = {
+        row.name for row in rows if moment - row.heartbeat_at < ALIVE_FOR and not _has_ended(row)
+    }
+    youngest: dict[tuple[str, str | None], timedelta] = {}
+    for row in rows:
+        age_s = _age_s(row)
+        if row.name in alive and age_s is not None:
+            place, age = (row.kind, row.machine), timedelta(seconds=age_s)
+            youngest[place] = min(age, youngest.get(place, age))
+
+    def is_replaced(row: ProcessRow) -> bool:
+        silent_for = moment - row.heartbeat_at
+        age = youngest.get((row.kind, row.machine))
+        return silent_for >= REPLACED_AFTER and age is not None and age < silent_for
+
     return [
-        ProcessStatus(
-            row.name,
-            row.kind,
-            moment - row.heartbeat_at < ALIVE_FOR and not _has_ended(row),
-            row.details,
-        )
+        ProcessStatus(row.name, row.kind, row.name in alive, row.details)
         for row in rows
+        if row.name in alive or not is_replaced(row)
     ]
 
 
@@ -172,7 +199,17 @@ def has_ended(session: Session, name: str) -> bool:
 
 
 def _has_ended(row: ProcessRow) -> bool:
+    identity = _identity(row)
+    return identity is not None and identity.has_ended
+
+
+def _age_s(row: ProcessRow) -> float | None:
+    identity = _identity(row)
+    return None if identity is None else identity.age_s
+
+
+def _identity(row: ProcessRow) -> ProcessIdentity | None:
     if row.machine is None or row.pid is None or row.started is None:
         # Of an earlier version.
-        return False
-    return ProcessIdentity(row.machine, row.pid, row.started).has_ended
+        return None
+    return ProcessIdentity(row.machine, row.pid, row.started)

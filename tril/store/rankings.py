@@ -7,7 +7,8 @@ redo write new revisions.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from datetime import datetime
 
 from sqlalchemy import Select, and_, or_, select, union
 from sqlalchemy.orm import Session
@@ -172,11 +173,7 @@ def take_out(
 
     Undo and redo pass over it: a deletion is undone by restoring the recordings.
     """
-    own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(recording_ids))
-    borrowing = select(BorrowedGameRow.behaviour_id).where(
-        BorrowedGameRow.recording_id.in_(recording_ids)
-    )
-    for behaviour_id in sorted(session.scalars(union(own, borrowing))):
+    for behaviour_id in _behaviours_that_may_rank(session, recording_ids):
         newest = lock(session, behaviour_id)
         ranking = as_ranking(newest)
         if set(ranking.items).isdisjoint(recording_ids):
@@ -190,6 +187,76 @@ def take_out(
             undo_to=newest.undo_to,
             redo_to=newest.redo_to,
         )
+
+
+def put_back(
+    session: Session, deleted_at: Mapping[int, datetime], player_id: int | None = None
+) -> None:
+    """Save a revision of each ranking that lost restored recordings by their deletion, with them.
+
+    They come back where they were, see Ranking.with_back. Undo and redo pass over it as over the
+    deletion, unless the order was changed in between: then an undo takes them out again.
+
+    Args:
+        session: The transaction.
+        deleted_at: When each of the recordings was deleted, by id.
+        player_id: Who restores them.
+    """
+    for behaviour_id in _behaviours_that_may_rank(session, deleted_at):
+        newest = lock(session, behaviour_id)
+        rankable = _rankable(session, behaviour_id)
+        ranking = as_ranking(newest)
+        for recording_id, former in _former_rankings(session, newest, deleted_at):
+            if recording_id in rankable:
+                ranking = ranking.with_back(recording_id, former)
+        if ranking == as_ranking(newest):
+            continue
+        is_last = newest.change == "deletion"
+        _add(
+            session,
+            newest,
+            ranking,
+            player_id,
+            "undo",
+            undo_to=newest.undo_to if is_last else newest.revision,
+            redo_to=newest.redo_to if is_last else None,
+        )
+
+
+def _former_rankings(
+    session: Session, newest: RankingRow, deleted_at: Mapping[int, datetime]
+) -> Iterator[tuple[int, Ranking]]:
+    """Yield deleted recordings with the ranking that their deletion took them out of.
+
+    What was deleted last comes first: in the reverse order, each finds its neighbours again.
+    """
+    if not deleted_at:
+        return
+    deletions = (
+        select(RankingRow)
+        .where(
+            RankingRow.behaviour_id == newest.behaviour_id,
+            RankingRow.change == "deletion",
+            RankingRow.created_at >= min(deleted_at.values()),
+        )
+        .order_by(RankingRow.revision.desc())
+    )
+    for row in session.scalars(deletions).all():
+        former = as_ranking(_revision(session, newest, row.revision - 1, "put back"))
+        left = set(as_ranking(row).items)
+        for item in former.items:
+            # An earlier deletion doesn't tell whether it was ranked at its last one.
+            if item not in left and item in deleted_at and row.created_at >= deleted_at[item]:
+                yield item, former
+
+
+def _behaviours_that_may_rank(session: Session, recording_ids: Collection[int]) -> list[int]:
+    """Return the behaviours of recordings and those that have borrowed any, in order of locking."""
+    own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(recording_ids))
+    borrowing = select(BorrowedGameRow.behaviour_id).where(
+        BorrowedGameRow.recording_id.in_(recording_ids)
+    )
+    return sorted(session.scalars(union(own, borrowing)))
 
 
 def lock(

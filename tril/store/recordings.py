@@ -257,15 +257,23 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
     rankings.take_out(session, [row.id for row in gone], player_id)
 
 
-def restore(session: Session, row: RecordingRow, player_id: int | None = None) -> None:
-    """Restore a deleted recording, unranked; a discarded game goes into the library."""
-    if row.deleted_at is None:
-        return
-    row.deleted_at = None
-    if row.state == RecordingState.FINISHED:
-        row.state = RecordingState.KEPT
-    audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
-    note_change(session, "recording", row.id)
+def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | None = None) -> None:
+    """Restore deleted recordings, in the rankings too; discarded games go into the library.
+
+    Each ranking that their deletion took them out of gets one new revision. Those that are not
+    deleted are passed over.
+    """
+    deleted_at = {row.id: row.deleted_at for row in rows if row.deleted_at is not None}
+    for row in rows:
+        if row.id not in deleted_at:
+            continue
+        row.deleted_at = None
+        if row.state == RecordingState.FINISHED:
+            row.state = RecordingState.KEPT
+        audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
+        note_change(session, "recording", row.id)
+    session.flush()
+    rankings.put_back(session, deleted_at, player_id)
 
 
 def update(

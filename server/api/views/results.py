@@ -61,6 +61,8 @@ def run_results(session: Session, run: RunRow) -> RunResults:
     shown = {key: views.one(row) for key, row in demonstrations.items()}
     best = best_demonstration(session, run)
     said = verdict_of(session, run, alarm)
+    n_targets = behaviours.n_targets(session, run.behaviour_id)
+    proposed = evaluations.proposed_games(games, headline_starts, n_targets)
     return RunResults(
         run=run_view(session, run),
         verdict=None if said is None else Verdict.model_validate(said),
@@ -68,9 +70,9 @@ def run_results(session: Session, run: RunRow) -> RunResults:
         comparison=_comparison(headline_starts, games, views),
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
-        proposed=[row.recording_id for row in evaluations.proposed_games(games, headline_starts)],
+        proposed=[row.recording_id for row in proposed],
         training_games=_training_games(session, run.id, views),
-        summaries=_summaries(games, behaviours.n_targets(session, run.behaviour_id)),
+        summaries=_summaries(games, n_targets),
         best_demonstration=None if best is None else views.one(best),
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],

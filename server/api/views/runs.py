@@ -28,7 +28,7 @@ def run_view(session: Session, row: RunRow) -> Run:
         n_perfect=len(snapshot.perfect) if snapshot else None,
         stages=stage_views(row.example),
         stage_progress=row.stage_done,
-        progress=overall_progress(row),
+        progress=overall_progress(session, row),
         worker_alive=runs.has_worker(session, row),
         headline=row.outcome.headline,
     )

@@ -280,7 +280,7 @@ def test_marks_and_notes_can_be_changed(client: TestClient, workplace: Workplace
     assert "It differs." in answer.json()["detail"]
 
 
-def test_deleting_a_ranked_recording_leaves_the_ranking_without_it_and_restoring_unranks(
+def test_deleting_a_ranked_recording_takes_it_out_of_the_ranking_and_restoring_puts_it_back(
     client: TestClient, workplace: Workplace
 ) -> None:
     gone = workplace.ranked[1]
@@ -298,8 +298,25 @@ def test_deleting_a_ranked_recording_leaves_the_ranking_without_it_and_restoring
     assert [item["deleted"] for item in listed if item["id"] == gone] == [True]
     assert not client.post(f"/api/recordings/{gone}/restore").json()["deleted"]
     restored = client.get("/api/behaviours/1/ranking").json()
-    assert restored["tiers"] == after["tiers"]
-    assert restored["unranked"] == [gone]
+    assert restored["tiers"] == before["tiers"]
+    assert restored["revision"] == after["revision"] + 1
+    assert restored["unranked"] == []
+
+
+def test_a_recording_that_was_unranked_when_it_was_deleted_comes_back_unranked(
+    client: TestClient, workplace: Workplace
+) -> None:
+    gone, *others = workplace.ranked
+    ranking, path = "/api/behaviours/1/ranking", f"/api/recordings/{gone}"
+    client.delete(path)
+    client.post(f"{path}/restore")
+    tiers = [[key] for key in others]
+    base = client.get(ranking).json()["revision"]
+    client.put(ranking, json={"base_revision": base, "tiers": tiers})
+    client.delete(path)
+    client.post(f"{path}/restore")
+    assert client.get(ranking).json()["tiers"] == tiers
+    assert client.get(ranking).json()["unranked"] == [gone]
 
 
 def test_several_are_deleted_in_one_revision_and_brought_back(
@@ -316,6 +333,23 @@ def test_several_are_deleted_in_one_revision_and_brought_back(
     client.post(path, json={"recording_ids": gone, "change": "restore"})
     listed = client.get("/api/behaviours/1/recordings").json()
     assert {item["id"] for item in listed} == set(workplace.ranked)
+    restored = client.get("/api/behaviours/1/ranking").json()
+    assert restored["tiers"] == before["tiers"]
+    assert restored["revision"] == after["revision"] + 1
+
+
+def test_what_was_deleted_one_by_one_comes_back_in_the_former_order(
+    client: TestClient, workplace: Workplace
+) -> None:
+    for key in workplace.ranked:
+        client.delete(f"/api/recordings/{key}")
+    assert client.get("/api/behaviours/1/ranking").json()["tiers"] == []
+    client.post(
+        "/api/behaviours/1/recordings/change",
+        json={"recording_ids": list(workplace.ranked), "change": "restore"},
+    )
+    tiers = client.get("/api/behaviours/1/ranking").json()["tiers"]
+    assert tiers == [[key] for key in workplace.ranked]
 
 
 def test_several_are_marked_all_or_none(client: TestClient, workplace: Workplace) -> None:

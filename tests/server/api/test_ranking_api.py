@@ -102,6 +102,33 @@ def test_deleting_keeps_undo_and_redo(client: TestClient, workplace: Workplace) 
     assert undone["tiers"] == [[a], [b], [d]]
 
 
+def test_undo_passes_over_a_deletion_that_was_undone_at_once(
+    client: TestClient, workplace: Workplace
+) -> None:
+    a, b, c, d = workplace.ranked
+    save(client, 1, [[d, c], [a], [b]])
+    client.delete(f"/api/recordings/{c}")
+    client.post(f"/api/recordings/{c}/restore")
+    assert client.get(PATH).json()["tiers"] == [[d, c], [a], [b]]
+    undone = client.post(f"{PATH}/undo", json={"base_revision": 4}).json()
+    assert undone["tiers"] == [[a], [b], [c], [d]]
+    assert not client.post(f"{PATH}/redo", json={"base_revision": 5}).json()["can_redo"]
+    assert client.get(PATH).json()["tiers"] == [[d, c], [a], [b]]
+
+
+def test_undo_takes_out_a_recording_that_was_restored_after_the_order_was_changed(
+    client: TestClient, workplace: Workplace
+) -> None:
+    a, b, c, d = workplace.ranked
+    client.delete(f"/api/recordings/{c}")
+    save(client, 2, [[d], [b], [a]])
+    client.post(f"/api/recordings/{c}/restore")
+    assert client.get(PATH).json()["tiers"] == [[d], [b], [c], [a]]
+    undone = client.post(f"{PATH}/undo", json={"base_revision": 4}).json()
+    assert undone["tiers"] == [[d], [b], [a]]
+    assert client.post(f"{PATH}/undo", json={"base_revision": 5}).json()["tiers"] == [[a], [b], [d]]
+
+
 def test_recordings_that_can_not_be_ranked_are_named(
     client: TestClient, workplace: Workplace
 ) -> None:

@@ -61,6 +61,7 @@ def test_the_page_has_a_line_for_every_action_selection_and_what_games_were_wort
         ["| imitator", "sampled", "1", "4.00 [4.00, 4.00]"],
         ["| imitator", "sticky", "1", "2.00 [2.00, 2.00]"],
     ]
+    assert "5/6 targets, 1 stray, alive" in page
     assert "| imitator | no | 3 | 1 to 4 | 640.0 to 640.0 |" in page
     assert "| demonstrator | yes | 3 |" in page
 

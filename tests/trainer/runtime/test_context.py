@@ -71,8 +71,38 @@ def test_points_and_progress_are_on_the_row_when_they_come_slowly(
     row = workplace.run(run_id)
     assert row.stage == STAGE
     assert row.stage_done == pytest.approx(0.3)
-    # 200 of 1000 in 10 s since the first report, so 700 more take 35 s; then the evaluation.
-    assert row.remaining_s == pytest.approx(15.0 * 0.7 / 0.2 + 30.0 + 50.0)
+    # 200 of 1000 in 15 s in place of 20 s, so that the rest goes on faster than expected, too.
+    own, pace = (15.0 + 20.0) / (20.0 + 20.0), (15.0 + 45.0) / (20.0 + 45.0)
+    assert row.remaining_s == pytest.approx(70.0 * own + (30.0 + 50.0) * pace)
+
+
+def test_nothing_remains_known_of_a_stage_that_gets_no_further(
+    workplace: Workplace, run_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = Clock()
+    monkeypatch.setattr("trainer.runtime.context.time.monotonic", clock)
+    context = leased(workplace, run_id)
+    progress = StageProgress(context, STAGE, clock)
+    progress.advance(0, 1000)
+    clock.now += 10.0
+    progress.advance(1, 1000, {"kl": 0.0})
+    assert workplace.run(run_id).remaining_s == pytest.approx(0.999 * 100.0 + 30.0 + 50.0)
+    clock.now += 25.0
+    # Its speed is still unknown.
+    progress.advance(2, 1000, {"kl": 0.0})
+    assert workplace.run(run_id).remaining_s is None
+    progress.advance(300, 1000, {"kl": 0.0})
+    known = workplace.run(run_id).remaining_s
+    assert known is not None
+    for waited_s, expected in ((29.0, known), (2.0, None)):
+        clock.now += waited_s
+        with workplace.database.writing() as session:
+            context.beat(session)
+        assert workplace.run(run_id).remaining_s == expected
+    progress.advance(300, 1000, {"kl": 1.0})
+    assert workplace.run(run_id).remaining_s is None
+    progress.advance(310, 1000, {"kl": 1.0})
+    assert workplace.run(run_id).remaining_s is not None
 
 
 def test_points_are_written_at_once_and_mere_progress_once_a_second(

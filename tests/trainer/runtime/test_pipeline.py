@@ -474,7 +474,7 @@ def test_a_human_example_says_what_order_its_games_should_have_and_is_made_once(
     assert len(example.mistakes) == 3
     assert 0.7 < example.tau < 1
     said = describe_example(outcomes[0])
-    assert "of the kind `human`" in said
+    assert "of the kind \u201chuman\u201d" in said
     assert "3 pairs of neighbours are ranked the wrong way round" in said
     assert describe_example(RunOutcome()) == ""
 

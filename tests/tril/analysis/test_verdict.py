@@ -43,6 +43,7 @@ def headline(imitator: PolicySummary | None, clone: PolicySummary | None) -> Hea
 
 DONE = RunFigures(
     ended="done",
+    began=True,
     steps=300_000,
     default_steps=300_000,
     warm_up_steps=12_000,
@@ -144,6 +145,13 @@ def test_one_without_games_says_how_it_ended(
     said = verdict(replace(DONE, ended=ended, headline=None))
     assert (said.tone, said.next_step) == (tone, next_step)
     assert words in said.sentence
+
+
+def test_one_that_was_cancelled_while_it_waited_has_no_checkpoint() -> None:
+    said = verdict(replace(DONE, ended="cancelled", began=False, headline=None))
+    assert (said.tone, said.next_step) == ("none", None)
+    assert "before it began" in said.sentence
+    assert "checkpoint" not in said.advice
 
 
 def test_one_that_was_cancelled_after_its_games_is_judged_by_them() -> None:

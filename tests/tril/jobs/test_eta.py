@@ -9,11 +9,11 @@ import pytest
 from testsupport.workplace import Workplace
 from tril.jobs import CostEstimate, RunEta, estimate, overall_progress
 from tril.jobs.durations import expected_seconds
-from tril.jobs.eta import NEGLIGIBLE_S
+from tril.jobs.eta import NEGLIGIBLE_S, PRIOR_SHARE
 from tril.recipes import FAST, RECIPES, Recipe
 from tril.stages import Stage, stages_of
 from tril.store.models import RunRow, RunStatus
-from tril.store.training import leases
+from tril.store.training import leases, runs
 
 
 def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
@@ -30,12 +30,15 @@ def run_at(stage: str, done: float, recipe: Recipe = FAST) -> RunRow:
 
 
 @pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
-def test_progress_rises_through_all_stages_from_none_to_all(recipe: Recipe) -> None:
-    values = [
-        overall_progress(run_at(stage, done, recipe))
-        for stage in stages_of(example=False)
-        for done in (0.0, 0.5, 1.0)
-    ]
+def test_progress_rises_through_all_stages_from_none_to_all(
+    workplace: Workplace, recipe: Recipe
+) -> None:
+    with workplace.database.reading() as session:
+        values = [
+            overall_progress(session, run_at(stage, done, recipe))
+            for stage in stages_of(example=False)
+            for done in (0.0, 0.5, 1.0)
+        ]
     assert values == sorted(values)
     assert values[0] == 0.0
     assert values[-1] == pytest.approx(1.0)
@@ -55,17 +58,36 @@ def test_only_the_imitator_takes_longer_with_more_steps() -> None:
     assert few == most
 
 
-def test_a_run_of_an_unknown_recipe_still_has_a_progress() -> None:
+def test_a_run_of_an_unknown_recipe_still_has_a_progress(workplace: Workplace) -> None:
     run = run_at("clone", 0.5)
     run.recipe = {"name": "of another version"}
-    assert overall_progress(run) == pytest.approx(3.5 / 7)
+    with workplace.database.reading() as session:
+        assert overall_progress(session, run) == pytest.approx(3.5 / 7)
 
 
-def test_what_remains_follows_the_pace_of_the_finished_stages() -> None:
-    eta = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
-    assert eta.remaining_s({}, "reward", None) == pytest.approx(130.0)
-    # Twice as slow as expected so far; the imitator's own rate says 60 s.
-    assert eta.remaining_s({"reward": 20.0}, "imitator", 60.0) == pytest.approx(60 + 40)
+ETA = RunEta({"reward": 10.0, "imitator": 100.0, "evaluation": 20.0})
+
+
+def test_what_remains_follows_the_pace_of_what_is_done() -> None:
+    assert ETA.remaining_s({}, "reward", 0.0) == pytest.approx(130.0)
+    # A short stage that took four times as long says little of the others.
+    after_reward = ETA.remaining_s({"reward": 40.0}, "imitator", 0.0)
+    slower = (40.0 + PRIOR_SHARE * 130.0) / (10.0 + PRIOR_SHARE * 130.0)
+    assert after_reward == pytest.approx(120.0 * slower)
+    assert slower < 2.0
+    # The stage at work goes on at its own speed, after a while whatever came before.
+    halfway = ETA.remaining_s({"reward": 40.0}, "imitator", 0.5, 0.5, 100.0)
+    own = (100.0 + NEGLIGIBLE_S * slower) / (50.0 + NEGLIGIBLE_S)
+    pace = (140.0 + PRIOR_SHARE * 130.0) / (60.0 + PRIOR_SHARE * 130.0)
+    assert halfway == pytest.approx(50.0 * own + 20.0 * pace)
+
+
+def test_what_remains_at_a_steady_pace_is_what_progress_leaves() -> None:
+    for place in range(11):
+        done = place / 10
+        left = 1.0 - ETA.progress({"reward"}, "imitator", done)
+        remaining_s = ETA.remaining_s({"reward": 10.0}, "imitator", done, done, 100.0 * done)
+        assert remaining_s == pytest.approx(130.0 * left)
 
 
 def finish_run(
@@ -92,6 +114,19 @@ def test_an_estimate_is_measured_once_a_run_of_the_recipe_is_done(workplace: Wor
     assert measured.measured
     assert measured.steps_per_s == pytest.approx(guessed.steps_per_s / 2, rel=0.05)
     assert guessed.overhead_s * 1.5 < measured.overhead_s < guessed.overhead_s * 2.5
+
+
+def test_the_estimate_of_a_run_stays_when_another_is_done_meanwhile(workplace: Workplace) -> None:
+    run_id = workplace.make_run(FAST)
+    workplace.lease(run_id)
+
+    def seconds() -> dict[str, float]:
+        with workplace.database.reading() as session:
+            return dict(RunEta.of(session, runs.get(session, run_id)).seconds)
+
+    before = seconds()
+    finish_run(workplace, FAST, 1_000_000, slowness=2.0, own_s=0.0)
+    assert seconds() == before
 
 
 def test_a_short_run_says_little_of_how_long_a_long_one_takes(workplace: Workplace) -> None:

@@ -112,20 +112,30 @@ def test_a_ranked_game_is_not_given_back_and_undo_does_not_bring_a_given_one_bac
         borrowed.give_back(session, workplace.behaviour_id, others[0])
 
 
-def test_a_deleted_game_leaves_every_ranking_and_comes_back_unranked(
+def test_a_deleted_game_leaves_every_ranking_and_comes_back_into_those_that_may_hold_it(
     workplace: Workplace, others: list[int]
 ) -> None:
     best, *_ = workplace.ranked
     borrow(workplace, others)
     rank(workplace, [[best], others])
     with workplace.database.writing() as session:
+        column_2 = behaviours.by_slug(session, "column-2").id
+        rankings.save(session, column_2, 0, [[others[1]], [others[0]]])
+    with workplace.database.writing() as session:
         recordings.delete(session, [recordings.get(session, key) for key in others[:2]], None)
     assert tiers_of(workplace) == [[best], [others[2]]]
     assert held(workplace) == [others[2]]
     with workplace.database.writing() as session:
-        recordings.restore(session, recordings.get(session, others[0]))
-    assert tiers_of(workplace) == [[best], [others[2]]]
+        recordings.restore(session, [recordings.get(session, others[0])])
+    assert tiers_of(workplace) == [[best], [others[0], others[2]]]
     assert held(workplace) == [others[2], others[0]]
+    with workplace.database.writing() as session:
+        assert rankings.current(session, column_2).tiers == [[others[0]]]
+        # Given back while it was deleted.
+        borrowed.give_back(session, workplace.behaviour_id, others[1])
+        recordings.restore(session, [recordings.get(session, others[1])])
+        assert rankings.current(session, column_2).tiers == [[others[1]], [others[0]]]
+    assert tiers_of(workplace) == [[best], [others[0], others[2]]]
 
 
 def test_games_of_a_deleted_behaviour_stay_with_their_borrowers_but_are_lent_no_more(

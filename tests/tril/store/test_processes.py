@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import threading
 from dataclasses import replace
+from datetime import timedelta
 
 import pytest
 from sqlalchemy import update
@@ -65,6 +67,45 @@ def test_a_process_of_another_machine_is_alive_while_its_heartbeat_is_fresh(
         old = row.heartbeat_at - processes.ALIVE_FOR
         session.execute(update(ProcessRow).values(heartbeat_at=old))
     assert alive(workplace) == set()
+
+
+def test_a_process_that_was_replaced_is_listed_for_a_few_minutes_only(
+    workplace: Workplace,
+) -> None:
+    def listed() -> set[str]:
+        with workplace.database.reading() as session:
+            return {one.name for one in processes.statuses(session)}
+
+    with subprocess.Popen(["sleep", "600"]) as later:
+        here = ProcessIdentity.of(later.pid)
+        killed = replace(here, started="1")
+        with workplace.database.writing() as session:
+            processes.beat(session, "killed", "server", {}, killed)
+            processes.beat(session, "worker", "worker", {}, killed)
+            processes.beat(session, "elsewhere", "server", {}, replace(killed, machine="another"))
+            heard = session.get_one(ProcessRow, "killed").heartbeat_at
+            old = heard - processes.REPLACED_AFTER
+            session.execute(update(ProcessRow).values(heartbeat_at=old))
+        assert listed() == {"killed", "worker", "elsewhere"}
+        with workplace.database.writing() as session:
+            processes.beat(session, "recent", "server", {}, killed)
+            processes.beat(session, "later", "server", {}, here)
+        assert listed() == {"worker", "elsewhere", "recent", "later"}
+        assert alive(workplace) == {"later"}
+        later.kill()
+
+
+def test_a_process_is_not_replaced_by_one_that_ran_beside_it(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "REPLACED_AFTER", timedelta(0))
+    beside = ProcessIdentity.of(os.getpid())
+    with workplace.database.writing() as session:
+        processes.beat(session, "beside", "worker", {}, beside)
+        processes.beat(session, "killed", "worker", {}, replace(beside, started="1"))
+    with workplace.database.reading() as session:
+        states = {one.name: one.alive for one in processes.statuses(session)}
+    assert states == {"beside": True, "killed": False}
 
 
 def test_a_heartbeat_goes_on_after_an_unexpected_error(

@@ -97,24 +97,34 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
 
 
 def proposed_games(
-    games: Sequence[EvaluationRow], kept_starts: Collection[int]
+    games: Sequence[EvaluationRow], kept_starts: Collection[int], n_targets: int | None
 ) -> list[EvaluationRow]:
     """Return the games of the imitator that a person had best rank: few, and unlike each other.
 
     They are greedy and sticky ones, which show what the imitator does at its best and where it
     doesn't recover, spread evenly over action selections, targets and strays, or over the number of
-    aliens hit for a behaviour without target cells. A later run that learns from a game takes its
+    aliens hit for a behaviour without target cells. Where all of them are perfect, which teaches
+    nothing, sampled ones that are not are added. A later run that learns from a game takes its
     start for seen, so some starts are kept for its headline figures.
 
     Args:
         games: A run's evaluation games, loaded with their recordings.
         kept_starts: Starts to leave out, unless there are games from no others.
+        n_targets: Target cells of the behaviour, None without any.
 
     Returns:
         At most N_PROPOSED, by start number; the same ones for the same games.
     """
-    own = [g for g in games if g.policy == "imitator" and g.action_selection != "sampled"]
-    candidates = [g for g in own if g.start_number not in kept_starts] or own
+    own = [g for g in games if g.policy == "imitator"]
+    starts = {g.start_number for g in own if g.action_selection != "sampled"}
+    shown = [g for g in own if g.start_number in (starts - set(kept_starts) or starts)]
+    candidates = [g for g in shown if g.action_selection != "sampled"]
+    if all(figures_of(g, n_targets).perfect for g in candidates):
+        candidates = [
+            g
+            for g in shown
+            if g.action_selection != "sampled" or not figures_of(g, n_targets).perfect
+        ]
     traits = [
         (g.action_selection, len(g.recording.hits) if g.targets is None else g.targets, g.strays)
         for g in candidates

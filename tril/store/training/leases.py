@@ -110,6 +110,22 @@ def beat(session: Session, lease: Lease) -> bool:
     return result.rowcount > 0
 
 
+def forget_remaining(session: Session, lease: Lease) -> None:
+    """Take back when the run will be over, because its stage has been silent for long."""
+    result = session.execute(
+        update(RunRow)
+        .where(
+            RunRow.id == lease.run_id,
+            RunRow.epoch == lease.epoch,
+            RunRow.remaining_s.is_not(None),
+        )
+        .values(remaining_s=None)
+    )
+    assert isinstance(result, CursorResult)
+    if result.rowcount:
+        note_change(session, "run", lease.run_id)
+
+
 def report(
     session: Session, lease: Lease, stage: str, done: float, remaining_s: float | None
 ) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterable
+from datetime import datetime
 
 from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
@@ -23,6 +24,7 @@ MAX_NAME_LENGTH = 80
 MAX_NOTES_LENGTH = 4000
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
+CANCELLED_WAITING_MESSAGE = "Cancelled before it began. It can be resumed and begins then."
 
 
 def create(
@@ -247,19 +249,25 @@ def past_resuming(session: Session, run_ids: Iterable[str]) -> list[str]:
     return list(session.scalars(query))
 
 
-def latest_done(session: Session, recipe_name: str) -> RunRow | None:
-    """Return the newest finished run of a recipe, of those that were trained here."""
-    return session.scalar(
-        select(RunRow)
-        .where(
-            RunRow.recipe_name == recipe_name,
-            RunRow.status == RunStatus.DONE,
-            # No worker has ever had one that was imported.
-            RunRow.epoch > 0,
-        )
-        .order_by(RunRow.finished_at.desc())
-        .limit(1)
+def latest_done(
+    session: Session, recipe_name: str, before: datetime | None = None
+) -> RunRow | None:
+    """Return the newest finished run of a recipe, of those that were trained here.
+
+    Args:
+        session: The transaction.
+        recipe_name: Name of the recipe.
+        before: Only runs that finished before this time.
+    """
+    query = select(RunRow).where(
+        RunRow.recipe_name == recipe_name,
+        RunRow.status == RunStatus.DONE,
+        # No worker has ever had one that was imported.
+        RunRow.epoch > 0,
     )
+    if before is not None:
+        query = query.where(RunRow.finished_at < before)
+    return session.scalar(query.order_by(RunRow.finished_at.desc()).limit(1))
 
 
 def has_worker(session: Session, row: RunRow) -> bool:
@@ -286,7 +294,8 @@ def request_cancel(session: Session, run_id: str, player_id: int | None = None) 
     if has_worker(session, row):
         row.status = RunStatus.CANCELLING
     else:
-        row.status, row.message = RunStatus.CANCELLED, CANCELLED_MESSAGE
+        row.status = RunStatus.CANCELLED
+        row.message = CANCELLED_MESSAGE if row.started_at else CANCELLED_WAITING_MESSAGE
         row.finished_at, row.remaining_s = database_now(session), None
         row.epoch += 1
     audit.note(session, audit.Action.RUN_CANCELLED, player_id, f"run {run_id}")

@@ -31,6 +31,7 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
     return verdict(
         RunFigures(
             ended=cast(Ended, str(status)),
+            began=run.started_at is not None,
             steps=run.steps,
             default_steps=recipe.proposed_steps(ordered=behaviour.ordered),
             warm_up_steps=recipe.warm_up_steps,

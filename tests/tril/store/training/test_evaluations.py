@@ -44,7 +44,8 @@ def test_means_are_over_held_out_starts_by_policy_and_action_selection(
 
 def proposed(workplace: Workplace, run_id: str, kept_starts: tuple[int, ...]) -> list[Proposed]:
     with workplace.database.reading() as session:
-        games = evaluations.proposed_games(evaluations.listing(session, run_id), kept_starts)
+        listed = evaluations.listing(session, run_id)
+        games = evaluations.proposed_games(listed, kept_starts, n_targets=6)
     return [(game.action_selection, game.start_number, game.targets) for game in games]
 
 
@@ -64,6 +65,24 @@ def test_games_that_differ_are_proposed_and_none_of_a_kept_start(workplace: Work
     assert [number for _, number, _ in found] == sorted(number for _, number, _ in found)
     assert not {number for _, number, _ in found} & {0, 1, 2}
     assert proposed(workplace, run_id, kept_starts=(0, 1, 2)) == found
+
+
+def test_sampled_games_with_flaws_are_proposed_beside_perfect_ones_only(
+    workplace: Workplace,
+) -> None:
+    perfect, flawed = workplace.make_run(), workplace.make_run()
+    for number in range(10):
+        for how in evaluations.ACTION_SELECTIONS:
+            targets = 4 if how == "sampled" and number in {0, 4, 5} else 6
+            key = EvaluationKey("imitator", how, number)
+            play(workplace, perfect, key, targets, held_out=True)
+            targets = 5 if how == "sticky" and number == 7 else targets
+            play(workplace, flawed, key, targets, held_out=True)
+    found = proposed(workplace, perfect, kept_starts=(0, 1, 2))
+    assert len(found) == evaluations.N_PROPOSED
+    assert {one for one in found if one[0] == "sampled"} == {("sampled", 4, 4), ("sampled", 5, 4)}
+    assert {how for how, _, _ in found} == set(evaluations.ACTION_SELECTIONS)
+    assert {how for how, _, _ in proposed(workplace, flawed, (0, 1, 2))} == {"greedy", "sticky"}
 
 
 def test_few_games_are_all_proposed_even_if_their_starts_should_be_kept(

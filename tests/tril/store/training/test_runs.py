@@ -193,7 +193,17 @@ def test_a_run_that_is_over_is_not_leased(workplace: Workplace) -> None:
 def test_cancelling_a_queued_run_is_immediate(workplace: Workplace) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
-        assert runs.request_cancel(session, run_id).status == RunStatus.CANCELLED
+        row = runs.request_cancel(session, run_id)
+    assert row.status == RunStatus.CANCELLED
+    assert row.message == "Cancelled before it began. It can be resumed and begins then."
+
+
+def test_a_run_that_waits_again_is_cancelled_with_its_checkpoint(workplace: Workplace) -> None:
+    run_id = workplace.make_run()
+    lease = workplace.lease(run_id)
+    with workplace.database.writing() as session:
+        leases.release(session, lease)
+        assert "last checkpoint" in runs.request_cancel(session, run_id).message
 
 
 def test_cancelling_asks_a_living_worker_and_does_not_wait_for_a_dead_one(
