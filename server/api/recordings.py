@@ -137,7 +137,7 @@ def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId
 
 @router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
 def restore_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
-    """Restore a deleted recording, unranked."""
+    """Restore a deleted recording, in the rankings too."""
     row = recordings.get(session, recording_id)
     recordings.restore(session, [row], who.player_id)
     return RecordingViews(session).one(row)

@@ -161,6 +161,8 @@ def overall_progress(session: Session, run: RunRow) -> float:
     """Return how much of a run is done, 0..1, by the estimate that tells what remains of it."""
     if run.status == RunStatus.DONE:
         return 1.0
+    if not run.finished_stages and not run.stage_done:
+        return 0.0
     try:
         eta = RunEta.of(session, run)
     except Invalid:

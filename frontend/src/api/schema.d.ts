@@ -929,7 +929,7 @@ export interface paths {
         put?: never;
         /**
          * Restore Recording
-         * @description Restore a deleted recording, unranked.
+         * @description Restore a deleted recording, in the rankings too.
          */
         post: operations["restore_recording"];
         delete?: never;
