@@ -204,14 +204,13 @@ class StageProgress:
     def remaining_s(self) -> float | None:
         """Return the estimated seconds to the end of the whole run.
 
-        None if the stage has got no further for a while, or too little to tell its speed.
+        None if the stage has got no further for a while.
         """
+        if self._clock() - self._moved_at > SILENT_AFTER_S:
+            return None
         gained = 0.0 if self._first_share is None else self._share - self._first_share
         took_s = self._moved_at - self._began
-        is_settled = gained >= SETTLED_SHARE
-        if self._clock() - (self._moved_at if is_settled else self._began) > SILENT_AFTER_S:
-            return None
-        if not is_settled:
+        if gained < SETTLED_SHARE:
             gained = took_s = 0.0
         context = self._context
         return context.eta.remaining_s(

@@ -7,7 +7,7 @@ redo write new revisions.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 
 from sqlalchemy import Select, and_, or_, select, union
@@ -27,6 +27,9 @@ from tril.store.models import (
 )
 
 Tiers = Sequence[Sequence[int]]
+
+_MAX_DELETIONS = 100
+"""The latest deletions that tell where a restored recording was ranked."""
 
 RANKABLE = (
     RecordingRow.state == RecordingState.KEPT,
@@ -207,47 +210,52 @@ def put_back(
         rankable = _rankable(session, behaviour_id)
         ranking = as_ranking(newest)
         for recording_id, former in _former_rankings(session, newest, deleted_at):
-            if recording_id in rankable:
+            if recording_id in rankable and recording_id not in ranking.items:
                 ranking = ranking.with_back(recording_id, former)
         if ranking == as_ranking(newest):
             continue
-        is_last = newest.change == "deletion"
+        # Restoring one by one, each passes over the one before, too.
+        passes_over = newest.change in {"deletion", "undo"}
         _add(
             session,
             newest,
             ranking,
             player_id,
             "undo",
-            undo_to=newest.undo_to if is_last else newest.revision,
-            redo_to=newest.redo_to if is_last else None,
+            undo_to=newest.undo_to if passes_over else newest.revision,
+            redo_to=newest.redo_to if passes_over else None,
         )
 
 
 def _former_rankings(
     session: Session, newest: RankingRow, deleted_at: Mapping[int, datetime]
-) -> Iterator[tuple[int, Ranking]]:
-    """Yield deleted recordings with the ranking that their deletion took them out of.
+) -> list[tuple[int, Ranking]]:
+    """Return deleted recordings with the ranking that their deletion took them out of.
 
-    What was deleted last comes first: in the reverse order, each finds its neighbours again.
+    What was deleted before is put back into these rankings, so that neighbours that were deleted
+    one after the other find each other again. What was deleted last comes first.
     """
-    if not deleted_at:
-        return
-    deletions = (
+    latest = (
         select(RankingRow)
-        .where(
-            RankingRow.behaviour_id == newest.behaviour_id,
-            RankingRow.change == "deletion",
-            RankingRow.created_at >= min(deleted_at.values()),
-        )
+        .where(RankingRow.behaviour_id == newest.behaviour_id, RankingRow.change == "deletion")
         .order_by(RankingRow.revision.desc())
+        .limit(_MAX_DELETIONS)
     )
-    for row in session.scalars(deletions).all():
+    found: list[tuple[int, Ranking]] = []
+    former_of: dict[int, Ranking] = {}
+    for row in reversed(session.scalars(latest).all()) if deleted_at else ():
         former = as_ranking(_revision(session, newest, row.revision - 1, "put back"))
-        left = set(as_ranking(row).items)
+        taken_out = set(former.items) - set(as_ranking(row).items)
+        for item, earlier in former_of.items():
+            if item not in former.items:
+                former = former.with_back(item, earlier)
         for item in former.items:
-            # An earlier deletion doesn't tell whether it was ranked at its last one.
-            if item not in left and item in deleted_at and row.created_at >= deleted_at[item]:
-                yield item, former
+            if item in taken_out:
+                former_of[item] = former
+                # An earlier deletion doesn't tell whether it was ranked at its last one.
+                if item in deleted_at and row.created_at >= deleted_at[item]:
+                    found.append((item, former))
+    return found[::-1]
 
 
 def _behaviours_that_may_rank(session: Session, recording_ids: Collection[int]) -> list[int]:

@@ -338,6 +338,24 @@ def test_several_are_deleted_in_one_revision_and_brought_back(
     assert restored["revision"] == after["revision"] + 1
 
 
+def test_what_was_deleted_and_restored_one_by_one_is_ranked_as_before(
+    client: TestClient, workplace: Workplace
+) -> None:
+    before = client.get("/api/behaviours/1/ranking").json()
+    _, b, c, _ = workplace.ranked
+    for gone in (b, c):
+        client.delete(f"/api/recordings/{gone}")
+    for gone in (b, c):
+        client.post(f"/api/recordings/{gone}/restore")
+    restored = client.get("/api/behaviours/1/ranking").json()
+    assert restored["tiers"] == before["tiers"]
+    # Undo and redo pass over all four.
+    assert (restored["can_undo"], restored["can_redo"]) == (
+        before["can_undo"],
+        before["can_redo"],
+    )
+
+
 def test_what_was_deleted_one_by_one_comes_back_in_the_former_order(
     client: TestClient, workplace: Workplace
 ) -> None:

@@ -88,9 +88,9 @@ def test_nothing_remains_known_of_a_stage_that_gets_no_further(
     progress.advance(1, 1000, {"kl": 0.0})
     assert workplace.run(run_id).remaining_s == pytest.approx(0.999 * 100.0 + 30.0 + 50.0)
     clock.now += 25.0
-    # Its speed is still unknown.
+    # Its speed is still unknown, but it moves.
     progress.advance(2, 1000, {"kl": 0.0})
-    assert workplace.run(run_id).remaining_s is None
+    assert workplace.run(run_id).remaining_s == pytest.approx(0.998 * 100.0 + 30.0 + 50.0)
     progress.advance(300, 1000, {"kl": 0.0})
     known = workplace.run(run_id).remaining_s
     assert known is not None
