@@ -15,7 +15,8 @@ The imitator is judged on the 32 evaluation
 starts with their openings, greedily and with sticky actions, and without openings.
 
 Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome
-and the digests of the recipe, of the weights that ship with Tril and of the demonstrations;
+and the digests of the recipe, of the weights that ship with Tril, of what infers the wanted aliens
+and of the demonstrations;
 benchmarks.learning.people_table makes tables of it. 600,000 steps take six to nine minutes on one
 of two cores.
 """
@@ -37,6 +38,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from benchmarks.learning.few_games import keep_evenly
 from benchmarks.learning.own_behaviours import BEHAVIOURS
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
@@ -52,6 +54,7 @@ from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstr
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
+from tril.analysis import wanted_aliens
 from tril.behaviours import Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours
@@ -129,14 +132,9 @@ class Ranked:
 
     def keep_evenly(self, n_games: int) -> None:
         """Drop all games but so many, evenly from the best to the worst."""
-        ranked = [index for tier in self.tiers for index in tier]
-        places = np.linspace(0, len(ranked) - 1, n_games).round().astype(int)
-        kept = {ranked[place]: new for new, place in enumerate(places.tolist())}
-        self.tiers = [
-            [kept[index] for index in tier if index in kept]
-            for tier in self.tiers
-            if any(index in kept for index in tier)
-        ]
+        ranking = keep_evenly(normalise(self.tiers), n_games)
+        kept = {index: place for place, index in enumerate(ranking.items)}
+        self.tiers = [[kept[index] for index in tier] for tier in ranking.tiers]
         self.recordings = [self.recordings[index] for index in kept]
         self.trajectories = [self.trajectories[index] for index in kept]
         self.merits = [self.merits[index] for index in kept]
@@ -457,6 +455,12 @@ class Lesson:
             self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
 
 
+def inference_digest() -> str:
+    """Return eight hexadecimal digits that change with how wanted aliens are inferred."""
+    source = Path(wanted_aliens.__file__).read_bytes()
+    return hashlib.blake2b(source, digest_size=4).hexdigest()
+
+
 def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
     """Return the command line's arguments, or those of other words."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -498,6 +502,7 @@ def main() -> None:
         digests = {
             "digest": recipe_digest(lesson.recipe),
             "weights": weights_digest(),
+            "inference": inference_digest(),
             "demonstrations_digest": lesson.digest(),
         }
         found = digests | lesson.train(Path(folder))

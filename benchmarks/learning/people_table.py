@@ -45,6 +45,7 @@ CONDITION = (
     "length",
     "set",
     "digest",
+    "inference",
 )
 """What trainings of one table share."""
 
@@ -61,6 +62,7 @@ NOT_ASKED = {
     "ranked_alone": False,
     "ranked_games": N_SHOWN,
     "best_efforts": N_SHOWN,
+    "inference": "",
 }
 """What earlier trainings were not asked for."""
 
@@ -257,6 +259,8 @@ def _title(line: Line) -> str:
     if line["rounds_asked"] > 1:
         parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
     changed = ["by GAIL"] if GAIL in line["set"] else line["set"]
+    if line["inference"]:
+        changed = [*changed, f"inference {line['inference']}"]
     return ", ".join([*parts, *filter(None, [line["length"]]), *changed])
 
 

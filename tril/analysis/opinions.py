@@ -70,9 +70,9 @@ class Opinion:
         worst_tier: Tier of ``worst_place``.
         p_value: Of a ranked game, the probability that the score of its place is at least as far
             from what is expected; None of others.
-        contradicted_by: The one or two ranked games that speak most against its tier: worth no more
-            but ranked above it, or worth no less but ranked below it; empty unless its p-value is
-            low and another tier expected.
+        contradicted_by: The one or two ranked games that speak most against its tier: worth
+            about no more but ranked above it, or about no less but ranked below it; empty unless
+            its p-value is low and another tier expected.
     """
 
     place: float
@@ -228,7 +228,8 @@ class _Judged:
         much, and ranked far away, speak most.
         """
         side = np.sign(self._means[index] - self._scores[index])
-        ahead = side * (self._worth.mean(0)[index] - self._worth.mean(0))
+        means = self._worth.mean(0)
+        ahead = side * (means[index] - means)
         pulls = np.exp(-np.abs(ahead)) * side * (self._scores - self._scores[index])
         pulls[ahead < -_ABOUT_SAME] = 0.0
         strongest = np.argsort(-pulls)[:2].tolist()

@@ -178,7 +178,7 @@ def _without_games(run: RunFigures) -> Verdict:
             return Verdict(
                 "none",
                 "This run was cancelled while it waited, before it began.",
-                "Resume it: it begins then.",
+                "Resume it to start it.",
                 None,
             )
         case "cancelled":

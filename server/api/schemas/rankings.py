@@ -68,8 +68,8 @@ class GameOpinion(Schema):
 
     Places are shares of the ranked games that are better, from 0 for the best to 1, with the ends
     of a central interval of 68%; tiers count from 1. ``contradicted_by`` are ranked games that
-    are worth no more but ranked above it, or worth no less but ranked below it; empty unless its
-    tier is improbable.
+    are worth about no more but ranked above it, or about no less but ranked below it; empty unless
+    its tier is improbable.
     """
 
     recording_id: int

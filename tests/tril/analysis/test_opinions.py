@@ -98,7 +98,7 @@ def test_what_it_says_of_a_game_depends_little_on_where_that_is_ranked() -> None
 
 
 @pytest.mark.parametrize(("item", "to"), [(100, 12), (112, 0), (102, 10)])
-def test_a_misplaced_game_is_contradicted_by_those_that_are_as_good(item: int, to: int) -> None:
+def test_a_misplaced_game_is_contradicted_by_those_on_its_wrong_side(item: int, to: int) -> None:
     hits = games()
     others = [one for one in hits if one != item]
     opinions = say(in_order([*others[:to], item, *others[to:]]), hits).of
@@ -160,7 +160,7 @@ def test_a_huge_tier_of_bad_games_does_not_crowd_out_the_others() -> None:
     bad = dict.fromkeys(range(1000, 1500), game(0, 6))
     asked = say(Ranking((*((one,) for one in hits), tuple(bad))), hits | bad)
     few = say(Ranking((*((one,) for one in hits), tuple(bad)[:2])), hits | bad)
-    assert np.abs(asked.labels - few.labels).max() < 0.2
+    assert np.abs(asked.labels - few.labels).max() < 0.15
 
 
 @given(

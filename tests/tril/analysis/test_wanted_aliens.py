@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tril.analysis.wanted_aliens import (
+    LABELS,
     WANTED,
     Hits,
     Posterior,
@@ -93,6 +94,15 @@ def test_an_alien_that_most_of_the_best_games_spare_is_not_wanted() -> None:
     # Where wanted ones are missed as often, it may be wanted, too.
     missed = [hits(COLUMN_3[:3]), hits(COLUMN_3[:2]), hits(COLUMN_3[:1])] * 3
     assert log_prior([*missed, *[hits(COLUMN_3[:5])] * 3]).argmax(1)[2] == 5
+
+
+def test_what_nothing_has_reached_is_not_taken_for_wanted() -> None:
+    # The last of a row is hit so late that the one behind it is never in reach.
+    best = [hits(ROW_1, 6 * APART + 10)] * 4
+    assert not any(one.in_reach[11] for one in best)
+    labels = (np.exp(log_prior(best) - np.logaddexp.reduce(log_prior(best), 1)[:, None]) @ LABELS).T
+    assert (labels[0] > 0.9).all()
+    assert (labels[1:] < -0.3).all()
 
 
 def test_accidents_behind_a_columns_lowest_alien_do_not_make_it_wanted() -> None:

@@ -24,7 +24,7 @@ MAX_NAME_LENGTH = 80
 MAX_NOTES_LENGTH = 4000
 
 CANCELLED_MESSAGE = "Cancelled. It can be resumed and goes on from its last checkpoint."
-CANCELLED_WAITING_MESSAGE = "Cancelled before it began. It can be resumed and begins then."
+CANCELLED_WAITING_MESSAGE = "Cancelled before it began. Resume it to start it."
 
 
 def create(

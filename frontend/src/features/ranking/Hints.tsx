@@ -11,7 +11,7 @@ import { continuing, withSearch } from "@/lib/runs";
 
 import styles from "./Hints.module.css";
 
-/** Ranked games, and games marked as perfect, that teach about as much as three times as many. */
+/** Ranked games, and games marked as perfect, that are usually enough: see decision 59. */
 const GOOD_NUMBER = 4;
 const GOOD_NUMBER_PERFECT = 3;
 
@@ -52,10 +52,10 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
           done: false,
           optional: true,
           text: plural(nPerfect, {
-            0: "None is marked as perfect: the best ranked ones stand in. Mark three of your best games with their star: what they hit tells most.",
-            one: "# is marked as perfect. Mark three of your best games with their star: what they hit tells most.",
+            0: "None is marked as perfect: the best ranked ones stand in. Mark at least three of your best games with their star: what they hit tells most.",
+            one: "# is marked as perfect. Mark at least three of your best games with their star: what they hit tells most.",
             other:
-              "# are marked as perfect. Mark three of your best games with their star: what they hit tells most.",
+              "# are marked as perfect. Mark at least three of your best games with their star: what they hit tells most.",
           }),
         },
     nRanked >= GOOD_NUMBER
@@ -68,7 +68,7 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
           id: "number",
           done: false,
           optional: true,
-          text: t`${rankedText(nRanked, nBorrowed)}. Four, from perfect to hopeless, are usually enough.`,
+          text: t`${rankedText(nRanked, nBorrowed)}. Four, from good to hopeless, are usually enough.`,
         },
   ];
 }

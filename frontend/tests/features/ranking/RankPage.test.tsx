@@ -512,8 +512,8 @@ describe("what training needs", () => {
   });
 
   it.each([
-    [0, /^1 is marked as perfect\. Mark three/],
-    [1, /^2 are marked as perfect\. Mark three/],
+    [0, /^1 is marked as perfect\. Mark at least three/],
+    [1, /^2 are marked as perfect\. Mark at least three/],
   ])("asks for more stars where there is one and %i more", async (nMore, text) => {
     const games = Array.from({ length: 4 }, (_, at) =>
       recording({ id: 10 + at, perfect: at < nMore }),

@@ -195,7 +195,7 @@ def test_cancelling_a_queued_run_is_immediate(workplace: Workplace) -> None:
     with workplace.database.writing() as session:
         row = runs.request_cancel(session, run_id)
     assert row.status == RunStatus.CANCELLED
-    assert row.message == "Cancelled before it began. It can be resumed and begins then."
+    assert row.message == "Cancelled before it began. Resume it to start it."
 
 
 def test_a_run_that_waits_again_is_cancelled_with_its_checkpoint(workplace: Workplace) -> None:

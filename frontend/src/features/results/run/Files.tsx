@@ -12,7 +12,7 @@ const kinds = (): Readonly<Record<string, string>> => ({
   imitator: t`Imitator`,
   clone: t`Clone`,
   attention_map: t`Attention map`,
-  reward_percentiles: t`States by percentile of R`,
+  reward_percentiles: t`States by percentile of the reward`,
   attention_red_blue: t`Attention map, red-blue`,
   attention_frame: t`Screen of an attention map`,
   figure: t`Figure`,
