@@ -40,7 +40,7 @@ from tril.store import recordings
 from tril.store.database import Database, create_database
 from tril.store.models import RecordingRow
 
-QUICK = PlayRules(countdown=2, countdown_second_s=0.02, max_games=4)
+QUICK = PlayRules(countdown=2, countdown_second_s=0.02, max_games=4, leaving_s=2.0)
 """A short countdown and few games at once; all other times as people have them."""
 
 TIMEOUT_S = 60.0

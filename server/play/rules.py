@@ -26,6 +26,8 @@ class PlayRules:
             is kept as a recording.
         rewind_every_s: Seconds until one more is allowed.
         max_games: Most games in one process; as many consoles are loaded ahead.
+        leaving_s: How long a page that finds no place for games to watch waits for those that its
+            player is just leaving, seconds.
     """
 
     countdown: int = 3
@@ -40,6 +42,7 @@ class PlayRules:
     rewinds_at_once: int = 10
     rewind_every_s: float = 3.0
     max_games: int = 32
+    leaving_s: float = 5.0
 
 
 DEFAULT_RULES = PlayRules()

@@ -99,6 +99,8 @@ class WatchHub:
         self._resources = SessionResources(consoles, rules, self.lateness)
         self._events = WatchEvents(self._on_take_over, self._on_error)
         self._sessions: dict[WatchSession, WatchPlan] = {}
+        # Set when places are given up, and then replaced.
+        self._left = asyncio.Event()
         self._tasks = (PeriodicTask("watched", self._close_idle, rules.sweep_every_s),)
 
     @property
@@ -129,22 +131,11 @@ class WatchHub:
         """
         # Before places are taken, so that requests for unknown runs keep nobody from playing.
         plan = await self._committer.run(lambda session: _plan(session, request, player_id))
-        n_games = len(request.actors)
-        watched = self._limits.watched
-        if self._games.n_games + watched.n_open + n_games > self._rules.max_games:
-            raise TooManyGames(
-                "This process plays as many games as it can. Games are short: try again in a "
-                "minute, or watch fewer side by side."
-            )
-        watched.n_open += n_games
+        await self._take_places(len(plan.players), player_id)
         try:
-            await self._committer.run(
-                # The games have their places already.
-                lambda session: self._limits.check(session, player_id, n_new=0)
-            )
             played = await asyncio.to_thread(self._begin, plan)
         except BaseException:
-            watched.n_open -= n_games
+            self._give_up_places(len(plan.players))
             raise
         session = WatchSession(
             [Lane(n, game, plan.behaviour, socket) for n, game in enumerate(played)],
@@ -162,10 +153,50 @@ class WatchHub:
         if self._sessions.pop(session, None) is None:
             return
         # At once: a page that watches other games opens them while these come to a stop.
-        self._limits.watched.n_open -= len(session.lanes)
+        self._give_up_places(len(session.lanes))
         await session.close()
         for lane in session.lanes:
             self._consoles.give_back(lane.game.episode.console)
+
+    async def _take_places(self, n_games: int, player_id: int) -> None:
+        """Take places for games, if need be after the player's other pages have left theirs.
+
+        A page that goes on to other games opens them while it leaves the old ones.
+
+        Raises:
+            TooManyGames: There are no places.
+        """
+        deadline = asyncio.get_running_loop().time() + self._rules.leaving_s
+        while True:
+            left = self._left
+            try:
+                return await self._try_to_take_places(n_games, player_id)
+            except TooManyGames:
+                if all(plan.player_id != player_id for plan in self._sessions.values()):
+                    raise
+                if not await _happens(left, deadline):
+                    raise
+
+    async def _try_to_take_places(self, n_games: int, player_id: int) -> None:
+        if self._games.n_games + self._limits.watched.n_open + n_games > self._rules.max_games:
+            raise TooManyGames(
+                "This process plays as many games as it can. Games are short: try again in a "
+                "minute, or watch fewer side by side."
+            )
+        self._limits.watched.n_open += n_games
+        try:
+            await self._committer.run(
+                # The games have their places already.
+                lambda session: self._limits.check(session, player_id, n_new=0)
+            )
+        except BaseException:
+            self._limits.watched.n_open -= n_games
+            raise
+
+    def _give_up_places(self, n_games: int) -> None:
+        self._limits.watched.n_open -= n_games
+        self._left.set()
+        self._left = asyncio.Event()
 
     def _begin(self, plan: WatchPlan) -> list[PolicyGame]:
         return [
@@ -218,6 +249,15 @@ class WatchHub:
             if session.phase is Phase.WAITING and now - session.waiting_since > idle_s:
                 await session.socket.close(Close.GAME_OVER, WHY_IDLE)
                 await self.close(session)
+
+
+async def _happens(event: asyncio.Event, deadline: float) -> bool:
+    try:
+        async with asyncio.timeout_at(deadline):
+            await event.wait()
+    except TimeoutError:
+        return False
+    return True
 
 
 def _plan(session: Session, request: WatchRequest, player_id: int) -> WatchPlan:

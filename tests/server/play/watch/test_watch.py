@@ -390,6 +390,15 @@ def test_a_process_that_plays_all_it_can_refuses_to_show_more(scene: Scene) -> N
             assert player.close_code() == Close.TRY_AGAIN_LATER
 
 
+def test_a_page_that_goes_on_to_other_games_waits_for_the_places_of_the_old(scene: Scene) -> None:
+    four = ("imitator.greedy",) * QUICK.max_games
+    with watching(scene.live.settings, scene.run_id, *four) as page:
+        page.until("hello")
+        with watching(scene.live.settings, scene.run_id, *four) as another:
+            page.socket.close()
+            another.until("hello")
+
+
 def test_an_unknown_run_is_looked_up_before_places_are_taken(scene: Scene) -> None:
     four = ("imitator.greedy",) * QUICK.max_games
     with watching(scene.live.settings, scene.run_id, *four) as page:
