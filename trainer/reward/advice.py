@@ -35,25 +35,20 @@ def advice(check: RankingCheck) -> str:
 
 
 def warning(check: RankingCheck) -> str:
-    """Return what is doubtful although the check passed; empty if nothing is."""
-    pairs = check.not_told_apart
-    if not check.passed or (check.is_confident and not pairs):
+    """Return what is doubtful although the check passed; empty if the model is confident.
+
+    Single tiers that are not told apart say nothing of the imitator: the page lists them.
+    """
+    if not check.passed or check.is_confident:
         return ""
-    if not check.is_confident:
-        accuracy = check.held_out_accuracy
-        held_out = "" if accuracy is None else f", {accuracy:.0%} of held-out pairs in order"
-        return (
-            "The reward model follows the ranking, but not everywhere (Kendall\u2019s tau"
-            f" {check.tau:.2f}{held_out})."
-            + (f" It can\u2019t tell these tiers apart: {_named(pairs)}." if pairs else "")
-            + " Games that show more clearly what is better, or more bad games of other kinds,"
-            " help."
-        )
+    accuracy = check.held_out_accuracy
+    held_out = "" if accuracy is None else f", {accuracy:.0%} of held-out pairs in order"
+    pairs = check.not_told_apart
     return (
-        "The ranking as a whole was understood, but the reward model can\u2019t tell these tiers "
-        f"apart: {_named(pairs)}. The recordings do not show what makes one better than the other, "
-        "or too few of them do. If the difference matters, add recordings that show it; if it "
-        "doesn\u2019t, put them into one tier; or check that they are in the right order."
+        "The reward model follows the ranking, but not everywhere (Kendall\u2019s tau"
+        f" {check.tau:.2f}{held_out})."
+        + (f" It can\u2019t tell these tiers apart: {_named(pairs)}." if pairs else "")
+        + " Games that show more clearly what is better, or more bad games of other kinds, help."
     )
 
 

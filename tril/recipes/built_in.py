@@ -83,7 +83,10 @@ FAST = replace(
     ),
     default_steps=600_000,
     ordered_steps=1_800_000,
-    summary="Minutes on a laptop: networks that know the game, reward for progress, a head start.",
+    summary=(
+        "Recommended, minutes on a laptop: infers which aliens the order asks for and begins with"
+        " a clone."
+    ),
 )
 
 DAGGER = Recipe(

@@ -5,6 +5,13 @@ from __future__ import annotations
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import ConfusedTiers, RankingCheck
 
+CONFUSED = (
+    ConfusedTiers(8, 9, held_out=False, n_right=0, n_compared=1),
+    ConfusedTiers(3, 7, held_out=True, n_right=2, n_compared=4),
+    ConfusedTiers(8, 9, held_out=True, n_right=1, n_compared=2),
+    ConfusedTiers(1, 2, held_out=True, n_right=9, n_compared=10),
+)
+
 
 def test_advice_names_what_is_confused() -> None:
     confused = tuple(
@@ -35,18 +42,12 @@ def test_a_ranking_that_is_followed_in_part_gives_a_warning_and_no_advice() -> N
     assert "apart: 3 and 7." in warning(check)
 
 
-def test_a_ranking_that_was_understood_needs_no_words() -> None:
-    check = RankingCheck({}, {}, 0.95, 0.9, None, (), passed=True)
-    assert advice(check) == warning(check) == ""
-
-
 def test_a_warning_names_the_tiers_that_are_not_told_apart_each_pair_once() -> None:
-    confused = (
-        ConfusedTiers(8, 9, held_out=False, n_right=0, n_compared=1),
-        ConfusedTiers(3, 7, held_out=True, n_right=2, n_compared=4),
-        ConfusedTiers(8, 9, held_out=True, n_right=1, n_compared=2),
-        ConfusedTiers(1, 2, held_out=True, n_right=9, n_compared=10),
-    )
-    check = RankingCheck({}, {}, 0.95, 0.99, 0.96, confused, passed=True)
-    assert advice(check) == ""
-    assert "apart: 8 and 9, 3 and 7. The" in warning(check)
+    check = RankingCheck({}, {}, 0.7, 0.8, 0.75, CONFUSED, passed=True)
+    assert "apart: 8 and 9, 3 and 7. Games" in warning(check)
+
+
+def test_a_ranking_that_was_understood_needs_no_words_single_tiers_aside() -> None:
+    for confused in ((), CONFUSED):
+        check = RankingCheck({}, {}, 0.95, 0.9, None, confused, passed=True)
+        assert advice(check) == warning(check) == ""

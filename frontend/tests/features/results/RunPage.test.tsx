@@ -462,7 +462,7 @@ describe("the results", () => {
     ).toBeVisible();
   });
 
-  it("warn of tiers that can't be told apart though the check passed", async () => {
+  it("warn of a reward that does not follow the ranking everywhere", async () => {
     const check = results.check && { ...results.check, warning: "It can’t tell 1 and 2 apart." };
     open(one, { ...results, check: check ?? null });
     const warning = await screen.findByText(/It can’t tell 1 and 2 apart/);
@@ -470,7 +470,7 @@ describe("the results", () => {
       "href",
       "#check",
     );
-    expect(screen.getByText(/but can’t tell some tiers apart/)).toBeVisible();
+    expect(screen.getByText(/as they are ranked, but confuses some tiers/)).toBeVisible();
   });
 
   it("judge ranked games by the levels that they end at", async () => {

@@ -51,10 +51,11 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
   );
 }
 
-function verdictOf({ passed, advice, warning }: RankingCheck): string {
+function verdictOf({ passed, advice, confused }: RankingCheck): string {
   if (!passed) return advice;
-  const order = t`The learned reward orders the recordings as they are ranked`;
-  return warning ? t`${order}, but can’t tell some tiers apart.` : `${order}.`;
+  return confused.length > 0
+    ? t`The learned reward orders the recordings as they are ranked, but confuses some tiers.`
+    : t`The learned reward orders the recordings as they are ranked.`;
 }
 
 function Numbers({ check }: { check: RankingCheck }) {
@@ -95,6 +96,12 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
       <h3>
         <Trans>Confused tiers</Trans>
       </h3>
+      <p>
+        <Trans>
+          Where the difference matters, rank more recordings that show it; where it doesn&rsquo;t,
+          put them into one tier.
+        </Trans>
+      </p>
       <ConfusedList confused={sorted.slice(0, SHOWN)} />
       {more.length > 0 && (
         <details>
