@@ -104,9 +104,49 @@ def keep_evenly(ranking: Ranking, n_games: int) -> Ranking:
     return normalise([index for index in tier if index in kept] for tier in ranking.tiers)
 
 
-def judge(example: Example, n_ranked: int, n_best: int, seed: int) -> Mistakes | None:
-    """Return what is wrong with the labels; None if the kept games are all in one tier."""
+def join_tiers(ranking: Ranking, n_tiers: int) -> Ranking:
+    """Return the ranking in so many tiers of about as many games, if it has more."""
+    if len(ranking.tiers) <= n_tiers:
+        return ranking
+    return normalise(part.tolist() for part in np.array_split(ranking.items, n_tiers))
+
+
+def rank_also(ranking: Ranking, games: Sequence[Game], further: Sequence[int]) -> Ranking:
+    """Return the ranking with further games: each beside the first tier that is worth as much."""
+    tiers = [list(tier) for tier in ranking.tiers]
+    for index in further:
+        worth = games[index].worth
+        of_tiers = [games[tier[0]].worth for tier in tiers]
+        if worth in of_tiers:
+            tiers[of_tiers.index(worth)].append(index)
+        else:
+            tiers.insert(sum(other > worth for other in of_tiers), [index])
+    return normalise(tiers)
+
+
+def judge(
+    example: Example,
+    n_ranked: int,
+    n_best: int,
+    seed: int,
+    n_tiers: int | None = None,
+    n_further: int = 0,
+) -> Mistakes | None:
+    """Return what is wrong with the labels; None if the kept games are all in one tier.
+
+    Args:
+        example: What is shown.
+        n_ranked: Number of its ranked games that are kept.
+        n_best: Number of its best efforts.
+        seed: Of the sampling.
+        n_tiers: Join the ranked games into so many tiers.
+        n_further: Number of other best efforts that are ranked, too.
+    """
     ranking = keep_evenly(example.ranking, n_ranked)
+    if n_tiers is not None:
+        ranking = join_tiers(ranking, n_tiers)
+    others = example.best_efforts[n_best:]
+    ranking = rank_also(ranking, example.games, others[:n_further])
     if len(ranking.tiers) < 2:
         return None
     best = best_games(ranking.tiers, example.best_efforts[:n_best] or best_ranked(ranking.tiers))
@@ -130,6 +170,8 @@ def main() -> None:
     parser.add_argument("--demonstrations", default="person-250", help="see tril demo --help")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--first-seed", type=int, default=300)
+    parser.add_argument("--tiers", type=int, help="join the ranked games into so many tiers")
+    parser.add_argument("--further", type=int, default=0, help="rank so many other best efforts")
     arguments = parser.parse_args()
     console = Console()
     for name, behaviours in (("Built-in behaviours", BUILT_IN), ("Further behaviours", OWN)):
@@ -138,7 +180,8 @@ def main() -> None:
             seed = arguments.first_seed + number
             example = make(behaviour, arguments.demonstrations, seed, console)
             for kept in itertools.product(N_RANKED, N_BEST):
-                if (mistakes := judge(example, *kept, seed)) is not None:
+                mistakes = judge(example, *kept, seed, arguments.tiers, arguments.further)
+                if mistakes is not None:
                     found.setdefault(kept, []).append(mistakes)
         print(f"\n{name}:\n\n{table(found)}", flush=True)
 

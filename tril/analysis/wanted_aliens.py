@@ -265,15 +265,17 @@ def _probability(differences: Array) -> Array:
 def best_games(tiers: Sequence[Sequence[int]], perfect: Collection[int]) -> list[int]:
     """Return the games that are meant as all of the behaviour.
 
-    They are the perfect demonstrations and the best ranked games, unless the first tier is so large
-    that it says little; without perfect demonstrations they are the best ranked games.
+    They are the perfect demonstrations and the best ranked games, unless the first tier, more than a
+    quarter both of the games and of the tiers, says little; without perfect demonstrations they are
+    the best ranked games.
 
     Args:
         tiers: Ranked games, best tier first.
         perfect: The perfect demonstrations.
     """
     ranked = best_ranked(tiers)
-    if perfect and len(ranked) > BEST_SHARE * sum(len(tier) for tier in tiers):
+    n_games = sum(len(tier) for tier in tiers)
+    if perfect and min(len(ranked) / n_games, 1 / len(tiers)) > BEST_SHARE:
         ranked = []
     return sorted({*ranked, *perfect})
 

@@ -183,5 +183,8 @@ def test_the_best_games_are_the_perfect_ones_and_the_best_ranked() -> None:
     assert best_games(tiers, []) == [4]
     assert best_games(tiers, [9, 4]) == [4, 9]
     # A first tier of half of the games says little beside perfect ones.
+    # Further games that are as good as the best one must not undo what it says.
+    assert best_games([[1, 2], [3], [4], [5]], [9]) == [1, 2, 9]
+    assert best_games([[1, 2], [3], [4]], [9]) == [9]
     assert best_games([[1, 2], [3, 4]], [9]) == [9]
     assert best_games([[1, 2], [3, 4]], []) == [1, 2]
