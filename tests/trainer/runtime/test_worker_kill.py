@@ -14,7 +14,7 @@ from tril.jobs import Jobs
 from tril.store import recordings
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
-N_KILLS = 20
+N_KILLS = 10
 LONGEST_LIFE = 0.6
 """Of a worker, as a share of what a run takes that nothing happens to."""
 
@@ -24,7 +24,7 @@ LONGEST_LIFE_S = 3.0
 
 @pytest.mark.lengthy
 @pytest.mark.timeout(400)
-def test_20_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole(
+def test_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
     untouched = workplace.make_run(TINY)
