@@ -6,10 +6,12 @@ Each of the 36 aliens then has a label, +1 if it is wanted and -1 if not, and a 
 sum of the labels of what it hit. As in Bayesian REX (Brown et al. 2020), the posterior is sampled
 from the likelihood of the preferences; the labels and the prior are ours.
 
-- Prior. Each further alien of a column is wanted with probability 0.3. The best games are meant as
-  all of the behaviour: of those that had an alien in reach, the number that hit it follows a
-  beta-binomial distribution, with parameters v and 1 if it is wanted, 1 and u if it is not. v and u
-  are the most likely ones (empirical Bayes).
+- Prior. The lowest alien of a column is wanted with probability s, a further one, if all below it
+  are, with c. The best games are meant as all of the behaviour: of those that had an alien in
+  reach, the number that hit it follows a beta-binomial distribution, with parameters v and 1 if it
+  is wanted, 1 and u if it is the lowest of its column that is not. Those behind that one come into
+  reach by accident; they have the parameters 1 and 2. s, c, v and u are the most likely ones
+  (empirical Bayes).
 - Likelihood. Of two games in different tiers, the better one is ranked higher with probability
   0.1 + 0.8 sigmoid(difference in worth). Each pair's log likelihood is divided by the size of the
   larger of its tiers: whoever puts 24 games below another says one thing, not 24.
@@ -22,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import lgamma
+from math import lgamma, log
 from typing import Self
 
 import numpy as np
@@ -38,14 +40,17 @@ N_ALIENS = ROWS * COLUMNS
 LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
 """Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
 
-WANTED = 0.3
-"""Probability that an alien is wanted if all below it in its column are."""
+WANTED = (0.1, 0.3, 0.5)
+"""Values of s and c that are considered."""
 
 MISSED = (1, 2, 4, 8)
 """Values of v that are considered: a wanted alien is missed about once in v + 1 games."""
 
 UNWANTED = (5, 10, 20, 40, 80, 160)
 """Values of u that are considered: an unwanted alien is hit about once in u + 1 games."""
+
+BEHIND = (1, 2)
+"""Parameters of unwanted aliens behind others: whoever strays often goes on to stray."""
 
 REACH_STEPS = 25
 """Fewest steps to the end of a game with which the lowest alien of a column is in reach."""
@@ -150,11 +155,28 @@ def log_prior(best: Sequence[Hits]) -> Array:
         found = [_log_beta_binomial(k, n, a, b) for k, n in zip(n_hit, n_reached, strict=True)]
         return np.reshape(found, (ROWS, COLUMNS)).T[:, None]
 
-    n_wanted = np.arange(ROWS + 1)
-    own = n_wanted * np.log(WANTED) + (n_wanted < ROWS) * np.log1p(-WANTED)
-    wanted, others = [of_hits(v, 1) for v in MISSED], [of_hits(1, u) for u in UNWANTED]
-    candidates = [own + np.where(LABELS > 0, *both).sum(2) for both in product(wanted, others)]
+    n_wanted, row = np.arange(ROWS + 1)[:, None], np.arange(ROWS)
+    is_wanted, is_next = row < n_wanted, row == n_wanted
+    behind = of_hits(*BEHIND)
+    of_best = [
+        np.select([is_wanted, is_next], [of_hits(v, 1), of_hits(1, u)], behind).sum(2)
+        for v, u in product(MISSED, UNWANTED)
+    ]
+    of_numbers = [_log_probability_of_numbers(s, c) for s, c in product(WANTED, repeat=2)]
+    candidates = [one + other for one, other in product(of_best, of_numbers)]
     return max(candidates, key=lambda one: np.logaddexp.reduce(one, axis=1).sum())
+
+
+def _log_probability_of_numbers(lowest: float, further: float) -> Array:
+    """Return the log probability that 0 to 6 aliens of a column are wanted, float64 (7,).
+
+    Args:
+        lowest: Probability that the lowest one is.
+        further: That another one is, if all below it are.
+    """
+    some = log(lowest) + np.arange(ROWS) * log(further)
+    some[:-1] += log(1.0 - further)
+    return np.array([log(1.0 - lowest), *some])
 
 
 def _log_beta_binomial(k: int, n: int, a: int, b: int) -> float:
@@ -265,9 +287,9 @@ def _probability(differences: Array) -> Array:
 def best_games(tiers: Sequence[Sequence[int]], perfect: Collection[int]) -> list[int]:
     """Return the games that are meant as all of the behaviour.
 
-    They are the perfect demonstrations and the best ranked games, unless the first tier, more than a
-    quarter both of the games and of the tiers, says little; without perfect demonstrations they are
-    the best ranked games.
+    They are the perfect demonstrations and the best ranked games, unless the first tier says
+    little, being more than a quarter both of the games and of the tiers; without perfect
+    demonstrations they are the best ranked games.
 
     Args:
         tiers: Ranked games, best tier first.

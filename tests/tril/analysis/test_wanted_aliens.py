@@ -85,7 +85,7 @@ def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
     # Of a column that nobody shoots at, nothing but the prior says what is behind its first alien.
     row = log_prior([hits(ROW_1)] * 10)
     assert row.argmax(1).tolist() == [1] * 6
-    assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(WANTED), abs=1e-9)
+    assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(min(WANTED)), abs=1e-9)
 
 
 def test_an_alien_that_most_of_the_best_games_spare_is_not_wanted() -> None:
@@ -94,6 +94,13 @@ def test_an_alien_that_most_of_the_best_games_spare_is_not_wanted() -> None:
     # Where wanted ones are missed as often, it may be wanted, too.
     missed = [hits(COLUMN_3[:3]), hits(COLUMN_3[:2]), hits(COLUMN_3[:1])] * 3
     assert log_prior([*missed, *[hits(COLUMN_3[:5])] * 3]).argmax(1)[2] == 5
+
+
+def test_games_that_stray_far_behind_an_unwanted_alien_do_not_make_it_wanted() -> None:
+    block = [0, 6, 12, 1, 7, 13]
+    missing_one = [hits([0, 6, 1, 7, 13])] * 3 + [hits([0, 6, 12, 1, 7])] * 3
+    best = [hits(block)] * 5 + missing_one + [hits([*block, 18, 24, 30])] * 2
+    assert log_prior(best).argmax(1).tolist() == [3, 3, 0, 0, 0, 0]
 
 
 def test_what_nothing_has_reached_is_not_taken_for_wanted() -> None:
