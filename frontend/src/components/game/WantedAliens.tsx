@@ -40,6 +40,7 @@ const CELLS: readonly Cell[] = [...ALL_CELLS].sort((a, b) => a[0] - b[0] || a[1]
 /** Which aliens are inferred to be wanted, which to be left alone, and which may be either. */
 export function WantedAliens({ title, inferred, behaviour, scale, children }: WantedAliensProps) {
   const { wanted, others, unsure } = sorted(inferred);
+  const { missed, strange } = compared(wanted, behaviour.target);
   const rows = orderedRows(inferred);
   const numbers = rows.join(", ");
   const side = GRID_SIZE * scale;
@@ -51,7 +52,7 @@ export function WantedAliens({ title, inferred, behaviour, scale, children }: Wa
         width={side}
         height={side}
         role="img"
-        aria-label={describe(wanted, unsure, behaviour.target ?? [])}
+        aria-label={describe(wanted, unsure, missed)}
       >
         <path className={styles.targets} d={outline(behaviour.target ?? [])} />
         <path className={gridStyles.standing} d={gridPath(others)} />
@@ -63,6 +64,24 @@ export function WantedAliens({ title, inferred, behaviour, scale, children }: Wa
         <p>
           <Trans>The coloured aliens are to be hit, the grey ones to be left alone.</Trans>
         </p>
+        {missed.length > 0 && (
+          <p>
+            {plural(missed.length, {
+              one: "# target (outlined) is grey: hit it in a game that you rank first or mark as perfect.",
+              other:
+                "# targets (outlined) are grey: hit them in a game that you rank first or mark as perfect.",
+            })}
+          </p>
+        )}
+        {strange.length > 0 && (
+          <p>
+            {plural(strange.length, {
+              one: "# coloured alien is no target: rank a game that hits it below one that spares it.",
+              other:
+                "# coloured aliens are no targets: rank games that hit them below ones that spare them.",
+            })}
+          </p>
+        )}
         {unsure.length > 0 && (
           <p>
             {plural(unsure.length, {
@@ -108,6 +127,19 @@ function sorted({ labels }: Inferred): { wanted: Cell[]; others: Cell[]; unsure:
   };
 }
 
+/** Targets that are not taken for wanted, and aliens that are though they are none. */
+function compared(
+  wanted: readonly Cell[],
+  target: readonly Cell[] | null,
+): { missed: Cell[]; strange: Cell[] } {
+  if (!target) return { missed: [], strange: [] };
+  const [found, meant] = [new Set(wanted.map(cellKey)), new Set(target.map(cellKey))];
+  return {
+    missed: target.filter((cell) => !found.has(cellKey(cell))),
+    strange: wanted.filter((cell) => !meant.has(cellKey(cell))),
+  };
+}
+
 /** The rows, from 1, in which a wanted alien counts only once all on its left are gone. */
 function orderedRows({ labels, in_order: inOrder }: Inferred): number[] {
   const ordered = CELLS.filter(
@@ -119,11 +151,9 @@ function orderedRows({ labels, in_order: inOrder }: Inferred): number[] {
 function describe(
   wanted: readonly Cell[],
   unsure: readonly Cell[],
-  target: readonly Cell[],
+  missed: readonly Cell[],
 ): string {
   const names = wanted.map(cellName).join("; ");
-  const found = new Set(wanted.map(cellKey));
-  const missed = target.filter((cell) => !found.has(cellKey(cell)));
   return [
     wanted.length === 0 ? t`No alien is to be hit` : t`To be hit: ${names}`,
     missed.length > 0 && t`Targets among the others: ${missed.map(cellName).join("; ")}`,

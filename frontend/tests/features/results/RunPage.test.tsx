@@ -435,6 +435,8 @@ describe("the results", () => {
       }),
     ).toBeVisible();
     expect(wanted.getByText(/^Not sure about 1 alien \(dashed frame\)/)).toBeVisible();
+    expect(wanted.getByText(/^1 target \(outlined\) is grey/)).toBeVisible();
+    expect(wanted.getByText(/^2 coloured aliens are no targets/)).toBeVisible();
     expect(
       wanted.getByText("In row 1, a wanted alien counts only once all on its left are gone."),
     ).toBeVisible();
