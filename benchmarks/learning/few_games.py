@@ -86,15 +86,20 @@ def make(behaviour: Behaviour, kind_name: str, seed: int, console: Console) -> E
     n_ranked = sum(not one.perfect for one in shown)
     true = order(games[:n_ranked])
     n_swaps = min(kind.n_mistakes, len(true.tiers) // 2)
-    labels = np.full((ROWS, COLUMNS), -1.0)
-    for row, column in behaviour.target or ():
-        labels[row, column] = 1.0
     return Example(
         swap_neighbours(true, n_swaps, np.random.default_rng([seed, 11])),
         games,
         range(n_ranked, len(games)),
-        labels.ravel(),
+        true_labels(behaviour),
     )
+
+
+def true_labels(behaviour: Behaviour) -> Labels:
+    """Return 1 for a behaviour's targets and -1 for all other aliens, float64 (36,)."""
+    labels = np.full((ROWS, COLUMNS), -1.0)
+    for row, column in behaviour.target or ():
+        labels[row, column] = 1.0
+    return labels.ravel()
 
 
 def keep_evenly(ranking: Ranking, n_games: int) -> Ranking:

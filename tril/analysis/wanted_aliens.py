@@ -156,15 +156,18 @@ def log_prior(best: Sequence[Hits]) -> Array:
         return np.reshape(found, (ROWS, COLUMNS)).T[:, None]
 
     n_wanted, row = np.arange(ROWS + 1)[:, None], np.arange(ROWS)
-    is_wanted, is_next = row < n_wanted, row == n_wanted
-    behind = of_hits(*BEHIND)
-    of_best = [
-        np.select([is_wanted, is_next], [of_hits(v, 1), of_hits(1, u)], behind).sum(2)
-        for v, u in product(MISSED, UNWANTED)
-    ]
+    wanted = np.stack([of_hits(v, 1) for v in MISSED])[:, None]
+    others = np.stack([of_hits(1, u) for u in UNWANTED])
+    # By v, u, column and number of wanted aliens.
+    of_best = np.select([row < n_wanted, row == n_wanted], [wanted, others], of_hits(*BEHIND)).sum(
+        4
+    )
     of_numbers = [_log_probability_of_numbers(s, c) for s, c in product(WANTED, repeat=2)]
-    candidates = [one + other for one, other in product(of_best, of_numbers)]
-    return max(candidates, key=lambda one: np.logaddexp.reduce(one, axis=1).sum())
+    candidates = np.concatenate(
+        [of_best.reshape(-1, COLUMNS, ROWS + 1) + one for one in of_numbers]
+    )
+    likely: Array = candidates[np.logaddexp.reduce(candidates, axis=2).sum(1).argmax()]
+    return likely
 
 
 def _log_probability_of_numbers(lowest: float, further: float) -> Array:
