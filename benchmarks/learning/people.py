@@ -38,6 +38,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from benchmarks.learning.attempts import attempt
 from benchmarks.learning.few_games import keep_evenly
 from benchmarks.learning.own_behaviours import BEHAVIOURS
 from trainer.nn.precision import Precision
@@ -80,6 +81,10 @@ REWARDS = ("ranking", "hits", "shuffled")
 
 N_SCORED = 96
 """Games of varied play whose true hits a reward is fitted to."""
+
+N_MISTAKES, N_MARKED, ATTEMPTS_PER_RANDOM_GAME = 3, 3, 4
+"""Of a person who plans no game: swapped neighbours, games marked as perfect, and share of games of
+random play."""
 
 WRONG_ANSWERS = 0.1
 """Share of the answers about the imitator's games that put them in a random place."""
@@ -323,25 +328,52 @@ class Lesson:
         self.console = Console()
         self.rng = np.random.default_rng([self.seed, 1_000_039])
         self.ranked = Ranked(self.behaviour)
-        kind = kind_named(arguments.demonstrations)
-        shown = list(make_example(self.behaviour, np.random.default_rng(self.seed), kind=kind))
-        for one in shown:
-            if not one.perfect:
-                self.ranked.add(one.recording, self.console)
-        self.ranked.order(kind.n_mistakes, self.rng)
-        if arguments.ranked_games < len(self.ranked.recordings):
-            self.ranked.keep_evenly(arguments.ranked_games)
-        self._add_varied_games(kind.n_mistakes)
+        self.perfect: list[Recording] = []
+        self.ranked_as: list[int | None] = []
+        if arguments.attempts:
+            n_mistakes = N_MISTAKES
+            self._show_attempts()
+        else:
+            n_mistakes = self._show_kind()
+        self._add_varied_games(n_mistakes)
         if arguments.reward == "shuffled":
             np.random.default_rng([self.seed, 3]).shuffle(self.ranked.tiers)
-        best_efforts = [one.recording for one in shown if one.perfect]
-        self.perfect = best_efforts[: arguments.best_efforts]
         if arguments.ranked_alone:
             best = best_ranked(self.ranked.tiers)
             self.perfect = [self.ranked.recordings[index] for index in best]
+            self.ranked_as = [None] * len(best)
         self.seen = [trajectory(recording, self.console) for recording in self.perfect]
         self.unseen = UnseenGames(self.behaviour, self.console)
         self._copies: list[PerturbedDemonstration] | None = None
+
+    def _show_kind(self) -> int:
+        """Show games that are planned; return how many mistakes there are in their order."""
+        kind = kind_named(self.arguments.demonstrations)
+        best_efforts = []
+        for one in make_example(self.behaviour, np.random.default_rng(self.seed), kind=kind):
+            if one.perfect:
+                best_efforts.append(one.recording)
+            else:
+                self.ranked.add(one.recording, self.console)
+        self.ranked.order(kind.n_mistakes, self.rng)
+        if self.arguments.ranked_games < len(self.ranked.recordings):
+            self.ranked.keep_evenly(self.arguments.ranked_games)
+        self.perfect = best_efforts[: self.arguments.best_efforts]
+        self.ranked_as = [None] * len(self.perfect)
+        return kind.n_mistakes
+
+    def _show_attempts(self) -> None:
+        """Show attempts and random play; the best are ranked and marked as perfect."""
+        rng = np.random.default_rng(self.seed)
+        for _ in range(self.arguments.attempts):
+            self.ranked.add(attempt(self.behaviour, rng, self.console), self.console)
+        for _ in range(self.arguments.attempts // ATTEMPTS_PER_RANDOM_GAME):
+            self.ranked.add(play_randomly(rng, self.console).recording, self.console)
+        self.ranked.order(0, self.rng)
+        marked = [index for tier in self.ranked.tiers for index in tier][:N_MARKED]
+        self.perfect = [self.ranked.recordings[index] for index in marked]
+        self.ranked_as = [*marked]
+        self.ranked.order(N_MISTAKES, self.rng)
 
     def _add_varied_games(self, n_mistakes: int) -> None:
         play_one = play_randomly if self.arguments.random_play else play_varied
@@ -383,7 +415,7 @@ class Lesson:
                 rng,
                 lambda: None,
             )
-        perfect = PerfectDemonstrations(self.seen, [None] * len(self.seen), self._copies)
+        perfect = PerfectDemonstrations(self.seen, self.ranked_as, self._copies)
         ranked = self.ranked
         return PreferenceDataset.from_demonstrations(
             ranked.trajectories, ranked.tiers, recipe, perfect
@@ -469,6 +501,9 @@ def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("-s", "--training-seed", type=int, default=0)
     parser.add_argument("--steps", type=int, default=200_000, help="of all rounds together")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument(
+        "--attempts", type=int, default=0, help="so many of a person who plans no game, instead"
+    )
     parser.add_argument("--ranked-games", type=int, default=12, help="evenly from the order")
     parser.add_argument("--best-efforts", type=int, default=12)
     parser.add_argument("--varied-games", type=int, default=0)

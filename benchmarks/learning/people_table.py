@@ -33,6 +33,7 @@ Line = dict[str, Any]
 
 CONDITION = (
     "demonstrations",
+    "attempts",
     "ranked_games",
     "best_efforts",
     "varied_games",
@@ -60,6 +61,7 @@ N_SHOWN = 12
 NOT_ASKED = {
     "bulk_answers": 0,
     "ranked_alone": False,
+    "attempts": 0,
     "ranked_games": N_SHOWN,
     "best_efforts": N_SHOWN,
     "inference": "",
@@ -244,7 +246,7 @@ def _mean(values: Iterable[float]) -> float:
 
 def _title(line: Line) -> str:
     varied = f"{line['varied_games'] or 'no'} varied games"
-    parts = [line["demonstrations"]]
+    parts = [f"{n} attempts" if (n := line["attempts"]) else line["demonstrations"]]
     if line["ranked_games"] < N_SHOWN or line["best_efforts"] < N_SHOWN:
         parts.append(f"{line['ranked_games']} ranked games, {line['best_efforts']} best efforts")
     parts.append(varied)
