@@ -1,13 +1,13 @@
-"""From how many games of a person who plans none of them Tril infers which aliens are wanted.
+"""How well Tril infers the wanted aliens from games of a person who does not plan them.
 
     python -m benchmarks.learning.attempts --first-seed 604 --seeds 4
 
 A scripted player of varying skill tries to do all of a behaviour, again and again; each game has
 limits of its own, up to three times those of `person-250`. Some games of random play are ranked
-beside the attempts, as if it had been playing about. All are ranked by what they are worth, with
+beside the attempts, as if the player had fooled around. All are ranked by what they are worth, with
 pairs of neighbours swapped, and the best are marked as perfect, whatever they miss. Prints in how
 many examples an alien is taken wrongly, how many aliens are on average, how far the worst label is
-from the true one (0 to 2), and how many targets the best game hits.
+from the true one (0 to 2), and what the best game is worth (targets - strays).
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ SLOWER = (0.8, 1.6)
 """Range of the factor of a game's reaction time."""
 
 MISSED_BOMBS = 0.5
-"""At most."""
+"""Upper limit of the share of bombs that go unnoticed."""
 
 
 def errors(rng: np.random.Generator) -> ErrorModel:

@@ -110,10 +110,11 @@ def keep_evenly(ranking: Ranking, n_games: int) -> Ranking:
 
 
 def join_tiers(ranking: Ranking, n_tiers: int) -> Ranking:
-    """Return the ranking in so many tiers of about as many games, if it has more."""
+    """Return the ranking with neighbouring tiers joined into so many, if it has more."""
     if len(ranking.tiers) <= n_tiers:
         return ranking
-    return normalise(part.tolist() for part in np.array_split(ranking.items, n_tiers))
+    parts = np.array_split(np.arange(len(ranking.tiers)), n_tiers)
+    return normalise([item for tier in part for item in ranking.tiers[tier]] for part in parts)
 
 
 def rank_also(ranking: Ranking, games: Sequence[Game], further: Sequence[int]) -> Ranking:
@@ -175,7 +176,9 @@ def main() -> None:
     parser.add_argument("--demonstrations", default="person-250", help="see tril demo --help")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--first-seed", type=int, default=300)
-    parser.add_argument("--tiers", type=int, help="join the ranked games into so many tiers")
+    parser.add_argument(
+        "--tiers", type=int, help="join neighbouring tiers into so many, two or more"
+    )
     parser.add_argument("--further", type=int, default=0, help="rank so many other best efforts")
     arguments = parser.parse_args()
     console = Console()

@@ -11,13 +11,14 @@ that are inserted into the order, or, with `--unsorted`, put below the worst, or
 the training is interrupted: some of the imitator's own games are inserted into the order (one
 answer in ten is wrong), and the reward is learned anew. With `--ranked-alone` the best ranked games
 stand in for best efforts; with `--ranked-games` and `--best-efforts` there are fewer than twelve.
-The imitator is judged on the 32 evaluation
-starts with their openings, greedily and with sticky actions, and without openings.
+With `--attempts` a person who plans no game tries again and again to do all of the behaviour, see
+benchmarks.learning.attempts; the best three games are ranked and marked as perfect. The imitator is
+judged on the 32 evaluation starts with their openings, greedily and with sticky actions, and
+without openings.
 
 Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome
 and the digests of the recipe, of the weights that ship with Tril, of what infers the wanted aliens
-and of the demonstrations;
-benchmarks.learning.people_table makes tables of it. 600,000 steps take six to nine minutes on one
+and of the demonstrations; benchmarks.learning.people_table makes tables of it. 600,000 steps take six to nine minutes on one
 of two cores.
 """
 
@@ -83,8 +84,8 @@ N_SCORED = 96
 """Games of varied play whose true hits a reward is fitted to."""
 
 N_MISTAKES, N_MARKED, ATTEMPTS_PER_RANDOM_GAME = 3, 3, 4
-"""Of a person who plans no game: swapped neighbours, games marked as perfect, and share of games of
-random play."""
+"""Of a person who plans no game: swapped neighbours, games marked as perfect, and attempts per game
+of random play."""
 
 WRONG_ANSWERS = 0.1
 """Share of the answers about the imitator's games that put them in a random place."""
@@ -373,7 +374,7 @@ class Lesson:
         marked = [index for tier in self.ranked.tiers for index in tier][:N_MARKED]
         self.perfect = [self.ranked.recordings[index] for index in marked]
         self.ranked_as = [*marked]
-        self.ranked.order(N_MISTAKES, self.rng)
+        self.ranked.order(min(N_MISTAKES, len(self.ranked.tiers) // 2), self.rng)
 
     def _add_varied_games(self, n_mistakes: int) -> None:
         play_one = play_randomly if self.arguments.random_play else play_varied

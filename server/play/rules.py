@@ -26,8 +26,8 @@ class PlayRules:
             is kept as a recording.
         rewind_every_s: Seconds until one more is allowed.
         max_games: Most games in one process; as many consoles are loaded ahead.
-        leaving_s: How long a page that finds no place for games to watch waits for those that its
-            player is just leaving, seconds.
+        leaving_s: Longest wait of a page for places to watch games that its player's other pages
+            are about to give up, seconds.
     """
 
     countdown: int = 3

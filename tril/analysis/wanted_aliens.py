@@ -40,8 +40,8 @@ N_ALIENS = ROWS * COLUMNS
 LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
 """Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
 
-WANTED = (0.1, 0.3, 0.5)
-"""Values of s and c that are considered."""
+WANTED = (0.3, 0.1, 0.5)
+"""Values of s and c that are considered; of equally likely ones the first counts."""
 
 MISSED = (1, 2, 4, 8)
 """Values of v that are considered: a wanted alien is missed about once in v + 1 games."""
@@ -50,7 +50,7 @@ UNWANTED = (5, 10, 20, 40, 80, 160)
 """Values of u that are considered: an unwanted alien is hit about once in u + 1 games."""
 
 BEHIND = (1, 2)
-"""Parameters of unwanted aliens behind others: whoever strays often goes on to stray."""
+"""Parameters of unwanted aliens behind another unwanted one: whoever strays often strays on."""
 
 REACH_STEPS = 25
 """Fewest steps to the end of a game with which the lowest alien of a column is in reach."""
@@ -166,7 +166,8 @@ def log_prior(best: Sequence[Hits]) -> Array:
     candidates = np.concatenate(
         [of_best.reshape(-1, COLUMNS, ROWS + 1) + one for one in of_numbers]
     )
-    likely: Array = candidates[np.logaddexp.reduce(candidates, axis=2).sum(1).argmax()]
+    evidence = np.logaddexp.reduce(candidates, axis=2).sum(1).round(9)
+    likely: Array = candidates[evidence.argmax()]
     return likely
 
 

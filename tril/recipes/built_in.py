@@ -84,7 +84,7 @@ FAST = replace(
     default_steps=600_000,
     ordered_steps=1_800_000,
     summary=(
-        "Recommended, minutes on a laptop: infers which aliens the order asks for and begins with"
+        "Recommended; minutes on a laptop: infers which aliens the order asks for and begins with"
         " a clone."
     ),
 )

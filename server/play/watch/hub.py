@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections import Counter
 from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,6 +39,9 @@ from tril.store import behaviours, games
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import artifacts, runs
+
+TRY_AGAIN_S = 0.5
+"""Seconds after which a page that waits for places looks for them again, at the latest."""
 
 WHY_IDLE = "The game was paused for long."
 WHY_FAILED = "An error stopped the game."
@@ -99,6 +104,8 @@ class WatchHub:
         self._resources = SessionResources(consoles, rules, self.lateness)
         self._events = WatchEvents(self._on_take_over, self._on_error)
         self._sessions: dict[WatchSession, WatchPlan] = {}
+        # Places of each player, those of games that are being opened included.
+        self._n_held: Counter[int] = Counter()
         # Set when places are given up, and then replaced.
         self._left = asyncio.Event()
         self._tasks = (PeriodicTask("watched", self._close_idle, rules.sweep_every_s),)
@@ -135,7 +142,7 @@ class WatchHub:
         try:
             played = await asyncio.to_thread(self._begin, plan)
         except BaseException:
-            self._give_up_places(len(plan.players))
+            self._give_up_places(len(plan.players), player_id)
             raise
         session = WatchSession(
             [Lane(n, game, plan.behaviour, socket) for n, game in enumerate(played)],
@@ -150,10 +157,11 @@ class WatchHub:
 
     async def close(self, session: WatchSession) -> None:
         """End a page's games."""
-        if self._sessions.pop(session, None) is None:
+        plan = self._sessions.pop(session, None)
+        if plan is None:
             return
         # At once: a page that watches other games opens them while these come to a stop.
-        self._give_up_places(len(session.lanes))
+        self._give_up_places(len(plan.players), plan.player_id)
         await session.close()
         for lane in session.lanes:
             self._consoles.give_back(lane.game.episode.console)
@@ -166,16 +174,19 @@ class WatchHub:
         Raises:
             TooManyGames: There are no places.
         """
-        deadline = asyncio.get_running_loop().time() + self._rules.leaving_s
+        clock = asyncio.get_running_loop().time
+        deadline = clock() + self._rules.leaving_s
         while True:
             left = self._left
             try:
                 return await self._try_to_take_places(n_games, player_id)
             except TooManyGames:
-                if all(plan.player_id != player_id for plan in self._sessions.values()):
+                may_leave = left.is_set() or self._n_held[player_id] > 0
+                if clock() >= deadline or not may_leave:
                     raise
-                if not await _happens(left, deadline):
-                    raise
+            # Other games end without a word to this hub.
+            with suppress(TimeoutError):
+                await asyncio.wait_for(left.wait(), TRY_AGAIN_S)
 
     async def _try_to_take_places(self, n_games: int, player_id: int) -> None:
         if self._games.n_games + self._limits.watched.n_open + n_games > self._rules.max_games:
@@ -192,9 +203,11 @@ class WatchHub:
         except BaseException:
             self._limits.watched.n_open -= n_games
             raise
+        self._n_held[player_id] += n_games
 
-    def _give_up_places(self, n_games: int) -> None:
+    def _give_up_places(self, n_games: int, player_id: int) -> None:
         self._limits.watched.n_open -= n_games
+        self._n_held[player_id] -= n_games
         self._left.set()
         self._left = asyncio.Event()
 
@@ -249,15 +262,6 @@ class WatchHub:
             if session.phase is Phase.WAITING and now - session.waiting_since > idle_s:
                 await session.socket.close(Close.GAME_OVER, WHY_IDLE)
                 await self.close(session)
-
-
-async def _happens(event: asyncio.Event, deadline: float) -> bool:
-    try:
-        async with asyncio.timeout_at(deadline):
-            await event.wait()
-    except TimeoutError:
-        return False
-    return True
 
 
 def _plan(session: Session, request: WatchRequest, player_id: int) -> WatchPlan:

@@ -88,6 +88,12 @@ def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
     assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(min(WANTED)), abs=1e-9)
 
 
+def test_without_best_games_the_prior_is_the_first_one() -> None:
+    odds = np.exp(log_prior([]))
+    assert odds.sum(1) == pytest.approx(1)
+    assert odds[:, 0] == pytest.approx(1 - WANTED[0])
+
+
 def test_an_alien_that_most_of_the_best_games_spare_is_not_wanted() -> None:
     lower = [hits(COLUMN_3[:4])] * 9
     assert log_prior([*lower, *[hits(COLUMN_3[:5])] * 3]).argmax(1).tolist() == [0, 0, 4, 0, 0, 0]
@@ -189,9 +195,9 @@ def test_the_best_games_are_the_perfect_ones_and_the_best_ranked() -> None:
     tiers = [[4], [2, 3], [1], [0, 5, 6, 7]]
     assert best_games(tiers, []) == [4]
     assert best_games(tiers, [9, 4]) == [4, 9]
-    # A first tier of half of the games says little beside perfect ones.
     # Further games that are as good as the best one must not undo what it says.
     assert best_games([[1, 2], [3], [4], [5]], [9]) == [1, 2, 9]
+    # In fewer than four tiers, a first tier of half of the games says little beside perfect ones.
     assert best_games([[1, 2], [3], [4]], [9]) == [9]
     assert best_games([[1, 2], [3, 4]], [9]) == [9]
     assert best_games([[1, 2], [3, 4]], []) == [1, 2]

@@ -41,6 +41,8 @@ const CELLS: readonly Cell[] = [...ALL_CELLS].sort((a, b) => a[0] - b[0] || a[1]
 export function WantedAliens({ title, inferred, behaviour, scale, children }: WantedAliensProps) {
   const { wanted, others, unsure } = sorted(inferred);
   const { missed, strange } = compared(wanted, behaviour.target);
+  const keys = new Set(unsure.map(cellKey));
+  const sure = (cells: readonly Cell[]) => cells.filter((cell) => !keys.has(cellKey(cell)));
   const rows = orderedRows(inferred);
   const numbers = rows.join(", ");
   const side = GRID_SIZE * scale;
@@ -64,21 +66,21 @@ export function WantedAliens({ title, inferred, behaviour, scale, children }: Wa
         <p>
           <Trans>The coloured aliens are to be hit, the grey ones to be left alone.</Trans>
         </p>
-        {missed.length > 0 && (
+        {sure(missed).length > 0 && (
           <p>
-            {plural(missed.length, {
+            {plural(sure(missed).length, {
               one: "# target (outlined) is grey: hit it in a game that you rank first or mark as perfect.",
               other:
                 "# targets (outlined) are grey: hit them in a game that you rank first or mark as perfect.",
             })}
           </p>
         )}
-        {strange.length > 0 && (
+        {sure(strange).length > 0 && (
           <p>
-            {plural(strange.length, {
-              one: "# coloured alien is no target: rank a game that hits it below one that spares it.",
+            {plural(sure(strange).length, {
+              one: "# coloured alien is not a target: rank a game that hits it below one that spares it.",
               other:
-                "# coloured aliens are no targets: rank games that hit them below ones that spare them.",
+                "# coloured aliens are not targets: rank games that hit them below ones that spare them.",
             })}
           </p>
         )}

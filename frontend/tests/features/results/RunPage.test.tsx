@@ -1,4 +1,4 @@
-import { fireEvent, screen, waitFor, within } from "@testing-library/react";
+import { cleanup, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
@@ -436,7 +436,7 @@ describe("the results", () => {
     ).toBeVisible();
     expect(wanted.getByText(/^Not sure about 1 alien \(dashed frame\)/)).toBeVisible();
     expect(wanted.getByText(/^1 target \(outlined\) is grey/)).toBeVisible();
-    expect(wanted.getByText(/^2 coloured aliens are no targets/)).toBeVisible();
+    expect(wanted.getByText(/^1 coloured alien is not a target/)).toBeVisible();
     expect(
       wanted.getByText("In row 1, a wanted alien counts only once all on its left are gone."),
     ).toBeVisible();
@@ -472,7 +472,17 @@ describe("the results", () => {
       "href",
       "#check",
     );
-    expect(screen.getByText(/as they are ranked, but confuses some tiers/)).toBeVisible();
+  });
+
+  it("say whether the reward orders all recordings as they are ranked", async () => {
+    open(one, results);
+    expect(await screen.findByText(/^The learned reward mostly orders/)).toBeVisible();
+    cleanup();
+    const check = results.check && { ...results.check, confused: [] };
+    open(one, { ...results, check: check ?? null });
+    expect(
+      await screen.findByText("The learned reward orders the recordings as they are ranked."),
+    ).toBeVisible();
   });
 
   it("judge ranked games by the levels that they end at", async () => {

@@ -395,6 +395,9 @@ def test_a_page_that_goes_on_to_other_games_waits_for_the_places_of_the_old(scen
     with watching(scene.live.settings, scene.run_id, *four) as page:
         page.until("hello")
         with watching(scene.live.settings, scene.run_id, *four) as another:
+            with pytest.raises(TimeoutError):
+                # It waits, and is not refused.
+                another.next(timeout_s=0.5)
             page.socket.close()
             another.until("hello")
 

@@ -54,7 +54,7 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
 function verdictOf({ passed, advice, confused }: RankingCheck): string {
   if (!passed) return advice;
   return confused.length > 0
-    ? t`The learned reward orders the recordings as they are ranked, but confuses some tiers.`
+    ? t`The learned reward mostly orders the recordings as they are ranked; the exceptions are listed below.`
     : t`The learned reward orders the recordings as they are ranked.`;
 }
 
@@ -99,7 +99,7 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
       <p>
         <Trans>
           Where the difference matters, rank more recordings that show it; where it doesn&rsquo;t,
-          put them into one tier.
+          merge the tiers.
         </Trans>
       </p>
       <ConfusedList confused={sorted.slice(0, SHOWN)} />
