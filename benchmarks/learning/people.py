@@ -18,8 +18,8 @@ without openings.
 
 Prints the figures and appends them to a ledger, a line of JSON a training, with each game's outcome
 and the digests of the recipe, of the weights that ship with Tril, of what infers the wanted aliens
-and of the demonstrations; benchmarks.learning.people_table makes tables of it. 600,000 steps take six to nine minutes on one
-of two cores.
+and of the demonstrations; benchmarks.learning.people_table makes tables of it. 600,000 steps take
+six to nine minutes on one of two cores.
 """
 
 from __future__ import annotations
