@@ -37,7 +37,7 @@ from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import swap_neighbours
 from tril.game.console import Console
 from tril.game.space_invaders import COLUMNS, ROWS
-from tril.ranking import Ranking, best_ranked, normalise
+from tril.ranking import Ranking, normalise
 
 N_RANKED = (2, 3, 4, 6, 8, 12)
 N_BEST = (0, 1, 2, 3, 4, 6, 12)
@@ -130,6 +130,20 @@ def rank_also(ranking: Ranking, games: Sequence[Game], further: Sequence[int]) -
     return normalise(tiers)
 
 
+def draw_labels(
+    ranking: Ranking, games: Sequence[Game], marked: Sequence[int], rng: np.random.Generator
+) -> tuple[Labels, Labels]:
+    """Return draws of all labels, float64 (S, 36), and how surely each counts in order, (36,)."""
+    best = best_games(ranking.tiers, marked)
+    hits: dict[int, Hits] = {index: games[index].hits for index in (*ranking.items, *best)}
+    hits_of_best = [hits[index] for index in best]
+    pairs = ranking.pairs()
+    weights = pair_weights(pairs, ranking.tiers)
+    order = learned_order(hits_of_best)
+    posterior = Posterior(hits, pairs, weights, log_prior(hits_of_best), order)
+    return labels_of_draws(posterior.draws(rng, N_PASSES)), order
+
+
 def judge(
     example: Example,
     n_ranked: int,
@@ -155,15 +169,9 @@ def judge(
     ranking = rank_also(ranking, example.games, others[:n_further])
     if len(ranking.tiers) < 2:
         return None
-    best = best_games(ranking.tiers, example.best_efforts[:n_best] or best_ranked(ranking.tiers))
-    hits: dict[int, Hits] = {i: example.games[i].hits for i in (*ranking.items, *best)}
-    hits_of_best = [hits[index] for index in best]
-    pairs = ranking.pairs()
-    weights = pair_weights(pairs, ranking.tiers)
-    learned = learned_order(hits_of_best)
-    posterior = Posterior(hits, pairs, weights, log_prior(hits_of_best), learned)
-    draws = posterior.draws(np.random.default_rng(seed), N_PASSES)
-    labels = labels_of_draws(draws).mean(0)
+    marked = example.best_efforts[:n_best]
+    draws, _ = draw_labels(ranking, example.games, marked, np.random.default_rng(seed))
+    labels = draws.mean(0)
     return Mistakes(
         int((np.sign(labels) != example.true_labels).sum()),
         float(np.abs(labels - example.true_labels).max()),

@@ -19,16 +19,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.learning.few_games import N_PASSES, Example, keep_evenly, make, rank_also
-from tril.analysis.wanted_aliens import (
-    Posterior,
-    best_games,
-    labels_of_draws,
-    learned_order,
-    log_prior,
-    pair_weights,
-    worth,
-)
+from benchmarks.learning.few_games import Example, draw_labels, keep_evenly, make, rank_also
+from tril.analysis.wanted_aliens import worth
 from tril.behaviours import BUILT_IN
 from tril.game.console import Console
 from tril.ranking import Ranking, normalise
@@ -85,13 +77,7 @@ def ask(
     left = [index for index in range(len(example.games)) if index not in {*ranking.items, *marked}]
     errors = []
     for _ in range(max(ANSWERS) + 1):
-        best = best_games(ranking.tiers, marked)
-        hits = {index: example.games[index].hits for index in (*ranking.items, *best)}
-        of_best = [hits[index] for index in best]
-        order, pairs = learned_order(of_best), ranking.pairs()
-        weights = pair_weights(pairs, ranking.tiers)
-        posterior = Posterior(hits, pairs, weights, log_prior(of_best), order)
-        labels = labels_of_draws(posterior.draws(rng, N_PASSES))
+        labels, order = draw_labels(ranking, example.games, marked, rng)
         errors.append(float(np.abs(labels.mean(0) - example.true_labels).sum() / 2))
         ranked, further = (
             worth(labels, order, [example.games[index].hits for index in games])
