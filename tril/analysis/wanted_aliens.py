@@ -159,9 +159,8 @@ def log_prior(best: Sequence[Hits]) -> Array:
     wanted = np.stack([of_hits(v, 1) for v in MISSED])[:, None]
     others = np.stack([of_hits(1, u) for u in UNWANTED])
     # By v, u, column and number of wanted aliens.
-    of_best = np.select([row < n_wanted, row == n_wanted], [wanted, others], of_hits(*BEHIND)).sum(
-        4
-    )
+    kinds = [row < n_wanted, row == n_wanted]
+    of_best = np.select(kinds, [wanted, others], of_hits(*BEHIND)).sum(4)
     of_numbers = [_log_probability_of_numbers(s, c) for s, c in product(WANTED, repeat=2)]
     candidates = np.concatenate(
         [of_best.reshape(-1, COLUMNS, ROWS + 1) + one for one in of_numbers]
