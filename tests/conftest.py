@@ -76,8 +76,8 @@ def lengthy_first(items: list[pytest.Item], n_processes: int) -> list[pytest.Ite
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Say how many processes run tests: two more than cores, as tests wait half of their time."""
-    return core_count() + 2
+    """Say how many processes run tests: one more than cores, as tests wait half of their time."""
+    return core_count() + 1
 
 
 @pytest.fixture

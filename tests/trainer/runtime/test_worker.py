@@ -15,6 +15,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 from sqlalchemy import select, text
 from sqlalchemy.exc import OperationalError
@@ -200,6 +201,9 @@ def put_to_sleep(workplace: Workplace, worker: WorkerProcess) -> None:
     """Stop a worker while it does not write: asleep, it would keep others from writing."""
     while True:
         os.kill(worker.pid, signal.SIGSTOP)
+        wait_until(lambda: psutil.Process(worker.pid).status() == psutil.STATUS_STOPPED)
+        # Threads stop one after another.
+        time.sleep(0.1)
         try:
             with workplace.database.writing() as session:
                 session.execute(text("SELECT 1"))
