@@ -105,7 +105,7 @@ def test_a_game_is_played_and_ranked_by_touch(phone: Page, built: LiveServer) ->
     assert phone.evaluate("window.getSelection().toString()") == ""
 
     phone.get_by_role("button", name="End the game here").tap()
-    phone.get_by_role("button", name="Keep").tap()
+    phone.get_by_role("button", name="Keep K").tap()
     recording = kept_as(phone)
     course = course_of(built, recording)
     order = [Action.RIGHT, Action.RIGHTFIRE, Action.LEFT, Action.FIRE]
@@ -139,7 +139,7 @@ def test_a_game_is_played_and_ranked_with_one_hand_on_the_keyboard(
         page.keyboard.up("ArrowUp")
         tab_to(page, page.get_by_role("button", name="End the game here"))
         page.keyboard.press("Enter")
-        expect(page.get_by_role("button", name="Keep")).to_be_visible()
+        expect(page.get_by_role("button", name="Keep K")).to_be_visible()
         page.wait_for_timeout(800)
         page.keyboard.press("Enter")
         recording = kept_as(page)

@@ -183,9 +183,9 @@ def test_a_gamepad_starts_the_first_game_and_plays_again(
         expect_running(page)
         page.evaluate("window.hold(null)")
         page.get_by_role("button", name="End the game here").click()
-        expect(page.get_by_role("button", name="Keep")).to_be_visible()
+        expect(page.get_by_role("button", name="Keep K")).to_be_visible()
         # Just after the end a press may still be meant for the game.
         page.wait_for_timeout(800)
         page.evaluate("window.hold(0)")
-        expect(page.get_by_role("button", name="Keep")).to_be_hidden()
+        expect(page.get_by_role("button", name="Keep K")).to_be_hidden()
         expect_running(page)

@@ -32,9 +32,6 @@ from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
 
 _TINY = 1e-3
 
-_POINTS = 200
-"""Of a curve, about."""
-
 _STREAM = 0
 """Number of the random stream."""
 
@@ -74,16 +71,12 @@ class WantedAliensTrainer:
     def _sample(self, posterior: Posterior, progress: Progress) -> Array:
         """Return the labels' posterior means, float64 (36,), -1 to 1."""
         first = int(BURN_IN * self._passes)
-        interval = max(1, self._passes // _POINTS)
         probabilities = np.zeros((COLUMNS, ROWS + 1))
         for number in range(1, self._passes + 1):
             drawn = posterior.sample(self._rng)
             if number > first:
                 probabilities += drawn / (self._passes - first)
-            values = None
-            if number % interval == 0 or number == self._passes:
-                values = {"loss": posterior.loss, "accuracy": posterior.accuracy}
-            progress.advance(number, self._passes, values)
+            progress.advance(number, self._passes)
         labels: Array = (probabilities @ LABELS).T.ravel()
         return labels
 

@@ -257,17 +257,6 @@ class Posterior:
             found.append(self._wanted.copy())
         return np.array(found[int(BURN_IN * n_passes) :], np.int64)
 
-    @property
-    def loss(self) -> float:
-        """The cross entropy of the ranking at the last draw, weighted."""
-        log_probability = np.log(_probability(self._difference))
-        return float(-(self._weights @ log_probability) / self._weights.sum())
-
-    @property
-    def accuracy(self) -> float:
-        """The share of pairs that are ordered as ranked at the last draw."""
-        return float((self._difference > 0).mean())
-
 
 def _counted(hits: Sequence[Hits], order: Array) -> tuple[Array, Array]:
     """Return what each game gains by each alien if it is wanted, and loses if not, (n, 36) each."""

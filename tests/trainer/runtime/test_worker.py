@@ -143,7 +143,7 @@ def check_results(workplace: Workplace, row: RunRow) -> None:
     assert row.outcome.headline is not None
     assert row.outcome.headline.imitator is not None
     assert row.outcome.headline.imitator.steps.n == 1
-    assert {"loss", "accuracy"} <= set(curves["reward"])
+    assert {"loss", "accuracy"} <= set(curves["clone"])
     assert curves["imitator"]["entropy"][-1][0] == row.steps
     steps = [step for step, _ in curves["imitator"]["entropy"]]
     assert steps == sorted(set(steps))

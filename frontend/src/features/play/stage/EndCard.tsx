@@ -128,9 +128,9 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
           kind={decision === "open" ? "secondary" : "primary"}
           onClick={again}
           disabled={starting}
-          title={decision === "open" ? t`Keeps this game and starts another one` : undefined}
         >
-          {starting ? t`Starting…` : t`Play again`} <kbd>{keyName("Space")}</kbd>
+          {starting ? t`Starting…` : decision === "open" ? t`Keep and play again` : t`Play again`}{" "}
+          <kbd>{keyName("Space")}</kbd>
         </Button>
       </div>
       {question}
