@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import lzma
 import shutil
 import sqlite3
 import tarfile
@@ -24,9 +23,8 @@ from server.web.security import is_token
 from tests.server.clients import build_frontend, signed_in
 from testsupport.workplace import Workplace
 from trainer.policy.networks import load_policy
-from trainer.reporting.digests import base_recipes, changed_recipe, recipe_digest
+from trainer.reporting.digests import recipe_digest
 from trainer.reporting.ledger import Ledger
-from trainer.reporting.result_groups import group_results
 from trainer.reporting.results_page import write_page
 from trainer.reporting.run_entry import read_entry
 from trainer.reward.model import RewardModel, predicted_return
@@ -35,7 +33,7 @@ from tril.exchange.behaviour_transfer import import_behaviour
 from tril.exchange.recording_transfer import import_recordings
 from tril.game.console import Console
 from tril.jobs import Jobs, prepare_queue
-from tril.recipes import RECIPES, recipe_from_dict
+from tril.recipes import FORMER_NAMES, RECIPES, recipe_from_dict
 from tril.recording import trajectory, verify
 from tril.settings import Settings
 from tril.store import behaviours, players, rankings, recordings
@@ -55,6 +53,17 @@ GAIL = ("gail", "Column 1", 2, 256)
 SIX = ("fast", "Row 1", 0, 256)
 DONE = (DEMO, ALARMED, GAIL, SIX)
 """Recipe, behaviour, training seed and steps of the finished runs."""
+
+GONE = {
+    "reward.disturbed_copies",
+    "reward.disturbed_share",
+    "reward.ensemble",
+    "reward.fold_stride",
+    "reward.free_share",
+    "reward.perfect_share",
+    "reward.weight_decay",
+}
+"""Values of recipes that there are no longer."""
 
 FOR_EVER = timedelta(days=100_000)
 NOTHING_ENDS = PlayRules(
@@ -270,35 +279,35 @@ def test_recipes_have_the_values_that_they_were_started_with(old: OldFolder) -> 
         recipes = {row.id: recipe_from_dict(row.recipe) for row in runs.listing(session)}
     assert len(recipes) == 11
     for key, recipe in recipes.items():
-        stored = Counter(_leaves(json.loads(old.stored[key]["recipe"])))
-        now = Counter(_leaves(recipe.to_dict()))
-        assert not stored - now
-        # What came later is off: death forfeit, openings, sticky actions, end_share, pretraining,
-        # frozen convolutions, other steps for aliens in order.
-        assert now - stored == {"0.0": 4, "false": 5, "0": 1}
+        stored = _by_path(json.loads(old.stored[key]["recipe"]))
+        now = _by_path(json.loads(json.dumps(recipe.to_dict())))
+        assert {path: now[path] for path in stored.keys() & now.keys()} == {
+            path: value for path, value in stored.items() if path in now
+        }
+        assert stored.keys() - now.keys() == GONE
+        # What came later is off: death forfeit, openings, sticky actions, pretraining, frozen
+        # convolutions, other steps for aliens in order.
+        assert not any(now[path] for path in now.keys() - stored.keys())
     demo = recipes[old.run(DEMO)["id"]]
     assert (demo.policy.n_envs, demo.policy.n_steps, demo.policy.n_epochs) == (2, 32, 1)
     assert (demo.policy.kl_coef, demo.policy.clip_range) == (0.03, 0.2)
     assert (demo.policy.snapshot_steps, demo.evaluation.start_numbers) == ((256,), (0, 1))
-    assert (demo.reward.updates, demo.reward.pairs_per_update) == (4, 16)
+    assert (demo.reward.method, demo.reward.updates) == ("fast", 4)
+    assert demo.reward.pairs_per_update == 16
     assert {recipe.method for recipe in recipes.values()} == {"ppo", "dagger", "gail"}
     assert [r.policy.own_starts for r in recipes.values() if r.policy.own_starts] == [(2,)]
     # Those that were started as Tril proposes them are still the recipes of their names.
-    paper, dagger = (
-        next(recipe for recipe in recipes.values() if recipe.name == name)
-        for name in ("paper", "dagger")
-    )
+    paper = next(recipe for recipe in recipes.values() if recipe.name == "paper")
     assert recipe_digest(paper) == recipe_digest(RECIPES["paper"])
-    assert recipe_digest(dagger) == recipe_digest(RECIPES["dagger"])
 
 
-def _leaves(values: Any) -> Iterator[str]:
-    """What a recipe's values are, whatever their names."""
-    if isinstance(values, dict):
-        for value in values.values():
-            yield from _leaves(value)
-    else:
-        yield json.dumps(values)
+def _by_path(recipe: Json, part: str = "") -> Json:
+    """What a recipe's values are, by today's names."""
+    found: Json = {}
+    for name, value in recipe.items():
+        path = f"{part}{name}"
+        found |= _by_path(value, f"{path}.") if isinstance(value, dict) else {path: value}
+    return {FORMER_NAMES.get(path, path): value for path, value in found.items()}
 
 
 @pytest.mark.parametrize(
@@ -482,56 +491,3 @@ def test_a_file_of_recordings_is_imported_in_its_order(workplace: Workplace) -> 
     with workplace.database.reading() as session:
         tiers = rankings.current(session, behaviour_id).tiers
     assert [len(tier) for tier in tiers][:15] == [1] * 14 + [2]
-
-
-@pytest.fixture
-def ledger(tmp_path: Path) -> Ledger:
-    """The ledger of the results that were published with version 0.1.0."""
-    (tmp_path / "ledger.jsonl").write_bytes(
-        lzma.decompress((FILES / "ledger.jsonl.xz").read_bytes())
-    )
-    return Ledger(tmp_path)
-
-
-def test_the_ledger_has_all_its_results(ledger: Ledger) -> None:
-    assert len(ledger.entries) == 75
-    assert Counter(entry.cell.recipe for entry in ledger.entries) == {
-        "fast": 69,
-        "paper": 2,
-        "dagger": 2,
-        "gail": 2,
-    }
-    (entry,) = (
-        one
-        for one in ledger.entries
-        if (one.cell.behaviour, one.cell.recipe, one.cell.steps) == ("column-1", "fast", 200_000)
-    )
-    assert entry.check == {"tau": 1.0, "pair_accuracy": 0.967, "held_out_accuracy": 61 / 63}
-    (group,) = group_results([entry])
-    targets, deaths, clone = (
-        group.mean(policy, "greedy", name)
-        for policy, name in (("imitator", "targets"), ("imitator", "died"), ("clone", "targets"))
-    )
-    assert targets is not None
-    assert deaths is not None
-    assert clone is not None
-    assert targets.mean == pytest.approx(5.782608695652174)
-    assert (targets.n, deaths.mean, clone.mean) == (23, 0.0, 6.0)
-
-
-def test_published_results_are_not_computed_again(ledger: Ledger) -> None:
-    for one in ledger.entries:
-        bases = base_recipes(one.cell.recipe).values()
-        # Changes of a former recipe may contradict today's.
-        recipes = [changed_recipe(base, one.changes) for base in bases]
-        digests = [recipe_digest(recipe) for recipe in recipes if recipe is not None]
-        assert one.cell.digest in digests, (one.cell, one.changes)
-    changed = Counter((one.cell.recipe, bool(one.changes)) for one in ledger.entries)
-    assert (changed["fast", False], changed["fast", True]) == (30, 39)
-
-
-def test_the_ledger_is_kept_whole_when_it_is_written_anew(ledger: Ledger) -> None:
-    ledger.add(ledger.entries[0])
-    published = {one.cell: one for one in Ledger(PUBLISHED).entries}
-    written = Ledger(ledger.path.parent).entries
-    assert [published[one.cell] for one in written] == written

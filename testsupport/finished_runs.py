@@ -37,8 +37,8 @@ CHECK = {"tau": 1.0, "pair_accuracy": 0.9, "held_out_accuracy": None}
 
 def make_finished_run(workplace: Workplace) -> str:
     """Make a run of a data folder's behaviour, done, with untrained networks; return its id."""
-    networks = tuple(new_network(np.random.default_rng(seed)) for seed in (0, 1))
-    model = RewardModel(networks, (0.5, 0.1), (2.0, 3.0), zero=-1.0, one=2.0)
+    network = new_network(np.random.default_rng(0))
+    model = RewardModel(network, 0.5, 2.0, zero=-1.0, one=2.0)
     run_id = finished_run(workplace, model=model)
     _keep_attention(workplace, run_id)
     _keep_games(workplace, run_id)

@@ -46,7 +46,7 @@ def finished_run(
     store = ArtifactStore(workplace.settings.artifact_root)
     with tempfile.TemporaryDirectory() as folder:
         paths = {"reward_model": Path(folder) / "reward-model.safetensors"}
-        model = model or RewardModel((new_network(np.random.default_rng(0)),), (0.0,), (1.0,))
+        model = model or RewardModel(new_network(np.random.default_rng(0)))
         model.save(paths["reward_model"])
         for seed, policy in enumerate(policies):
             paths[policy] = Path(folder) / f"{policy}.zip"

@@ -34,8 +34,6 @@ TINY = with_values(
         "name": "tiny",
         "reward.updates": 4,
         "reward.folds": 0,
-        "reward.ensemble": 1,
-        "reward.pairs_per_update": 16,
         "policy.n_envs": 2,
         "policy.n_steps": 32,
         "policy.n_minibatches": 1,

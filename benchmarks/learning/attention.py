@@ -50,13 +50,10 @@ def brute_force_screen(
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--networks", type=int, default=1, help="members of the reward model")
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
     torch.manual_seed(0)
-    n = arguments.networks
-    members = tuple(RewardNetwork() for _ in range(n))
-    model = RewardModel(members, (0.0,) * n, (1.0,) * n)
+    model = RewardModel(RewardNetwork())
     states = played_states(len(AttentionState))
     attention_map(model, states[0])  # not counted: the first pass sets things up
     ours, brute = [], []

@@ -52,8 +52,7 @@ def integrated_gradients(model: RewardModel, observation: Observation, n: int = 
     shares = (torch.arange(n)[:, None, None, None] + 0.5) / n
     batch = (BACKGROUND + shares * (pixels - BACKGROUND)).requires_grad_(True)
     with torch.enable_grad():
-        outputs = [member.after_first(member.first(batch)) for member in model.members]
-        (gradient,) = torch.autograd.grad(model.combine(outputs).sum(), batch)
+        (gradient,) = torch.autograd.grad(model.of_pixels(batch).sum(), batch)
     values: Map = (gradient.mean(0) * (pixels - BACKGROUND)).abs().sum(0).numpy()
     return values
 

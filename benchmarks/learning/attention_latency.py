@@ -92,7 +92,7 @@ def main() -> None:
     results = {}
     with tempfile.TemporaryDirectory(prefix="tril-attention-") as folder:
         workplace = make_workplace(Path(folder) / "data")
-        model = RewardModel((pretrained_network(np.random.default_rng(0)),))
+        model = RewardModel(pretrained_network(np.random.default_rng(0)))
         run_id = finished_run(workplace, TINY, model=model, network="small")
         recording, states = workplace.ranked[0], played_states(arguments.requests)
         workplace.database.close()

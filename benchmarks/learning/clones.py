@@ -22,19 +22,19 @@ from tril.demonstrator.example import make_example
 from tril.game.console import Console
 from tril.game.episode import DEATHS
 from tril.game.starts import evaluation_start
-from tril.recipes import FAST_0_2
+from tril.recipes import PAPER
 from tril.recording import Trajectory, trajectory
 from tril.store.training.evaluations import ActionSelection
 
 ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled")
-STARTS = [*FAST_0_2.evaluation.start_numbers, *FAST_0_2.evaluation.further_start_numbers]
+STARTS = [*PAPER.evaluation.start_numbers, *PAPER.evaluation.further_start_numbers]
 
 
 def judge_clone(
     behaviour: Behaviour, shown: Sequence[Trajectory], network: str, training_seed: int
 ) -> dict[str, float]:
     """Train a clone and let it play; return its means over the games with each action selection."""
-    recipe = replace(FAST_0_2.cloning, network=network)  # type: ignore[arg-type]
+    recipe = replace(PAPER.cloning, network=network)  # type: ignore[arg-type]
     clone, learned = train_clone(shown, recipe, training_seed, NullProgress())
     policy = Policy(clone)
     found = {"held_out_accuracy": learned.held_out_accuracy or np.nan}

@@ -98,7 +98,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="tril-inference-") as name:
         folder = Path(name)
         workplace = make_workplace(folder / "data")
-        model = RewardModel((pretrained_network(np.random.default_rng(0)),))
+        model = RewardModel(pretrained_network(np.random.default_rng(0)))
         run_id = finished_run(workplace, TINY, model=model, network="small")
         workplace.database.close()
         states = np.stack(list(played_states(arguments.requests + 5)))

@@ -52,7 +52,6 @@ from trainer.progress import NullProgress
 from trainer.reporting.digests import recipe_digest, weights_digest
 from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
-from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
@@ -299,7 +298,7 @@ def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
     """
     behaviour = games.behaviour
     assert behaviour.target is not None
-    network = deepcopy(model.members[0])
+    network = deepcopy(model.network)
     size = network.output.in_features
     products, sums = torch.zeros(size + 1, size + 1), torch.zeros(size + 1)
     for seen in games.trajectories:
@@ -311,7 +310,7 @@ def fitted_to_hits(model: RewardModel, games: Ranked) -> RewardModel:
     with torch.no_grad():
         network.output.weight.copy_(solution[None, :-1])
         network.output.bias.copy_(solution[-1:])
-    return RewardModel((network,))
+    return RewardModel(network)
 
 
 class Lesson:
@@ -345,7 +344,6 @@ class Lesson:
             self.ranked_as = [None] * len(best)
         self.seen = [trajectory(recording, self.console) for recording in self.perfect]
         self.unseen = UnseenGames(self.behaviour, self.console)
-        self._copies: list[PerturbedDemonstration] | None = None
 
     def _show_kind(self) -> int:
         """Show games that are planned; return how many mistakes there are in their order."""
@@ -408,15 +406,7 @@ class Lesson:
     def dataset(self) -> PreferenceDataset:
         """Return what the reward is learned from, by the ranking as it is now."""
         recipe = self.recipe.reward
-        if self._copies is None:
-            rng = np.random.default_rng([self.seed, 1_000_033])
-            self._copies = perturb_demonstrations(
-                self.perfect if recipe.perturbed_share else [],
-                recipe.perturbed_copies,
-                rng,
-                lambda: None,
-            )
-        perfect = PerfectDemonstrations(self.seen, self.ranked_as, self._copies)
+        perfect = PerfectDemonstrations(self.seen, self.ranked_as)
         ranked = self.ranked
         return PreferenceDataset.from_demonstrations(
             ranked.trajectories, ranked.tiers, recipe, perfect

@@ -243,7 +243,7 @@ def make_ours(
         recipe.n_envs, TrainingStarts(), n_parts=N_PARTS, training_seed=training_seed
     )
     model = shaping.model
-    timed = TimedModel(model.members, model.offsets, model.scales, model.zero, model.one)
+    timed = TimedModel(model.network, model.offset, model.scale, model.zero, model.one)
     env = TrilVecEnv(games, replace(shaping, model=timed))
     generators = TrainingGenerators.from_seed(training_seed)
     return TimedPPO(env, recipe, 10**9, generators, lambda: None, lambda _: None, precision, device)
@@ -274,7 +274,7 @@ def measure(
         freeze_convolutions=freeze_convolutions,
     )
     network = new_network(np.random.default_rng(0))
-    shaping = RewardShaping.of(RewardModel((network,)).on(device), recipe)
+    shaping = RewardShaping.of(RewardModel(network).on(device), recipe)
     steps = recipe.n_envs * recipe.n_steps * rollouts
     ours = make_ours(recipe, shaping, 0, precision, device)
     plain = make_plain(recipe, shaping, 0, device)

@@ -3,9 +3,8 @@
     python -m benchmarks.learning.reward [--behaviour column-6] [--recipe paper]
 
 The games are the scripted player's twelve of a behaviour, with twelve perfect ones where the recipe
-learns from them. Measures the perturbed copies of the perfect games, the final model and the check
-with its folds, in seconds and in seconds of CPU time, which depends less on other work on the
-machine. Prints a table and a JSON line.
+learns from them. Measures the final model and the check with its folds, in seconds and in seconds
+of CPU time, which depends less on other work on the machine. Prints a table and a JSON line.
 """
 
 import argparse
@@ -19,7 +18,6 @@ import torch
 
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
-from trainer.reward.perturbation import perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN
@@ -52,30 +50,15 @@ def main() -> None:
     trajectories = [trajectory(d.recording, console) for d in ranked]
     tiers = [[index] for index in range(len(ranked))]
     best = [d.recording for d in shown if d.perfect]
-    copies, copies_s, copies_cpu_s = timed(
-        lambda: (
-            perturb_demonstrations(
-                best, recipe.perturbed_copies, np.random.default_rng(0), lambda: None
-            )
-            if recipe.perturbed_share
-            else []
-        )
-    )
-    perfect = PerfectDemonstrations(
-        [trajectory(one, console) for one in best], [None] * len(best), copies
-    )
+    perfect = PerfectDemonstrations([trajectory(one, console) for one in best], [None] * len(best))
     dataset = PreferenceDataset.from_demonstrations(trajectories, tiers, recipe, perfect)
     model, train_s, train_cpu_s = timed(lambda: train_reward_model(dataset, 0, NullProgress()))
     (check, _), check_s, check_cpu_s = timed(
         lambda: check_ranking(model, dataset, 0, NullProgress())
     )
     assert check.held_out_accuracy is not None
-    together_s, together_cpu_s = (
-        copies_s + train_s + check_s,
-        copies_cpu_s + train_cpu_s + check_cpu_s,
-    )
+    together_s, together_cpu_s = train_s + check_s, train_cpu_s + check_cpu_s
     result = {
-        "copies_s": copies_s,
         "train_s": train_s,
         "train_cpu_s": train_cpu_s,
         "check_s": check_s,
@@ -85,7 +68,6 @@ def main() -> None:
         "held_out_accuracy": check.held_out_accuracy,
     }
     print(f"{'':<22}{'seconds':>9}{'CPU':>11}")
-    print(f"{'copies':<22}{copies_s:>9.1f}{copies_cpu_s:>11.1f}")
     print(f"{'final model':<22}{train_s:>9.1f}{train_cpu_s:>11.1f}")
     print(f"{'check and its folds':<22}{check_s:>9.1f}{check_cpu_s:>11.1f}")
     print(f"{'together':<22}{together_s:>9.1f}{together_cpu_s:>11.1f}")

@@ -19,7 +19,7 @@ import numpy as np
 import torch
 torch.set_num_threads(2)
 from trainer.reward.model import RewardModel, RewardNetwork
-model = RewardModel((RewardNetwork(),), (0.0,), (1.0,))
+model = RewardModel(RewardNetwork())
 observations = np.random.default_rng(0).integers(0, 256, (2048, 4, 84, 84), dtype=np.uint8)
 model.score(observations[:256])
 begin = time.perf_counter()

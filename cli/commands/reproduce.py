@@ -18,15 +18,7 @@ from tril.behaviours import BUILT_IN
 from tril.demonstrator import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.recipes import (
-    ABLATIONS,
-    FAST,
-    FAST_0_2,
-    RECIPES,
-    Recipe,
-    judged_where_trained,
-    recipe_from_dict,
-)
+from tril.recipes import RECIPES, Recipe, judged_where_trained, recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -36,8 +28,8 @@ if TYPE_CHECKING:
 
 POLL_S = 2.0
 ONE_AT_A_TIME = (
-    "Choose one of --demonstrations, --ablation and --own-starts: each is compared with the"
-    " ordinary result by itself. Run the command once for each."
+    "Choose --demonstrations or --own-starts: each is compared with the ordinary result by itself."
+    " Run the command once for each."
 )
 
 _BEHAVIOURS = {one.slug: one for one in BUILT_IN}
@@ -67,12 +59,6 @@ def reproduce(
             f" {SCRIPTED.name}.",
         ),
     ] = None,
-    ablation: Annotated[
-        bool,
-        typer.Option(
-            "--ablation", help="Train fast as it was in 0.2, and without each of its parts."
-        ),
-    ] = False,
     own_starts: Annotated[
         bool,
         typer.Option(
@@ -85,7 +71,7 @@ def reproduce(
         bool,
         typer.Option(
             help="Also run the sanity experiments with rankings by points and by shots, for recipes"
-            " that train the imitator on the learned reward.",
+            " whose reward can follow any quantity: the reward of fast knows aliens alone.",
         ),
     ] = True,
     output: Annotated[
@@ -118,9 +104,9 @@ def reproduce(
         )
     with open_workspace() as workspace:
         kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
-        if (kinds != [SCRIPTED.name]) + own_starts + ablation > 1:
+        if kinds != [SCRIPTED.name] and own_starts:
             raise Invalid(ONE_AT_A_TIME)
-        recipes = _recipes(chosen, ablation=ablation, own_starts=own_starts)
+        recipes = _recipes(chosen, own_starts=own_starts)
         cells = cells_of(recipes, slugs, training_seed or [0, 1, 2], kinds, steps)
         missing = [] if page_only else Ledger(output).missing(cells)
         if missing:
@@ -130,7 +116,7 @@ def reproduce(
                 failed = _compute(workspace, chosen_cells, output, worker)
         else:
             failed = 0
-        if extrapolation and chosen.method == "ppo" and not page_only:
+        if extrapolation and chosen.reward.method == "paper" and not page_only:
             _extrapolate(chosen, training_seed or [0, 1, 2], output)
         page = write_page(output)
         console.print(f"Results: {page}", soft_wrap=True)
@@ -174,16 +160,11 @@ def cells_of(
     }
 
 
-def _recipes(chosen: Recipe, *, ablation: bool, own_starts: bool) -> list[Recipe]:
-    """Return the recipes to be trained: the chosen one or its variants."""
-    if own_starts:
-        starts = chosen.evaluation.start_numbers
-        return [judged_where_trained(chosen, number) for number in starts]
-    if not ablation:
+def _recipes(chosen: Recipe, *, own_starts: bool) -> list[Recipe]:
+    """Return the recipes to be trained: the chosen one, or one for each start."""
+    if not own_starts:
         return [chosen]
-    if chosen != FAST:
-        raise Invalid("--ablation applies to the built-in recipe fast alone, without --set.")
-    return [FAST_0_2, *(one.recipe for one in ABLATIONS)]
+    return [judged_where_trained(chosen, number) for number in chosen.evaluation.start_numbers]
 
 
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:

@@ -79,11 +79,7 @@ def test_runs_of_deleted_behaviours_are_passed_over(workplace: Workplace) -> Non
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("--ablation --recipe paper", "built-in recipe fast alone"),
-        ("--ablation --set policy.n_epochs=9", "built-in recipe fast alone"),
-        ("--ablation --own-starts", "Choose one of"),
-        ("--ablation --demonstrations human", "Choose one of"),
-        ("--own-starts --demonstrations six", "Choose one of"),
+        ("--own-starts --demonstrations six", "Choose --demonstrations or --own-starts"),
         ("--demonstrations seven", "choose one of scripted, human, person-150"),
     ],
 )

@@ -18,7 +18,7 @@ from trainer.progress import Progress, RunCancelled
 from trainer.reward.model import RewardModel, new_network
 from tril.behaviours import BUILT_IN
 from tril.game.starts import Start
-from tril.recipes import FAST_0_2, PAPER, Recipe
+from tril.recipes import FAST, PAPER, Recipe
 from tril.recording import Recording, Trajectory
 
 ELSEWHERE = torch.device("meta")
@@ -28,7 +28,11 @@ STEPS = 128
 """Of the imitators' trainings."""
 
 TINY = replace(
-    FAST_0_2.policy,
+    FAST.policy,
+    death_forfeit=0.0,
+    opening_share=0.0,
+    sticky_action_probability=0.0,
+    freeze_convolutions=False,
     n_envs=4,
     n_steps=8,
     n_minibatches=2,
@@ -39,26 +43,15 @@ TINY = replace(
     demonstration_share=0.5,
 )
 
-REWARD_RECIPES = {
-    "fast": replace(
-        FAST_0_2.reward,
-        updates=25,
-        folds=3,
-        fold_updates=25,
-        fold_stride=0,
-        observation_stride=5,
-        fragment_min_steps=5,
-    ),
-    "paper": replace(
-        PAPER.reward,
-        updates=120,
-        fold_updates=60,
-        fragment_pairs=50,
-        learning_rate=5e-4,
-        fragment_min_steps=10,
-        fragment_max_steps=20,
-    ),
-}
+REWARD_RECIPE = replace(
+    PAPER.reward,
+    updates=120,
+    fold_updates=60,
+    fragment_pairs=50,
+    learning_rate=5e-4,
+    fragment_min_steps=10,
+    fragment_max_steps=20,
+)
 
 TIERS = [[0], [1], [2, 3], [4], [5]]
 """Of planted_trajectories."""
@@ -66,12 +59,12 @@ TIERS = [[0], [1], [2, 3], [4], [5]]
 
 def tiny_recipe(**changes: object) -> Recipe:
     """Return the fast recipe at the smallest size, with some of the policy's values changed."""
-    return replace(FAST_0_2, policy=replace(TINY, **changes))  # type: ignore[arg-type]
+    return replace(FAST, policy=replace(TINY, **changes))  # type: ignore[arg-type]
 
 
 def random_model(zero: float = 0.0, one: float = 1.0) -> RewardModel:
     """Return an untrained reward model."""
-    return RewardModel((new_network(np.random.default_rng(4)),), zero=zero, one=one)
+    return RewardModel(new_network(np.random.default_rng(4)), zero=zero, one=one)
 
 
 def short_recording(actions: bytes = b"\x01" * 60 + b"\x02" * 60) -> Recording:

@@ -13,13 +13,10 @@ import pytest
 from tril.errors import Invalid
 from tril.game.episode import Ending
 from tril.recipes import (
-    ABLATIONS,
     FAST,
-    FAST_0_2,
     FORMER_NAMES,
     PAPER,
     RECIPES,
-    Ablation,
     Recipe,
     changed_values,
     recipe_from_dict,
@@ -131,10 +128,6 @@ def test_an_impossible_value_is_refused_with_its_range(path: str, value: object,
 
 
 def test_values_that_do_not_go_together_are_refused() -> None:
-    with pytest.raises(Invalid, match="perfect_share and perturbed_share must not add up"):
-        with_values(FAST_0_2, {"reward.perfect_share": 0.7})
-    with pytest.raises(Invalid, match="free_share and end_share must not add up"):
-        with_values(FAST_0_2, {"reward.end_share": 0.9})
     with pytest.raises(Invalid, match=r"n_minibatches must not be more than n_envs \* n_steps"):
         with_values(FAST, {"policy.n_envs": 1, "policy.n_steps": 4})
 
@@ -170,12 +163,3 @@ def test_what_was_replaced_is_found_again() -> None:
 def test_an_unknown_recipe_names_those_there_are() -> None:
     with pytest.raises(Invalid, match="fast, paper, dagger, gail"):
         recipe_named("slow")
-
-
-@pytest.mark.parametrize("one", ABLATIONS, ids=[one.name for one in ABLATIONS])
-def test_an_ablation_changes_what_it_says_and_nothing_else(one: Ablation) -> None:
-    for path, value in one.values.items():
-        before, after = (attrgetter(path)(recipe) for recipe in (FAST_0_2, one.recipe))
-        assert before != after == value
-    restored = {path: attrgetter(path)(FAST_0_2) for path in one.values}
-    assert with_values(one.recipe, restored) == FAST_0_2

@@ -123,11 +123,11 @@ def changes_at(
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
         pixels = torch.from_numpy(observation.astype(np.float32))
-        members = [OccludedOutputs(member, pixels) for member in model.members]
-        plain = model.combine([member.plain for member in members])
+        outputs = OccludedOutputs(model.network, pixels)
+        plain = model.of_output(outputs.plain)
         for begin in range(0, len(positions), BATCH):
             part = positions[begin : begin + BATCH]
-            difference = (model.combine([member.at(part) for member in members]) - plain).abs()
+            difference = (model.of_output(outputs.at(part)) - plain).abs()
             changes[begin : begin + BATCH] = difference.numpy()
             progress.advance(min(begin + BATCH, len(positions)), len(positions))
     return changes

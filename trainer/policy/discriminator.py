@@ -65,7 +65,7 @@ class Discriminator:
             self._network.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay
         )
         with torch.random.fork_rng(devices=[]):
-            self.model = RewardModel((RewardNetwork().to(device),))
+            self.model = RewardModel(RewardNetwork().to(device))
         self.rounds = 0
         self._update_model()
 
@@ -129,7 +129,7 @@ class Discriminator:
         self._update_model()
 
     def _update_model(self) -> None:
-        self.model.members[0].load_state_dict(self._network.state_dict())
+        self.model.network.load_state_dict(self._network.state_dict())
 
 
 def _sample(observations: Tensor, count: int, rng: np.random.Generator) -> Tensor:

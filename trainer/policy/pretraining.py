@@ -88,7 +88,7 @@ class NoReward(RewardModel):
     @classmethod
     def new(cls) -> NoReward:
         """Return one."""
-        return cls((new_network(np.random.default_rng(0)),), one=1.0)
+        return cls(new_network(np.random.default_rng(0)), one=1.0)
 
     def score(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
         """Return zeros, float32 (N,)."""

@@ -13,7 +13,7 @@ from typing import Any
 from trainer.policy.networks import PRETRAINED
 from trainer.reward.pretraining import WEIGHTS
 from tril.errors import Invalid
-from tril.recipes import FOR_PEOPLE, FORMER, RECIPES, Recipe, RewardRecipe, with_values
+from tril.recipes import FOR_PEOPLE, Recipe, RewardRecipe, with_values
 
 
 def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
@@ -46,12 +46,6 @@ def _pretrained_weights(recipe: Recipe | RewardRecipe) -> list[Path]:
 @cache
 def _file_digest(path: Path) -> str:
     return hashlib.blake2b(path.read_bytes(), digest_size=4).hexdigest()
-
-
-def base_recipes(name: str) -> dict[str, Recipe]:
-    """Return the recipes that were built in by a name, by version; today's, without one, first."""
-    today = {"": RECIPES[name]} if name in RECIPES else {}
-    return today | {version: one for version, one in FORMER.items() if one.name == name}
 
 
 def changed_recipe(base: Recipe, changes: Mapping[str, Any]) -> Recipe | None:

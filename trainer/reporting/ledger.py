@@ -2,13 +2,13 @@
 
 It holds figures, not files: the page of all results is made from it alone, and whoever has it
 computes only what is missing. Games are arrays; targets, strays and order errors follow from hits
-and are not stored. Files of version 0.1.0 are read, too, see ledger_upgrade.
+and are not stored.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeVar
@@ -16,7 +16,6 @@ from typing import Any, Literal, NamedTuple, TypeVar
 from pydantic import TypeAdapter
 
 from trainer.reporting.digests import recipe_digest
-from trainer.reporting.ledger_upgrade import upgraded
 from trainer.reporting.skilled_games import Experiment, Extrapolation, Rounded
 from tril.analysis.summary import GameFigures
 from tril.behaviours import Behaviour, Cell, score
@@ -178,13 +177,13 @@ class Ledger:
         self.path = folder / FILE_NAME
         self._entries: dict[LedgerCell, Entry] = {}
         self._extrapolations: dict[Experiment, Extrapolation] = {}
-        for place, line in _lines(folder):
+        for number, line in enumerate(_lines(self.path), start=1):
             try:
-                self._keep(_RESULT.validate_python(upgraded(json.loads(line))))
+                self._keep(_RESULT.validate_python(json.loads(line)))
             except (AttributeError, KeyError, TypeError, ValueError) as error:
                 raise Invalid(
-                    f"{place} is not a finished result: {error!r}. Delete it to have that result"
-                    " computed again."
+                    f"Line {number} of {self.path} is not a finished result: {error!r}. Delete it"
+                    " to have that result computed again."
                 ) from None
 
     @property
@@ -217,11 +216,5 @@ class Ledger:
             self._extrapolations[result.experiment] = result
 
 
-def _lines(folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield each result with its place; those of the ledger last, since they count."""
-    for path in sorted((folder / "extrapolation").glob("*.json")):  # of version 0.1.0
-        yield str(path), path.read_text()
-    path = folder / FILE_NAME
-    if path.exists():
-        for number, line in enumerate(path.read_text().splitlines(), start=1):
-            yield f"Line {number} of {path}", line
+def _lines(path: Path) -> list[str]:
+    return path.read_text().splitlines() if path.exists() else []

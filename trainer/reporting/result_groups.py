@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from trainer.reporting.digests import base_recipes, changed_recipe, recipe_digest
+from trainer.reporting.digests import changed_recipe, recipe_digest
 from trainer.reporting.ledger import Entry, LedgerCell, LedgerGame
 from tril.analysis.summary import Interval, interquartile_interval, nested_interval, winner
 from tril.behaviours import BUILT_IN, Behaviour, Cell
@@ -73,13 +73,13 @@ class ResultGroup:
     def _remarks(self) -> list[str]:
         """Return how the recipe differs from today's built-in one; nothing if it does not."""
         changes = self.entries[0].changes
-        for version, base in base_recipes(self.cell.recipe).items():
-            remarks = [f"as in {version}"] if version else []
+        base = RECIPES.get(self.cell.recipe)
+        if base is not None:
             if recipe_digest(base) == self.cell.digest:
-                return remarks
+                return []
             changed = changed_recipe(base, changes)
             if changed is not None and recipe_digest(changed) == self.cell.digest:
-                return remarks + [f"{path} {value}" for path, value in changes.items()]
+                return [f"{path} {value}" for path, value in changes.items()]
         return ["other values", self.cell.digest]
 
     @property

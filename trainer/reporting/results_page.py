@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from trainer.reporting.digests import base_recipes, recipe_digest
+from trainer.reporting.digests import recipe_digest
 from trainer.reporting.figures import (
     AliensRow,
     aliens_figure,
@@ -29,7 +29,7 @@ from tril.behaviours import BUILT_IN, score
 from tril.demonstrator import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
 from tril.game.agent import STICKY_ACTION_PROBABILITY
-from tril.recipes import ABLATIONS, FAST_0_2, RECIPES, Ablation, EvaluationRecipe
+from tril.recipes import RECIPES, EvaluationRecipe
 from tril.store.training.evaluations import POLICIES
 
 STARTS = EvaluationRecipe().start_numbers
@@ -124,27 +124,17 @@ def page_text(folder: Path) -> str:
     """
     ledger = Ledger(folder)
     held_out = [entry for entry in _known(ledger) if not entry.cell.own_starts]
-    removed = _removed()
     others = _compared(
-        [entry for entry in held_out if entry.cell.digest not in removed],
+        held_out,
         lambda cell: (PLACES[cell.behaviour], cell.recipe, cell.digest, cell.steps),
         lambda cell: cell.demonstrations,
         [kind.name for kind in KINDS],
     )
-    ablations = _compared(
-        [entry for entry in held_out if entry.cell.demonstrations == SCRIPTED.name],
-        lambda cell: (PLACES[cell.behaviour], cell.steps),
-        lambda cell: cell.digest,
-        [recipe_digest(FAST_0_2), *removed],
-    )
-    compared = {group.cell.digest for group in ablations}
     return render(
         "results.md.j2",
         sections=_sections(folder, ledger),
         others=others,
         kinds=[one for one in KINDS if one.name in {g.cell.demonstrations for g in others}],
-        ablations=ablations,
-        removed={digest: one for digest, one in removed.items() if digest in compared},
         own_starts=_own_starts(folder, _known(ledger)),
         extrapolations=ledger.extrapolations,
         starts=STARTS,
@@ -160,10 +150,10 @@ def page_text(folder: Path) -> str:
 
 
 def _reward_name(experiment: Experiment) -> str:
-    """Return the recipe of an experiment's reward, with its version unless it is today's."""
-    for version, recipe in base_recipes(experiment.recipe).items():
-        if recipe_digest(recipe.reward) == experiment.digest:
-            return f"{experiment.recipe} (as in {version})" if version else experiment.recipe
+    """Return the recipe of an experiment's reward."""
+    recipe = RECIPES.get(experiment.recipe)
+    if recipe is not None and recipe_digest(recipe.reward) == experiment.digest:
+        return experiment.recipe
     return f"{experiment.recipe} (other values, {experiment.digest})"
 
 
@@ -173,18 +163,11 @@ def _known(ledger: Ledger) -> list[Entry]:
     return [one for one, cell in cells if cell.recipe in RECIPES and cell.behaviour in PLACES]
 
 
-def _removed() -> dict[str, Ablation]:
-    """Return the ablations by the digests of their recipes."""
-    return {recipe_digest(one.recipe): one for one in ABLATIONS}
-
-
 def _sections(folder: Path, ledger: Ledger) -> list[RecipeSection]:
     ordinary = [
         entry
         for entry in _known(ledger)
-        if entry.cell.demonstrations == SCRIPTED.name
-        and not entry.cell.own_starts
-        and entry.cell.digest not in _removed()
+        if entry.cell.demonstrations == SCRIPTED.name and not entry.cell.own_starts
     ]
     return [
         _section(folder, recipe, groups)

@@ -166,8 +166,7 @@ def check_ranking(
         confused=_confused(tier_of, by_level, held_out),
         passed=tau >= PASSING_TAU and (accuracy is None or accuracy >= PASSING_ACCURACY),
     )
-    recipe = dataset.recipe
-    if recipe.pretrained and recipe.method != "paper" and len(model.members) == 1:
+    if dataset.recipe.pretrained:
         model = replace(model, spread=jackknife(folds, dataset))
     return check, model
 
@@ -256,7 +255,7 @@ def _cross_validate(
         # Loss and accuracy are curves of the final model's training.
         network = trainer.train(OffsetProgress(progress, first, total, with_values=False))
         networks.append(network)
-        model = RewardModel((network,))
+        model = RewardModel(network)
         levels = {i: final_level(dataset.score(model, i, LEVEL_STEPS)) for i in ranked}
         pairs = [p for p in dataset.pairs if fold in (fold_of[p[0]], fold_of[p[1]])]
         found = [(p, levels[p[0]] > levels[p[1]]) for p in pairs]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,10 +13,6 @@ from tril.ranking import Pair, Ranking
 from tril.recipes import RewardRecipe
 
 Indices = npt.NDArray[np.int64]
-
-FragmentStarts = Literal["later", "same", "any", "end"]
-"""Where the fragments of a pair start: the better one no earlier than the worse one (T-REX,
-published code), both at the same step, each anywhere, or so that both end with their games."""
 
 
 @dataclass(frozen=True)
@@ -52,67 +47,45 @@ class Fragmenter:
         max_length: Longest fragment, in observations, capped at the shorter trajectory of each
             pair. T-REX caps all pairs at the shortest trajectory of all, and fails where that is
             below ``min_length``.
-        starts: Where the two fragments start.
+        aligned: Whether both fragments start at the same step. Otherwise the better one starts no
+            earlier than the worse one (T-REX, published code).
     """
 
     min_length: int
     max_length: int
-    starts: FragmentStarts
+    aligned: bool
 
     @classmethod
     def of(cls, recipe: RewardRecipe) -> Fragmenter:
-        """Return the fragmenter of a recipe's ranked pairs, except those that start anywhere."""
-        starts: FragmentStarts = "same" if recipe.aligned else "later"
-        return cls(recipe.fragment_min_steps, recipe.fragment_max_steps, starts)
-
-    def every(self, stride: int) -> Fragmenter:
-        """Return the same fragmenter in units of every ``stride``-th observation."""
-        return Fragmenter(
-            max(1, self.min_length // stride), max(1, self.max_length // stride), self.starts
-        )
+        """Return the fragmenter of a recipe."""
+        return cls(recipe.fragment_min_steps, recipe.fragment_max_steps, recipe.aligned)
 
     def sample(
         self,
         pairs: Sequence[Pair],
-        ends: Sequence[int],
+        sizes: Sequence[int],
         n_pairs: int,
         rng: np.random.Generator,
-        begins: Sequence[int] | None = None,
     ) -> FragmentPairs:
         """Sample preference pair, length and starts, each uniformly among those allowed.
 
-        Fragments that end with their games are as short as allowed: what counts is how games end.
-
         Args:
             pairs: Preference pairs of trajectory indices.
-            ends: Where each trajectory's observations end: their number, at least 1, if they begin
-                at 0.
+            sizes: Observations of each trajectory, at least 1.
             n_pairs: Fragment pairs to sample.
             rng: Source of randomness.
-            begins: Where each trajectory's observations begin; by default all at 0. Both fragments
-                of a pair start where both trajectories have begun.
         """
-        end = np.asarray(ends, np.int64)
-        begin = np.zeros_like(end) if begins is None else np.asarray(begins, np.int64)
+        size = np.asarray(sizes, np.int64)
         better, worse = np.asarray(pairs, np.int64)[rng.integers(len(pairs), size=n_pairs)].T
-        first = np.maximum(begin[better], begin[worse])
-        shorter = np.minimum(end[better], end[worse]) - first
+        shorter = np.minimum(size[better], size[worse])
         shortest = np.minimum(self.min_length, shorter)
         longest = np.maximum(shortest, np.minimum(self.max_length, shorter))
-        if self.starts == "end":
-            return FragmentPairs(
-                better, worse, end[better] - shortest, end[worse] - shortest, shortest
-            )
         length = rng.integers(shortest, longest, endpoint=True)
-        if self.starts == "any":
-            better_start = rng.integers(first, end[better] - length, endpoint=True)
-            worse_start = rng.integers(first, end[worse] - length, endpoint=True)
-            return FragmentPairs(better, worse, better_start, worse_start, length)
         # A fragment of this length that starts there fits into both trajectories.
-        worse_start = rng.integers(first, first + shorter - length, endpoint=True)
+        worse_start = rng.integers(0, shorter - length, endpoint=True)
         better_start = worse_start
-        if self.starts == "later":
-            better_start = rng.integers(worse_start, end[better] - length, endpoint=True)
+        if not self.aligned:
+            better_start = rng.integers(worse_start, size[better] - length, endpoint=True)
         return FragmentPairs(better, worse, better_start, worse_start, length)
 
 

@@ -1,9 +1,9 @@
-"""The reward model R(observation): the published network, alone or as an ensemble."""
+"""The reward model R(observation): the published network, or one with pretrained layers."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -28,6 +28,7 @@ FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1
 N_ORDER = ROWS * (COLUMNS - 1)
 """How many values of the order of hits R is linear in, see Order."""
+_NETWORK = "0"
 _SPREAD = "spread"
 """Prefix of the tensors of a Spread in a file."""
 
@@ -228,49 +229,38 @@ class JudgedObservations:
 
 @dataclass(frozen=True)
 class RewardModel:
-    """R(observation), the mean of one or more networks.
-
-    Preferences between equally long fragments determine a network's output up to an offset, and
-    its scale grows for as long as it is trained. The members of an ensemble are therefore
-    standardised: each counts as ``(output - offset) / scale``.
+    """R(observation), a network's ``(output - offset) / scale``.
 
     Attributes:
-        members: The networks.
-        offsets: Subtracted from each network's output.
-        scales: Divisor of each difference, positive.
+        network: The network.
+        offset: Subtracted from its output.
+        scale: Divisor of the difference, positive.
         zero: R at which the level is 0, see ``level``.
         one: R at which the level is 1.
-        spread: How sure a single pretrained network is; None where nobody measured it.
+        spread: How sure a pretrained network is; None where nobody measured it.
     """
 
-    members: tuple[RewardNetwork, ...]
-    offsets: tuple[float, ...] = (0.0,)
-    scales: tuple[float, ...] = (1.0,)
+    network: RewardNetwork
+    offset: float = 0.0
+    scale: float = 1.0
     zero: float = 0.0
     one: float = 1.0
     spread: Spread | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the members.
+        """Freeze the network.
 
         Raises:
-            ValueError: There is not a finite offset and a positive scale for each member.
+            ValueError: Offset, scale or levels are not finite, or not in order.
         """
-        if not self.members or not len(self.members) == len(self.offsets) == len(self.scales):
-            raise ValueError(
-                f"Expected one offset and one scale per network, got {len(self.members)} networks,"
-                f" {len(self.offsets)} offsets and {len(self.scales)} scales."
-            )
-        if not all(np.isfinite(self.offsets)) or not all(0 < s < np.inf for s in self.scales):
-            raise ValueError(f"Offsets or scales are unusable: {self.offsets}, {self.scales}.")
+        if not np.isfinite(self.offset) or not 0 < self.scale < np.inf:
+            raise ValueError(f"Offset or scale is unusable: {self.offset}, {self.scale}.")
         if not (np.isfinite(self.zero) and np.isfinite(self.one) and self.zero < self.one):
             raise ValueError(f"Expected a level from low to high, got {self.zero} to {self.one}.")
-        if self.spread is not None:
-            n_features = {member.output.in_features for member in self.members}
-            if len(self.members) > 1 or n_features != {self.spread.weight.shape[1]}:
-                raise ValueError("Expected a spread of a single network and of its features.")
-        for member in self.members:
-            member.requires_grad_(False)
+        n_features = self.network.output.in_features
+        if self.spread is not None and self.spread.weight.shape[1] != n_features:
+            raise ValueError("Expected a spread of the network's features.")
+        self.network.requires_grad_(False)
 
     def score(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
         """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84).
@@ -281,20 +271,13 @@ class RewardModel:
         rewards: npt.NDArray[np.float32] = self._evaluate(observations, with_deviations=False)[0]
         return rewards
 
-    @property
-    def knows_deviations(self) -> bool:
-        """Whether the model knows how sure it is."""
-        return self.spread is not None or len(self.members) > 1
-
     def judge(self, observations: npt.NDArray[np.uint8]) -> JudgedObservations:
-        """Return R of observations, uint8 (N, 4, 84, 84), and how sure the model is.
-
-        The standard deviation is that of an ensemble's standardised members, or ``spread``'s.
+        """Return R of observations, uint8 (N, 4, 84, 84), and how sure the model is by ``spread``.
 
         Raises:
             ValueError: The observations have another shape or dtype.
         """
-        if not self.knows_deviations:
+        if self.spread is None:
             return JudgedObservations(self.score(observations), None)
         return JudgedObservations(*self._evaluate(observations, with_deviations=True))
 
@@ -304,46 +287,33 @@ class RewardModel:
         """Return R, and, if asked for, its standard deviations: float32 (1 or 2, N)."""
         check_observations(observations)
         result = np.empty((1 + with_deviations, len(observations)), np.float32)
-        device = device_of(self.members[0])
+        device = device_of(self.network)
         size = forward_batch(device)
         with torch.inference_mode():
             for begin in range(0, len(observations), size):
                 part = slice(begin, begin + size)
                 batch = channels_last_screens(observations[part]).to(device)
-                features = [member.read(batch) for member in self.members]
-                outputs = [
-                    member.from_features(values)
-                    for member, values in zip(self.members, features, strict=True)
-                ]
-                rows = [self.combine(outputs)]
+                features = self.network.read(batch)
+                rows = [self.of_output(self.network.from_features(features))]
                 if with_deviations:
-                    rows.append(self._deviations(features[0], outputs))
+                    assert self.spread is not None
+                    rows.append(self.spread.at(features))
                 result[:, part] = torch.stack(rows).cpu().numpy()
         return result
-
-    def _deviations(self, features: Tensor, outputs: Sequence[Tensor]) -> Tensor:
-        if self.spread is not None:
-            return self.spread.at(features)
-        return self._standardised(outputs).std(0)
 
     def score_features(self, features: Tensor) -> npt.NDArray[np.float32]:
         """Return R, float32 (N,), from what a pretrained network reads, see RewardNetwork.read."""
         with torch.inference_mode():
-            inputs = features.to(device_of(self.members[0]))
-            outputs = [member.from_features(inputs) for member in self.members]
-            return self.combine(outputs).cpu().numpy()
+            inputs = features.to(device_of(self.network))
+            return self.of_output(self.network.from_features(inputs)).cpu().numpy()
 
     def of_pixels(self, pixels: Tensor) -> Tensor:
         """Return R, float32 (N,), differentiable, of float32 (N, 4, 84, 84), 0 to 255."""
-        return self.combine([member.after_first(member.first(pixels)) for member in self.members])
+        return self.of_output(self.network.after_first(self.network.first(pixels)))
 
-    def combine(self, outputs: Sequence[Tensor]) -> Tensor:
-        """Return R from the outputs of all members, tensors of the same shape."""
-        return self._standardised(outputs).mean(0)
-
-    def _standardised(self, outputs: Sequence[Tensor]) -> Tensor:
-        parts = zip(outputs, self.offsets, self.scales, strict=True)
-        return torch.stack([(out - offset) / scale for out, offset, scale in parts])
+    def of_output(self, output: Tensor) -> Tensor:
+        """Return R from the network's output, tensors of the same shape."""
+        return (output - self.offset) / self.scale
 
     def level(self, rewards: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, float32."""
@@ -351,25 +321,23 @@ class RewardModel:
 
     def on(self, device: torch.device) -> RewardModel:
         """Return the model on a device: itself if it is there already, else a copy."""
-        if device_of(self.members[0]) == device:
+        if device_of(self.network) == device:
             return self
-        return replace(self, members=tuple(deepcopy(one).to(device) for one in self.members))
+        return replace(self, network=deepcopy(self.network).to(device))
 
     def save(self, path: Path) -> None:
         """Write the model as safetensors; everything but the weights is JSON in the header."""
-        tensors: dict[str, Tensor] = {}
-        for number, member in enumerate(self.members):
-            tensors |= prefixed(str(number), member.state_dict(), ".")
+        tensors = prefixed(_NETWORK, self.network.state_dict(), ".")
         if self.spread is not None:
-            # Versions that do not know it read the networks alone.
+            # Versions that do not know it read the network alone.
             own = {"weight": self.spread.weight, "bias": self.spread.bias}
             tensors |= prefixed(_SPREAD, own, ".")
         header = {
-            "offsets": self.offsets,
-            "scales": self.scales,
+            "offsets": [self.offset],
+            "scales": [self.scale],
             "zero": self.zero,
             "one": self.one,
-            "order": self.members[0].order,
+            "order": self.network.order,
         }
         metadata = {
             "format": FORMAT,
@@ -396,15 +364,14 @@ class RewardModel:
                 )
             header = json.loads(metadata["model"])
             weights = by_prefix(tensors, ".")
-            members = []
-            for number in range(len(header["offsets"])):
-                # Files from before sweeps do not say it.
-                order = Order(header.get("order", Order.GAPS))
-                members.append(network_of(weights[str(number)], order))
+            # Earlier versions had ensembles.
+            (offset,), (scale,) = header["offsets"], header["scales"]
+            # Files from before sweeps do not say it.
+            order = Order(header.get("order", Order.GAPS))
             return cls(
-                tuple(members),
-                tuple(header["offsets"]),
-                tuple(header["scales"]),
+                network_of(weights[_NETWORK], order),
+                offset,
+                scale,
                 header["zero"],
                 header["one"],
                 _spread_of(weights[_SPREAD]) if _SPREAD in weights else None,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,11 +19,10 @@ from torch.nn import functional as F
 
 from trainer.nn.checkpoints import load_tensors, restore_training, save_tensors, training_tensors
 from trainer.nn.devices import CPU
-from trainer.progress import OffsetProgress, Progress
-from trainer.reward.fragment_logits import FragmentLogits, PrefixSumLogits, Seed
+from trainer.progress import Progress
+from trainer.reward.fragment_logits import FragmentLogits, Seed
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from trainer.reward.preference_dataset import PreferenceDataset
-from trainer.reward.pretraining import pretrained_network
 from trainer.reward.wanted_aliens import WantedAliensTrainer
 from tril.errors import Invalid
 from tril.recording import LEVEL_STEPS
@@ -50,7 +49,7 @@ def train_reward_model(
         dataset: What it is learned from, and how.
         training_seed: Seeds all random numbers. The same seed gives the same model on the CPU with
             the same number of threads; a GPU may round differently.
-        progress: Receives loss and accuracy, in updates of all members of the ensemble.
+        progress: Receives loss and accuracy, in updates.
         checkpoint_folder: An existing folder of this training alone, from which an interrupted
             training continues. None saves nothing.
         device: Device to learn on; the model returned is on the CPU.
@@ -59,19 +58,11 @@ def train_reward_model(
         Invalid: There are fewer than two tiers.
         RunCancelled: Raised by ``progress``.
     """
-    recipe = dataset.recipe
-    networks = []
-    for member in range(recipe.ensemble):
-        trainer = network_trainer(
-            dataset,
-            recipe.updates,
-            (training_seed, member),
-            checkpoint_folder and checkpoint_folder / f"member-{member}.safetensors",
-            device,
-        )
-        total = recipe.ensemble * recipe.updates
-        networks.append(trainer.train(OffsetProgress(progress, member * recipe.updates, total)))
-    return calibrate(networks, dataset, standardise=recipe.method != "paper").on(CPU)
+    checkpoint = checkpoint_folder and checkpoint_folder / "network.safetensors"
+    trainer = network_trainer(
+        dataset, dataset.recipe.updates, (training_seed, 0), checkpoint, device
+    )
+    return calibrate(trainer.train(progress), dataset).on(CPU)
 
 
 def network_trainer(
@@ -84,11 +75,16 @@ def network_trainer(
     """Return what trains one network by the dataset's recipe; the arguments are RewardTrainer's."""
     if dataset.recipe.method == "posterior":
         return WantedAliensTrainer(dataset, updates, seed)
+    if dataset.recipe.method != "paper":
+        raise Invalid(
+            f"This training's recipe learns the reward by the method {dataset.recipe.method!r},"
+            " which this version of Tril no longer has. Begin a new training with today's recipes."
+        )
     return RewardTrainer(dataset, updates, seed, checkpoint, device)
 
 
 class RewardTrainer:
-    """Trains one reward network.
+    """Trains one reward network from fragments (method "paper").
 
     Args:
         dataset: What it is learned from, and how.
@@ -109,18 +105,9 @@ class RewardTrainer:
         recipe = dataset.recipe
         self._updates = updates
         self._checkpoint = checkpoint
-        make = pretrained_network if recipe.pretrained else new_network
-        self.network = make(np.random.default_rng([*seed, _WEIGHTS])).to(device)
-        self._optimizer = torch.optim.Adam(
-            [one for one in self.network.parameters() if one.requires_grad],
-            lr=recipe.learning_rate,
-            weight_decay=recipe.weight_decay,
-        )
-        self._logits: FragmentLogits | PrefixSumLogits
-        if recipe.method == "paper":
-            self._logits = FragmentLogits(self.network, dataset, updates, seed)
-        else:
-            self._logits = PrefixSumLogits(self.network, dataset, seed)
+        self.network = new_network(np.random.default_rng([*seed, _WEIGHTS])).to(device)
+        self._optimizer = torch.optim.Adam(self.network.parameters(), lr=recipe.learning_rate)
+        self._logits = FragmentLogits(self.network, dataset, updates, seed)
         self._recent: list[tuple[float, float]] = []
 
     def train(self, progress: Progress) -> RewardNetwork:
@@ -129,7 +116,6 @@ class RewardTrainer:
         saved_at = time.monotonic()
         if done:
             progress.advance(done, self._updates)
-        self._logits.prepare(lambda: progress.advance(done, self._updates))
         interval = max(1, self._updates // _CURVE_POINTS)
         for update in range(done + 1, self._updates + 1):
             self._update(update)
@@ -172,40 +158,36 @@ class RewardTrainer:
         return int(state["update"])
 
 
-def calibrate(
-    networks: Sequence[RewardNetwork], dataset: PreferenceDataset, *, standardise: bool
-) -> RewardModel:
-    """Make a reward model of trained networks.
+def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel:
+    """Make a reward model of a trained network.
+
+    Of a pretrained network, whose scale has no meaning, R is scaled to a standard deviation of 1
+    over all states of the ranked demonstrations and shifted so that the tier of lowest mean R has a
+    mean of 0. A game that ends early is then no better than the worst demonstration going on.
 
     Args:
-        networks: The members of the ensemble.
-        dataset: What they were trained on.
-        standardise: Whether each network's output is scaled to a standard deviation of 1 over all
-            states of the ranked demonstrations and shifted so that the tier of lowest mean R has a
-            mean of 0; preferences determine neither. A game that ends early is then no better than
-            the worst demonstration going on.
+        network: The network.
+        dataset: What it was trained on.
 
     Raises:
-        Invalid: A network gives all states the same value.
+        Invalid: The network gives all states the same value.
     """
-    members = tuple(networks)
-    offsets, scales = [0.0] * len(members), [1.0] * len(members)
-    if standardise:
-        for number, member in enumerate(members):
-            offsets[number], scales[number] = standardisation(member, dataset)
-        if min(scales) < 1e-6:
+    model = RewardModel(network)
+    if dataset.recipe.pretrained:
+        offset, scale = standardisation(network, dataset)
+        if scale < 1e-6:
             raise Invalid(
                 "The reward model gives all states the same value: nothing was learned from this"
-                " ranking. Use a higher learning rate, or other demonstrations."
+                " ranking. Use other demonstrations."
             )
-    model = RewardModel(members, tuple(offsets), tuple(scales))
+        model = RewardModel(network, offset, scale)
     best = dataset.best
     rewards = _rewards(model, dataset, dict.fromkeys((*dataset.ranked, *best)))
     zero = float(np.mean([values[:LEVEL_STEPS].mean() for values in rewards.values()]))
     one = float(np.mean([rewards[index][-LEVEL_STEPS:].mean() for index in best]))
-    if dataset.recipe.method == "posterior":
+    if dataset.recipe.pretrained:
         # The best games may hit nothing; readings alone must not set the scale then.
-        one = max(one, zero + 1.0 / scales[0])
+        one = max(one, zero + 1.0 / model.scale)
     if not one > zero:
         # Nothing was learned, which the check of the ranking reports. Any scale keeps R usable.
         one = zero + 1.0
@@ -214,7 +196,7 @@ def calibrate(
 
 def standardisation(network: RewardNetwork, dataset: PreferenceDataset) -> tuple[float, float]:
     """Return the offset and the scale of a network's output, see ``calibrate``."""
-    outputs = _rewards(RewardModel((network,)), dataset, dataset.ranked)
+    outputs = _rewards(RewardModel(network), dataset, dataset.ranked)
     offset = min(float(np.mean([outputs[i].mean() for i in tier])) for tier in dataset.tiers)
     return offset, float(np.concatenate(list(outputs.values())).std())
 

@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-import numpy as np
-
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from trainer.reward.perturbation import PerturbedDemonstration, perturb_demonstrations
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.runtime.context import RunContext
 from tril.analysis.outcome import RunSnapshot
@@ -23,9 +20,6 @@ from tril.store.training import artifacts
 
 REWARD_MODEL = "reward-model.safetensors"
 NETWORK = "application/octet-stream"
-
-_COPIES_STREAM = 1_000_033
-"""Keeps the draws of perturbed demonstrations apart from others of the same training seed."""
 
 
 class RunData:
@@ -43,7 +37,6 @@ class RunData:
         self._trajectories: dict[int, Trajectory] = {}
         self._recordings: dict[int, Recording] = {}
         self._reward_model: RewardModel | None = None
-        self._copies: list[PerturbedDemonstration] | None = None
 
     @property
     def snapshot(self) -> RunSnapshot:
@@ -72,28 +65,10 @@ class RunData:
         """The dataset that the reward is learned from, as the recipe says."""
         place = {number: index for index, number in enumerate(self.snapshot.ranked)}
         ranked_as = [place.get(number) for number in self.snapshot.perfect]
-        perfect = PerfectDemonstrations(self.perfect_trajectories, ranked_as, self._perturbed)
+        perfect = PerfectDemonstrations(self.perfect_trajectories, ranked_as)
         return PreferenceDataset.from_demonstrations(
             self.ranked_trajectories, self.index_tiers, self.context.recipe.reward, perfect
         )
-
-    def forget_perturbed(self) -> None:
-        """Free the perturbed demonstrations (250 MB) once the reward is learned and checked."""
-        self._copies = None
-
-    @property
-    def _perturbed(self) -> list[PerturbedDemonstration]:
-        context, recipe = self.context, self.context.recipe.reward
-        if not recipe.perturbed_share:
-            return []
-        if self._copies is None:
-            self._copies = perturb_demonstrations(
-                list(self.recordings(self.snapshot.perfect).values()),
-                recipe.perturbed_copies,
-                np.random.default_rng([context.run.training_seed, _COPIES_STREAM]),
-                context.check_cancelled,
-            )
-        return self._copies
 
     def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:
         """Return recordings by id; deleted ones too, since the run was made with them."""

@@ -41,7 +41,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
     return {
         Stage.DEMONSTRATIONS: DEMONSTRATIONS_S,
         Stage.TRAJECTORIES: TRAJECTORIES_S,
-        Stage.REWARD: 1.0 + _reading_seconds(reward) + reward.ensemble * _learning_seconds(reward),
+        Stage.REWARD: 1.0 + _reading_seconds(reward) + _learning_seconds(reward),
         Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_fold),
         Stage.CLONE: 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
         Stage.IMITATOR: 2.0 + _imitator_seconds(recipe, steps),
@@ -69,26 +69,21 @@ def _imitator_seconds(recipe: Recipe, steps: int) -> float:
 
 
 def _reading_seconds(reward: RewardRecipe) -> float:
-    """Return the seconds in which pretrained layers read the demonstrations and their copies."""
+    """Return the seconds in which pretrained layers read the demonstrations."""
     if not reward.pretrained:
         return 0.0
-    # A copy begins in the middle of its original on average.
-    per_demonstration = 2.0 + (reward.perturbed_copies / 2 if reward.perturbed_share else 0.0)
-    return N_DEMONSTRATIONS * MEAN_STEPS * per_demonstration / REWARD_READINGS_PER_S
+    # As many perfect ones as ranked ones.
+    return 2 * N_DEMONSTRATIONS * MEAN_STEPS / REWARD_READINGS_PER_S
 
 
 def _learning_seconds(reward: RewardRecipe) -> float:
     """Return the seconds that the training of one reward network takes."""
     if reward.method == "posterior":
         return reward.updates * GIBBS_PASS_S
-    if reward.pretrained:
-        return reward.updates * REWARD_UPDATE_S
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     return reward.updates * update_s
 
 
 def _observations_per_update(reward: RewardRecipe) -> float:
-    if reward.method == "fast":
-        return N_DEMONSTRATIONS * MEAN_STEPS / reward.observation_stride
     fragment = (reward.fragment_min_steps + reward.fragment_max_steps) / 2
     return 2 * reward.pairs_per_update * fragment / reward.observation_stride

@@ -1,7 +1,6 @@
 """The learning recipes, as data. A run stores the whole recipe that it was made with."""
 
-from tril.recipes.ablations import ABLATIONS, Ablation
-from tril.recipes.built_in import DAGGER, FAST, FAST_0_2, FORMER, GAIL, PAPER, RECIPES, recipe_named
+from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
 from tril.recipes.changes import (
     FOR_PEOPLE,
     FORMER_NAMES,
@@ -23,18 +22,14 @@ from tril.recipes.values import (
 )
 
 __all__ = [
-    "ABLATIONS",
     "DAGGER",
     "FAST",
-    "FAST_0_2",
-    "FORMER",
     "FORMER_NAMES",
     "FOR_PEOPLE",
     "GAIL",
     "MAX_DAGGER_STEPS",
     "PAPER",
     "RECIPES",
-    "Ablation",
     "CloningRecipe",
     "DaggerRecipe",
     "EvaluationRecipe",

@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tril.errors import Invalid
-from tril.recipes.changes import with_values
-from tril.recipes.values import CloningRecipe, PolicyRecipe, Recipe, RewardRecipe
+from tril.recipes.values import (
+    CloningRecipe,
+    EvaluationRecipe,
+    PolicyRecipe,
+    Recipe,
+    RewardRecipe,
+)
 
 PAPER = Recipe(
     name="paper",
@@ -14,33 +19,28 @@ PAPER = Recipe(
     default_steps=10_000_000,
 )
 
-FAST_0_2 = Recipe(
+FAST = Recipe(
     name="fast",
-    summary="Minutes on a laptop: aligned fragments, reward for progress, a head start by cloning.",
-    default_steps=1_000_000,
+    summary=(
+        "Recommended; minutes on a laptop: infers which aliens the order asks for and begins with"
+        " a clone."
+    ),
+    default_steps=600_000,
+    ordered_steps=1_800_000,
     reward=RewardRecipe(
-        method="fast",
-        learning_rate=1e-3,
-        updates=300,
-        fragment_pairs=0,
-        pairs_per_update=256,
+        method="posterior",
+        updates=500,
         fragment_min_steps=24,
         fragment_max_steps=100,
-        observation_stride=12,
         aligned=True,
-        free_share=0.33,
-        perfect_share=0.05,
-        perturbed_share=0.6,
-        perturbed_copies=12,
-        weight_decay=1e-3,
         folds=6,
-        fold_updates=60,
-        fold_stride=24,
+        fold_updates=500,
     ),
     policy=PolicyRecipe(
         network="small",
         reward="difference",
         death_penalty=0.3,
+        death_forfeit=0.5,
         reward_scale=2.0,
         n_envs=16,
         n_minibatches=8,
@@ -51,42 +51,15 @@ FAST_0_2 = Recipe(
         demonstration_share=0.25,
         warm_start=True,
         kl_coef=0.03,
+        freeze_convolutions=True,
         critic_warm_up_steps=12_000,
         snapshot_steps=tuple(range(50_000, 10_000_001, 50_000)),
         snapshot_episodes=24,
+        opening_share=1.0,
+        sticky_action_probability=0.25,
     ),
-    cloning=CloningRecipe(network="small"),
-)
-
-FAST = replace(
-    with_values(
-        FAST_0_2,
-        {
-            "policy.death_forfeit": 0.5,
-            "policy.opening_share": 1.0,
-            "policy.sticky_action_probability": 0.25,
-            "policy.freeze_convolutions": True,
-            "cloning.pretrained": True,
-            "cloning.freeze_convolutions": True,
-            "evaluation.openings": True,
-        },
-    ),
-    reward=RewardRecipe(
-        method="posterior",
-        updates=500,
-        fragment_min_steps=24,
-        fragment_max_steps=100,
-        aligned=True,
-        folds=6,
-        fold_updates=500,
-        pretrained=True,
-    ),
-    default_steps=600_000,
-    ordered_steps=1_800_000,
-    summary=(
-        "Recommended; minutes on a laptop: infers which aliens the order asks for and begins with"
-        " a clone."
-    ),
+    cloning=CloningRecipe(network="small", pretrained=True, freeze_convolutions=True),
+    evaluation=EvaluationRecipe(openings=True),
 )
 
 DAGGER = Recipe(
@@ -97,7 +70,7 @@ DAGGER = Recipe(
     ),
     default_steps=15_000,
     method="dagger",
-    reward=FAST_0_2.reward,
+    reward=FAST.reward,
     policy=PolicyRecipe(
         network="small",
         reward="level",
@@ -106,35 +79,22 @@ DAGGER = Recipe(
         learning_rate=5e-4,
         snapshot_episodes=24,
     ),
-    cloning=FAST_0_2.cloning,
+    cloning=CloningRecipe(network="small"),
+    evaluation=FAST.evaluation,
 )
 
-GAIL = Recipe(
+GAIL = replace(
+    FAST,
     name="gail",
     summary=(
         "Baseline without a ranking: PPO from the clone on, against a network that tells its games"
         " from the perfect ones."
     ),
-    default_steps=FAST.default_steps,
     method="gail",
-    reward=FAST_0_2.reward,
-    policy=PolicyRecipe(
-        network="small",
-        reward="softplus",
-        reward_scale=0.05,
-        n_envs=16,
-        n_minibatches=8,
-        ent_coef=0.0,
-        warm_start=True,
-        critic_warm_up_steps=12_000,
-        snapshot_steps=(),
-        snapshot_episodes=24,
+    policy=replace(
+        FAST.policy, reward="softplus", reward_scale=0.05, death_forfeit=0.0, snapshot_steps=()
     ),
-    cloning=FAST_0_2.cloning,
 )
-
-FORMER: dict[str, Recipe] = {"0.2": FAST_0_2}
-"""Former recipes by the last version that had them; most published figures are of these."""
 
 RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DAGGER, GAIL)}
 

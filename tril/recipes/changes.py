@@ -24,8 +24,6 @@ FORMER_NAMES = {
     "reward.snippet_pairs": "reward.fragment_pairs",
     "reward.snippet_min_steps": "reward.fragment_min_steps",
     "reward.snippet_max_steps": "reward.fragment_max_steps",
-    "reward.disturbed_share": "reward.perturbed_share",
-    "reward.disturbed_copies": "reward.perturbed_copies",
     "policy.n_games": "policy.n_envs",
     "policy.rollout_steps": "policy.n_steps",
     "policy.minibatches": "policy.n_minibatches",

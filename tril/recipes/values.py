@@ -45,14 +45,13 @@ class RewardRecipe:
 
     Attributes:
         method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
-            and its published code); "fast" scores every demonstration once per update and builds
-            all fragment sums from prefix sums; "posterior" infers which aliens are wanted, see
+            and its published code); "posterior" infers which aliens are wanted, see
             trainer.reward.wanted_aliens; only ``updates`` and the folds' values affect it, and
             fragments only how it is checked.
         learning_rate: Adam's learning rate.
         updates: Gradient updates; method "posterior": passes of Gibbs sampling.
-        fragment_pairs: Method "paper": size of the fixed set of fragment pairs that the updates
-            pass over; 0 draws new pairs for every update.
+        fragment_pairs: Size of the fixed set of fragment pairs that the updates pass over; 0 draws
+            a pair for every update.
         pairs_per_update: Batch size, in fragment pairs.
         fragment_min_steps: Shortest fragment, in observations.
         fragment_max_steps: Longest fragment, in observations, capped at the shorter trajectory of
@@ -61,26 +60,11 @@ class RewardRecipe:
         aligned: Whether both fragments of a pair start at the same step. Otherwise the better one
             starts no earlier than the worse one (T-REX), which by itself makes the learned reward
             rise with time.
-        free_share: Method "fast": share of the ranking's fragment pairs whose starts are drawn
-            independently. Aligned pairs do not determine how R changes with time alone; these do.
-        end_share: Method "fast": share of the ranking's fragment pairs that end with their games.
-            A better game is seldom better from its beginning on, but always in the end.
-        perfect_share: Method "fast": share of the fragment pairs in which a perfect demonstration
-            is preferred to one below the first tier.
-        perturbed_share: Method "fast": share of the fragment pairs in which a perfect
-            demonstration is preferred to a perturbed copy of itself (after D-REX, Brown et al.
-            2020).
-        perturbed_copies: Perturbed copies of each perfect demonstration.
-        ensemble: Number of reward networks, whose standardised outputs are averaged.
         folds: Cross-validation folds that measure the held-out accuracy; 0 skips the measurement.
         fold_updates: ``updates`` of each fold's network.
-        fold_stride: ``observation_stride`` of the folds' networks; 0 means the same.
-        weight_decay: L2 penalty.
-        pretrained: Whether the layers below the output are those that ship with Tril, see
-            trainer.reward.pretraining, and only the output is learned.
     """
 
-    method: Literal["paper", "fast", "posterior"] = "paper"
+    method: Literal["paper", "posterior"] = "paper"
     learning_rate: Positive = 5e-5
     updates: Count = 30_000
     fragment_pairs: CountOrNone = 6_000
@@ -89,40 +73,21 @@ class RewardRecipe:
     fragment_max_steps: Count = 100
     observation_stride: Count = 2
     aligned: Flag = False
-    free_share: Share = 0.0
-    end_share: Share = 0.0
-    perfect_share: Share = 0.0
-    perturbed_share: Share = 0.0
-    perturbed_copies: Count = 8
-    ensemble: Count = 1
     folds: CountOrNone = 3
     fold_updates: Count = 6_000
-    fold_stride: CountOrNone = 0
-    weight_decay: NotNegative = 0.0
-    pretrained: Flag = False
-
-    @model_validator(mode="after")
-    def _check_together(self) -> RewardRecipe:
-        if self.perfect_share + self.perturbed_share > 1.0:
-            raise ValueError("perfect_share and perturbed_share must not add up to more than 1")
-        if self.free_share + self.end_share > 1.0:
-            raise ValueError("free_share and end_share must not add up to more than 1")
-        if self.method == "posterior" and not self.pretrained:
-            raise ValueError("method=posterior needs pretrained=true; set it, or method=fast")
-        if self.method == "posterior" and self.ensemble > 1:
-            raise ValueError("method=posterior has one network; set ensemble=1, or method=fast")
-        return self
 
     @property
-    def uses_perfect(self) -> bool:
-        """Whether the reward is learned from the perfect demonstrations, too."""
-        return self.method == "posterior" or self.perfect_share + self.perturbed_share > 0.0
+    def pretrained(self) -> bool:
+        """Whether only the output is learned, above layers that ship with Tril.
+
+        See trainer.reward.pretraining.
+        """
+        return self.method == "posterior"
 
     @property
     def of_fold(self) -> RewardRecipe:
         """How the network of a cross-validation fold is learned."""
-        stride = self.fold_stride or self.observation_stride
-        return replace(self, updates=self.fold_updates, observation_stride=stride)
+        return replace(self, updates=self.fold_updates)
 
 
 @dataclass(frozen=True)

@@ -177,7 +177,7 @@ def test_the_wrapper_adds_the_learned_reward_where_there_is_no_tril(
 
 
 def test_the_wrapper_reads_a_pretrained_reward_as_tril_does(tmp_path: Path) -> None:
-    model = RewardModel((pretrained_network(np.random.default_rng(5)),), (0.2,), (2.0,))
+    model = RewardModel(pretrained_network(np.random.default_rng(5)), 0.2, 2.0)
     model.save(tmp_path / "reward-model.safetensors")
     read = reward_wrapper.RewardModel(tmp_path / "reward-model.safetensors")
     found = read.score(observations(6))

@@ -129,9 +129,9 @@ def test_a_model_stays_what_it_is_and_is_copied_only_to_another_device() -> None
     model = random_model()
     assert model.on(CPU) is model
     there = model.on(ELSEWHERE)
-    assert device_of(there.members[0]) == ELSEWHERE
-    assert device_of(model.members[0]) == CPU
-    assert (there.offsets, there.scales, there.zero) == (model.offsets, model.scales, model.zero)
+    assert device_of(there.network) == ELSEWHERE
+    assert device_of(model.network) == CPU
+    assert (there.offset, there.scale, there.zero) == (model.offset, model.scale, model.zero)
 
 
 def test_a_clones_loss_is_computed_where_it_is() -> None:

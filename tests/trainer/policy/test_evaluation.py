@@ -30,7 +30,7 @@ class _Constant:
 
 def _model() -> RewardModel:
     torch.manual_seed(1)
-    return RewardModel((RewardNetwork(),), (0.0,), (1.0,))
+    return RewardModel(RewardNetwork())
 
 
 def test_greedy_games_are_recordings_that_verify_with_the_return_of_their_trajectory() -> None:

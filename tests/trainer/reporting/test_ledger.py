@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,15 +12,15 @@ from tests.trainer.reporting.entries import entry
 from testsupport.workplace import Workplace
 from trainer.reporting import digests
 from trainer.reporting.digests import recipe_digest
-from trainer.reporting.ledger import Ledger, LedgerCell
+from trainer.reporting.ledger import Ledger
 from trainer.reporting.run_entry import read_entry
 from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
 from tril.errors import Invalid
-from tril.recipes import FAST, FAST_0_2, PAPER, Recipe, judged_where_trained, with_values
+from tril.recipes import FAST, PAPER, with_values
 from tril.store.models import RunStatus, now
 from tril.store.training import runs
 
-EXPERIMENT = Experiment.of("shots", FAST_0_2, 3)
+EXPERIMENT = Experiment.of("shots", FAST, 3)
 GAMES = (SkilledGame(0, 5, 0.5, True), SkilledGame(9, 10, 0.75, False))
 
 
@@ -54,22 +53,22 @@ def test_a_line_that_is_no_result_is_named(tmp_path: Path, line: str) -> None:
 
 
 def test_the_digest_changes_with_values_and_not_with_words() -> None:
-    assert recipe_digest(FAST_0_2) != recipe_digest(PAPER)
-    assert recipe_digest(with_values(FAST_0_2, {"policy.n_epochs": 9})) != recipe_digest(FAST_0_2)
-    reworded = replace(FAST_0_2, summary="In other words.", default_steps=1)
-    assert recipe_digest(reworded) == recipe_digest(FAST_0_2)
+    assert recipe_digest(FAST) != recipe_digest(PAPER)
+    assert recipe_digest(with_values(FAST, {"policy.n_epochs": 9})) != recipe_digest(FAST)
+    reworded = replace(FAST, summary="In other words.", default_steps=1)
+    assert recipe_digest(reworded) == recipe_digest(FAST)
 
 
 def test_the_digest_changes_with_the_pretrained_weights_that_a_recipe_begins_with(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = {recipe: recipe_digest(recipe) for recipe in (FAST, FAST_0_2)}
+    before = {recipe: recipe_digest(recipe) for recipe in (FAST, PAPER)}
     other = tmp_path / "other.safetensors"
     other.write_bytes(b"other weights")
     monkeypatch.setattr(digests, "PRETRAINED", other)
     assert recipe_digest(FAST) != before[FAST]
-    assert recipe_digest(FAST_0_2) == before[FAST_0_2]
-    assert recipe_digest(FAST.reward) != recipe_digest(FAST_0_2.reward)
+    assert recipe_digest(PAPER) == before[PAPER]
+    assert recipe_digest(FAST.reward) != recipe_digest(PAPER.reward)
 
 
 def test_minutes_leave_out_scripted_demonstrations() -> None:
@@ -84,62 +83,3 @@ def test_only_a_run_that_is_done_is_a_result(workplace: Workplace, status: RunSt
         row.status, row.finished_at = status, now()
     with pytest.raises(Invalid, match=f"{run_id} is {status}"):
         read_entry(workplace.database, run_id)
-
-
-OWN_START = {
-    "policy.own_starts": [2],
-    "evaluation.start_numbers": [2],
-    "evaluation.further_start_numbers": [],
-}
-
-
-@pytest.mark.parametrize(
-    ("recipe", "changes", "found"),
-    [
-        (with_values(FAST_0_2, {"policy.n_epochs": 9}), {"policy.epochs": 9}, True),
-        (judged_where_trained(FAST_0_2, 2), OWN_START, True),
-        (FAST_0_2, {"policy.forgotten": 9}, False),
-        (FAST_0_2, None, False),
-    ],
-)
-def test_results_of_version_0_1_are_found_if_their_recipe_can_be_rebuilt(
-    tmp_path: Path, recipe: Recipe, changes: dict[str, Any] | None, found: bool
-) -> None:
-    cell = {
-        "behaviour": "column-2",
-        "recipe": "fast",
-        "digest": "01234567",
-        "steps": 1000,
-        "training_seed": 0,
-        "own_starts": recipe.policy.own_starts,
-    }
-    line = {
-        "cell": cell,
-        "finished_at": "2026-01-02T03:04:05+00:00",
-        "seconds": {"reward": 60.0},
-        "check": {"tau": 1.0, "held_out_accuracy": None},
-        "demonstrations": [],
-        "games": [],
-        "versions": {"python": "3.11"},
-    }
-    text = json.dumps(line if changes is None else line | {"changes": changes})
-    (tmp_path / "ledger.jsonl").write_text(text)
-    ledger = Ledger(tmp_path)
-    assert ledger.missing([LedgerCell.of("column-2", recipe, 1000, 0)]) == (
-        [] if found else [LedgerCell.of("column-2", recipe, 1000, 0)]
-    )
-    assert found or ledger.entries[0].cell.digest == "01234567"
-
-
-def test_experiments_of_version_0_1_move_into_the_ledger(tmp_path: Path) -> None:
-    path = tmp_path / "extrapolation" / "shots-fast-3-28fbb542.json"
-    path.parent.mkdir()
-    name = {"quantity": "shots", "recipe": "fast", "digest": "28fbb542", "training_seed": 3}
-    games = [game._asdict() for game in GAMES]
-    path.write_text(json.dumps({"experiment": name, "games": games}))
-    Ledger(tmp_path).add(entry())
-    path.unlink()
-    assert list(Ledger(tmp_path).extrapolations) == [Extrapolation(EXPERIMENT, GAMES)]
-    path.write_text("{}")
-    with pytest.raises(Invalid, match=r"28fbb542\.json"):
-        Ledger(tmp_path)

@@ -11,7 +11,7 @@ from tests.trainer.reporting.entries import entry, game
 from trainer.reporting.ledger import DEVICE, PRECISION, Entry, Ledger
 from trainer.reporting.results_page import cell_folder, page_text, write_page
 from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
-from tril.recipes import ABLATIONS, FAST, FAST_0_2, Recipe, judged_where_trained, with_values
+from tril.recipes import FAST, Recipe, judged_where_trained, with_values
 
 PUBLISHED = Path(__file__).parents[3] / "docs" / "results"
 ROW = "| 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 | tie / imitator / clone | float32 |"
@@ -42,7 +42,7 @@ def test_published_results_are_of_the_recipes_as_they_are() -> None:
 
 def test_a_recipe_without_a_result_of_this_version_is_named_as_such(tmp_path: Path) -> None:
     remark = "None of these results is of today's `fast`"
-    assert remark in page_of(tmp_path, entry(recipe=FAST_0_2))
+    assert remark in page_of(tmp_path, entry(recipe=with_values(FAST, {"policy.n_epochs": 9})))
     assert remark not in page_of(tmp_path, entry())
 
 
@@ -101,30 +101,19 @@ def test_other_demonstrations_stand_beside_the_ordinary_ones(tmp_path: Path) -> 
     assert len({cell_folder(one) for one in Ledger(tmp_path).entries}) == 5
 
 
-def test_ablations_stand_beside_the_whole_recipe(tmp_path: Path) -> None:
-    games = {"imitator greedy": (game("column-2", 1, 1, 0),)}
-    ablations = [entry(recipe=one.recipe, games=games) for one in ABLATIONS]
-    page = page_of(tmp_path, *ablations, entry(recipe=FAST_0_2), entry("column-5"))
-    head, without = page.split("## Ablations")
-    assert head.count("| Column 2 (as in 0.2) | 1,000 | 0 | imitator | 3.50 [") == 1
-    names = [row[2] for row in rows(without, "Column ")]
-    assert names == ["(the whole recipe)", *(one.name for one in ABLATIONS)]
-
-
 @pytest.mark.parametrize(
-    ("base", "changes", "name"),
+    ("changes", "name"),
     [
-        (FAST, {"policy.n_epochs": 9}, "policy.n_epochs 9"),
-        (FAST_0_2, {"policy.n_epochs": 9}, "as in 0.2, policy.n_epochs 9"),
-        (FAST, {}, "other values, {}"),
-        (FAST, {"policy.n_epochs": 8}, "other values, {}"),
-        (FAST, {"policy.forgotten": 9}, "other values, {}"),
+        ({"policy.n_epochs": 9}, "policy.n_epochs 9"),
+        ({}, "other values, {}"),
+        ({"policy.n_epochs": 8}, "other values, {}"),
+        ({"policy.forgotten": 9}, "other values, {}"),
     ],
 )
 def test_results_with_other_values_name_them(
-    tmp_path: Path, base: Recipe, changes: dict[str, int], name: str
+    tmp_path: Path, changes: dict[str, int], name: str
 ) -> None:
-    other = entry(recipe=with_values(base, {"policy.n_epochs": 9}), changes=changes)
+    other = entry(recipe=with_values(FAST, {"policy.n_epochs": 9}), changes=changes)
     page = page_of(tmp_path, entry(), other)
     first, second = rows(page, "Column 2")[:2]
     assert (first[0], second[0]) == ("Column 2", f"Column 2 ({name.format(other.cell.digest)})")
@@ -148,11 +137,10 @@ def test_the_page_says_what_a_policy_learned_on(tmp_path: Path) -> None:
     ("recipe", "name"),
     [
         (FAST, "fast"),
-        (FAST_0_2, "fast (as in 0.2)"),
         (with_values(FAST, {"reward.updates": 9}), "fast (other values, {})"),
     ],
 )
-def test_extrapolation_experiments_name_the_version_of_their_reward(
+def test_extrapolation_experiments_say_which_values_their_reward_has(
     tmp_path: Path, recipe: Recipe, name: str
 ) -> None:
     experiment = Experiment.of("shots", recipe, 3)

@@ -1,16 +1,9 @@
-from typing import get_args
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.reward.fragments import (
-    Fragmenter,
-    FragmentStarts,
-    fragment_returns,
-    preference_pairs,
-)
+from trainer.reward.fragments import Fragmenter, fragment_returns, preference_pairs
 from tril.errors import Invalid
 
 
@@ -18,14 +11,14 @@ from tril.errors import Invalid
     sizes=st.lists(st.integers(1, 301), min_size=2, max_size=6),
     shortest=st.integers(1, 80),
     extra=st.integers(0, 60),
-    starts=st.sampled_from(get_args(FragmentStarts)),
+    aligned=st.booleans(),
     seed=st.integers(0, 99),
 )
 def test_fragments_lie_within_their_games_and_are_equally_long(
-    sizes: list[int], shortest: int, extra: int, starts: FragmentStarts, seed: int
+    sizes: list[int], shortest: int, extra: int, aligned: bool, seed: int
 ) -> None:
     pairs = preference_pairs([[i] for i in range(len(sizes))])
-    fragmenter = Fragmenter(shortest, shortest + extra, starts)
+    fragmenter = Fragmenter(shortest, shortest + extra, aligned)
     drawn = fragmenter.sample(pairs, sizes, 200, np.random.default_rng(seed))
     size = np.asarray(sizes)
     assert (drawn.better < drawn.worse).all()
@@ -36,33 +29,14 @@ def test_fragments_lie_within_their_games_and_are_equally_long(
     assert (drawn.worse_start + drawn.length <= size[drawn.worse]).all()
     shorter = np.minimum(size[drawn.better], size[drawn.worse])
     assert (drawn.length >= np.minimum(shortest, shorter)).all()
-    if starts == "same":
+    if aligned:
         assert (drawn.better_start == drawn.worse_start).all()
-    elif starts == "later":
+    else:
         assert (drawn.better_start >= drawn.worse_start).all()
-    elif starts == "end":
-        assert (drawn.better_start + drawn.length == size[drawn.better]).all()
-        assert (drawn.worse_start + drawn.length == size[drawn.worse]).all()
-
-
-def test_free_fragments_start_before_and_after_each_other() -> None:
-    fragmenter = Fragmenter(5, 10, "any")
-    drawn = fragmenter.sample([(0, 1)], [100, 100], 500, np.random.default_rng(0))
-    earlier = np.mean(drawn.better_start < drawn.worse_start)
-    assert 0.4 < earlier < 0.6
-
-
-@pytest.mark.parametrize("starts", ["later", "same", "any"])
-def test_fragments_start_where_both_games_have_begun(starts: FragmentStarts) -> None:
-    fragmenter = Fragmenter(5, 50, starts)
-    drawn = fragmenter.sample([(0, 1)], [100, 90], 500, np.random.default_rng(0), begins=[0, 70])
-    assert drawn.worse_start.min() == 70
-    assert drawn.better_start.min() == 70
-    assert (drawn.worse_start + drawn.length).max() == 90
 
 
 def test_a_short_game_limits_its_own_pairs_only() -> None:
-    fragmenter = Fragmenter(50, 100, "same")
+    fragmenter = Fragmenter(50, 100, aligned=True)
     pairs = preference_pairs([[0], [1], [2]])
     drawn = fragmenter.sample(pairs, [301, 20, 301], 2000, np.random.default_rng(0))
     with_short = (drawn.better == 1) | (drawn.worse == 1)

@@ -16,13 +16,12 @@ def observations() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 256, (11, 4, 84, 84), dtype=np.uint8)
 
 
-def two_networks() -> tuple[RewardNetwork, RewardNetwork]:
-    rng = np.random.default_rng(1)
-    return new_network(rng), new_network(rng)
+def a_network() -> RewardNetwork:
+    return new_network(np.random.default_rng(1))
 
 
 def test_network_is_the_one_of_appendix_a(observations: np.ndarray) -> None:
-    network, _ = two_networks()
+    network = a_network()
     layers: list[nn.Module] = []
     for layer in [*network.layers, network.hidden, network.output]:
         if layer is network.hidden:
@@ -44,33 +43,32 @@ def test_network_is_the_one_of_appendix_a(observations: np.ndarray) -> None:
         torch.testing.assert_close(network(inputs), expected, rtol=1e-4, atol=1e-5)
 
 
-def test_ensemble_is_the_mean_of_standardised_members(observations: np.ndarray) -> None:
-    first, second = two_networks()
-    model = RewardModel((first, second), (0.5, -0.1), (2.0, 0.25))
+def test_r_is_the_standardised_output(observations: np.ndarray) -> None:
+    network = a_network()
     with torch.no_grad():
-        inputs = torch.from_numpy(observations)
-        expected = ((first(inputs) - 0.5) / 2.0 + (second(inputs) + 0.1) / 0.25) / 2
-    np.testing.assert_allclose(model.score(observations), expected.numpy(), rtol=1e-4, atol=1e-5)
+        expected = (network(torch.from_numpy(observations)) - 0.5) / 2.0
+    found = RewardModel(network, 0.5, 2.0).score(observations)
+    np.testing.assert_allclose(found, expected.numpy(), rtol=1e-4, atol=1e-5)
 
 
 def test_predicted_return_leaves_the_start_out(observations: np.ndarray) -> None:
-    model = RewardModel(two_networks()[:1])
+    model = RewardModel(a_network())
     expected = float(model.score(observations)[1:].sum(dtype=np.float64))
     assert predicted_return(model, observations) == pytest.approx(expected, rel=1e-5)
 
 
 def test_level_maps_zero_and_one() -> None:
-    model = RewardModel(two_networks()[:1], zero=-1.0, one=3.0)
+    model = RewardModel(a_network(), zero=-1.0, one=3.0)
     levels = model.level(np.array([-1.0, 1.0, 3.0], np.float32))
     assert levels.tolist() == [0.0, 0.5, 1.0]
 
 
 def test_saved_model_is_the_same_model(tmp_path: Path, observations: np.ndarray) -> None:
-    model = RewardModel(two_networks(), (0.5, 1.0), (2.0, 3.0), -1.0, 2.0)
+    model = RewardModel(a_network(), 0.5, 2.0, -1.0, 2.0)
     model.save(tmp_path / "reward.safetensors")
     loaded = RewardModel.load(tmp_path / "reward.safetensors")
     np.testing.assert_array_equal(loaded.score(observations), model.score(observations))
-    assert (loaded.offsets, loaded.scales) == (model.offsets, model.scales)
+    assert (loaded.offset, loaded.scale) == (model.offset, model.scale)
     assert (loaded.zero, loaded.one) == (-1.0, 2.0)
 
 
@@ -80,9 +78,9 @@ def a_spread(n_features: int = 64) -> Spread:
 
 
 def test_deviation_is_the_norm_of_the_refits_deviations(observations: np.ndarray) -> None:
-    network, _ = two_networks()
+    network = a_network()
     spread = a_spread()
-    model = RewardModel((network,), (0.5,), (2.0,), spread=spread)
+    model = RewardModel(network, 0.5, 2.0, spread=spread)
     judged = model.judge(observations)
     with torch.no_grad():
         features = network.read(torch.from_numpy(observations))
@@ -92,23 +90,12 @@ def test_deviation_is_the_norm_of_the_refits_deviations(observations: np.ndarray
     np.testing.assert_array_equal(judged.rewards, model.score(observations))
 
 
-def test_deviation_of_an_ensemble_is_its_members(observations: np.ndarray) -> None:
-    first, second = two_networks()
-    model = RewardModel((first, second), (0.5, -0.1), (2.0, 0.25))
-    with torch.no_grad():
-        inputs = torch.from_numpy(observations)
-        apart = (first(inputs) - 0.5) / 2.0 - (second(inputs) + 0.1) / 0.25
-    deviations = model.judge(observations).deviations
-    assert deviations is not None
-    np.testing.assert_allclose(deviations, apart.abs() / 2**0.5, rtol=1e-3, atol=1e-5)
-
-
-def test_a_single_network_without_a_spread_knows_no_deviation(observations: np.ndarray) -> None:
-    assert RewardModel(two_networks()[:1]).judge(observations).deviations is None
+def test_without_a_spread_there_is_no_deviation(observations: np.ndarray) -> None:
+    assert RewardModel(a_network()).judge(observations).deviations is None
 
 
 def test_a_spread_is_kept_with_its_model(tmp_path: Path, observations: np.ndarray) -> None:
-    model = RewardModel(two_networks()[:1], spread=a_spread())
+    model = RewardModel(a_network(), spread=a_spread())
     model.save(tmp_path / "reward.safetensors")
     loaded = RewardModel.load(tmp_path / "reward.safetensors")
     expected, found = model.judge(observations), loaded.judge(observations)
@@ -118,10 +105,10 @@ def test_a_spread_is_kept_with_its_model(tmp_path: Path, observations: np.ndarra
 
 
 def test_a_spread_of_other_features_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="of its features"):
-        RewardModel(two_networks()[:1], spread=a_spread(63))
+    with pytest.raises(ValueError, match="of the network's features"):
+        RewardModel(a_network(), spread=a_spread(63))
     path = tmp_path / "reward.safetensors"
-    RewardModel(two_networks()[:1], spread=a_spread()).save(path)
+    RewardModel(a_network(), spread=a_spread()).save(path)
     tensors, metadata = load_tensors(path)
     save_tensors(path, {**tensors, "spread.weight": torch.zeros(4, 63)}, metadata)
     with pytest.raises(Invalid, match="cannot be read"):
@@ -139,7 +126,7 @@ def test_a_spread_that_is_not_finite_is_refused() -> None:
 @pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0), (0.0, float("inf"))])
 def test_a_level_without_a_range_is_refused(ends: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="from low to high"):
-        RewardModel(two_networks()[:1], zero=ends[0], one=ends[1])
+        RewardModel(a_network(), zero=ends[0], one=ends[1])
 
 
 @pytest.mark.parametrize(
@@ -170,6 +157,6 @@ def test_a_file_of_garbage_is_refused(tmp_path: Path) -> None:
 
 
 def test_observations_of_another_shape_are_refused(observations: np.ndarray) -> None:
-    model = RewardModel(two_networks()[:1])
+    model = RewardModel(a_network())
     with pytest.raises(ValueError, match="uint8"):
         model.score(observations.astype(np.float32))

@@ -45,9 +45,7 @@ N_GAMES = 5
 SETTLED_STEPS = 5
 """After a hit, until the alien's explosion is gone."""
 
-PRETRAINED = RewardRecipe(
-    method="fast", pretrained=True, updates=3, pairs_per_update=16, fragment_min_steps=4
-)
+PRETRAINED = RewardRecipe(method="posterior", updates=3, fragment_min_steps=4)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +70,7 @@ def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
 
 def test_r_from_what_was_read_is_r_from_the_screens(screens: Screens) -> None:
     network = pretrained_network(np.random.default_rng(3))
-    model = RewardModel((network,), (0.5,), (2.0,))
+    model = RewardModel(network, 0.5, 2.0)
     left = read_features(screens.observations[:150])
     assert left.shape == (150, network.output.in_features)
     assert ((left >= 0) & (left <= 1)).all()
@@ -142,7 +140,7 @@ def test_a_row_is_swept_as_far_as_all_aliens_from_its_left_end_are_gone() -> Non
 @pytest.mark.parametrize("order", [Order.GAPS, Order.SWEEPS])
 def test_a_model_is_read_as_it_was_saved(tmp_path: Path, screens: Screens, order: Order) -> None:
     with torch_seeded(np.random.default_rng(1)):
-        model = RewardModel((RewardNetwork(36, order),))
+        model = RewardModel(RewardNetwork(36, order))
     path = tmp_path / "model.safetensors"
     model.save(path)
     wanted = model.score(screens.observations[:9])
@@ -170,8 +168,7 @@ def test_only_the_output_is_learned_and_the_model_is_saved_whole(tmp_path: Path)
     dataset = PreferenceDataset.from_demonstrations(planted_trajectories(), TIERS, PRETRAINED)
     model = train_reward_model(dataset, 7, NullProgress())
     shipped = pretrained_network(np.random.default_rng(0)).state_dict()
-    (member,) = model.members
-    for name, weight in member.state_dict().items():
+    for name, weight in model.network.state_dict().items():
         assert torch.equal(weight, shipped[name]) != name.startswith("output"), name
     model.save(tmp_path / "model.safetensors")
     loaded = RewardModel.load(tmp_path / "model.safetensors")
@@ -186,7 +183,7 @@ def test_the_check_says_how_sure_a_pretrained_reward_is() -> None:
     _, checked = check_ranking(model, dataset, 3, NullProgress())
     assert model.spread is None
     assert checked.spread is not None
-    assert checked.spread.weight.shape == (3, model.members[0].output.in_features)
+    assert checked.spread.weight.shape == (3, model.network.output.in_features)
     states = dataset.trajectories[0].observations
     judged = checked.judge(states)
     np.testing.assert_array_equal(judged.rewards, model.score(states))
@@ -203,7 +200,7 @@ def test_the_jackknife_is_that_of_its_definition() -> None:
     states = dataset.trajectories[1].observations
     values = []
     for network in networks:
-        alone = RewardModel((network,))
+        alone = RewardModel(network)
         every = [alone.score(dataset.trajectories[i].observations) for i in dataset.ranked]
         values.append(alone.score(states) / np.concatenate(every).std())
     # What all states have in common depends on the offsets.

@@ -20,10 +20,9 @@ from trainer.reward.pretraining import pretrained_network
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.wanted_aliens import WantedAliensTrainer, labels_of, set_labels
 from tril.analysis.wanted_aliens import Hits, learned_order
-from tril.errors import Invalid
 from tril.game.episode import Hit
 from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP
-from tril.recipes import FAST, with_values
+from tril.recipes import FAST
 from tril.recording import Trajectory
 
 RECIPE = replace(FAST.reward, updates=60, fold_updates=60)
@@ -250,10 +249,3 @@ def test_progress_is_reported() -> None:
     )
     assert isinstance(model, RewardModel)
     assert progress.done[-5:] == [1, 2, 3, 4, 5]
-
-
-def test_the_method_needs_pretrained_layers() -> None:
-    with pytest.raises(Invalid, match="method=posterior needs pretrained=true"):
-        with_values(FAST, {"reward.pretrained": False})
-    with pytest.raises(Invalid, match="method=posterior has one network"):
-        with_values(FAST, {"reward.ensemble": 2})

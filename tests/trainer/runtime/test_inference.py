@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+import torch
 
 from testsupport.processes import tril_process
 from testsupport.workplace import Workplace, make_workplace
@@ -26,7 +27,7 @@ from trainer.explain.patches import patch_map
 from trainer.explain.subject import ActionOdds, Subject
 from trainer.policy.networks import Policy, load_policy, new_policy, save_policy
 from trainer.progress import Progress
-from trainer.reward.model import RewardModel, new_network
+from trainer.reward.model import RewardModel, Spread, new_network
 from trainer.runtime import answers
 from trainer.runtime.answers import Models
 from trainer.runtime.inference import new_server
@@ -81,7 +82,7 @@ def sparse_observations(n: int) -> Observations:
 
 
 def a_reward_model(seed: int = 0) -> RewardModel:
-    return RewardModel((new_network(np.random.default_rng(seed)),), (0.5,), (2.0,))
+    return RewardModel(new_network(np.random.default_rng(seed)), 0.5, 2.0)
 
 
 def keep_model(
@@ -127,8 +128,9 @@ def test_deviations_are_answered_where_the_model_knows_them(
     workplace: Workplace, store: ArtifactStore, client: InferenceClient, tmp_path: Path
 ) -> None:
     run_id = workplace.make_run()
-    networks = tuple(new_network(np.random.default_rng(seed)) for seed in (0, 1))
-    model = RewardModel(networks, (0.0, 0.0), (1.0, 1.0))
+    rng = torch.Generator().manual_seed(3)
+    spread = Spread(torch.randn(4, 64, generator=rng), torch.randn(4, generator=rng))
+    model = replace(a_reward_model(), spread=spread)
     keep_model(workplace, store, run_id, tmp_path, model)
     observations = some_observations(3)
     with serving(workplace):

@@ -19,24 +19,14 @@ from tril.store.training import artifacts, evaluations
 
 STEPS = 400
 
-GRADIENT_DESCENT = {
-    "reward.method": "fast",
-    "reward.pretrained": False,
-    "reward.perturbed_share": 0.5,
-    "reward.perturbed_copies": 1,
-}
-"""How the rewards of these methods are learned."""
-
 RECIPES: dict[str, Recipe] = {
     "dagger": with_values(
         TINY,
-        GRADIENT_DESCENT
-        | {"method": "dagger", "cloning.epochs": 1, "dagger.steps_per_iteration": 200},
+        {"method": "dagger", "cloning.epochs": 1, "dagger.steps_per_iteration": 200},
     ),
     "gail": with_values(
         TINY,
-        GRADIENT_DESCENT
-        | {
+        {
             "method": "gail",
             "gail.updates": 2,
             "policy.reward": "softplus",

@@ -72,7 +72,7 @@ class RewardNetwork(nn.Module):
 
 
 class RewardModel:
-    """R(observation), the mean of one or more standardised networks.
+    """R(observation), the standardised output of a network.
 
     Args:
         path: The file of weights.
@@ -88,28 +88,22 @@ class RewardModel:
                 raise ValueError(f"{path} has no reward model that this program can read.")
             weights = {name: file.get_tensor(name).float() for name in file.keys()}  # noqa: SIM118
         model = json.loads(metadata["model"])
-        self._offsets, self._scales = model["offsets"], model["scales"]
-        self._networks = []
-        for number in range(len(self._offsets)):
-            prefix = f"{number}."
-            own = {
-                name.removeprefix(prefix): one
-                for name, one in weights.items()
-                if name.startswith(prefix)
-            }
-            n_flags, n_features = len(own.get("memory.bias", ())), own["output.weight"].shape[1]
-            order = model.get("order", "gaps") if n_features > n_flags > 0 else ""
-            network = RewardNetwork(n_flags, n_features, order)
-            network.load_state_dict(own)
-            self._networks.append(network.eval())
+        (self._offset,), (self._scale,) = model["offsets"], model["scales"]
+        own = {name.removeprefix("0."): w for name, w in weights.items() if name.startswith("0.")}
+        n_flags, n_features = len(own.get("memory.bias", ())), own["output.weight"].shape[1]
+        order = model.get("order", "gaps") if n_features > n_flags > 0 else ""
+        self._network = RewardNetwork(n_flags, n_features, order)
+        self._network.load_state_dict(own)
+        self._network.eval()
 
     def score(self, observations: Observation) -> npt.NDArray[np.float32]:
         """Return R, float32 (N,), of observations, uint8 (N, 4, 84, 84)."""
         with torch.inference_mode():
             batch = torch.from_numpy(np.ascontiguousarray(observations))
-            parts = zip(self._networks, self._offsets, self._scales, strict=True)
-            outputs = [(network(batch) - offset) / scale for network, offset, scale in parts]
-            return torch.stack(outputs).mean(0).numpy()
+            rewards: npt.NDArray[np.float32] = (
+                (self._network(batch) - self._offset) / self._scale
+            ).numpy()
+            return rewards
 
 
 class LearnedReward(gymnasium.Wrapper[Observation, Any, Observation, Any]):

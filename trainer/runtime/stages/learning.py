@@ -53,7 +53,6 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     )
     if model.spread is not None:
         data.keep_reward_model(model)
-    data.forget_perturbed()
     ranked = data.snapshot.ranked
     found = asdict(check) | {
         "predicted_returns": {ranked[i]: value for i, value in check.predicted_returns.items()},
@@ -66,7 +65,7 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
 
 
 def _wanted(data: RunData) -> WantedAliens:
-    labels, order = labels_of(data.reward_model.members[0])
+    labels, order = labels_of(data.reward_model.network)
     return WantedAliens.of(labels.tolist(), order.tolist())
 
 
