@@ -10,8 +10,19 @@ MAX_NAMED = 6
 """Pairs of tiers that are named; the page lists all."""
 
 
-def advice(check: RankingCheck) -> str:
-    """Return what the model did not learn of the ranking and what to do; empty if it passed."""
+_ALIENS_ALONE = (
+    " This recipe finds out which aliens are wanted, and nothing else: if you ranked by something"
+    " else, such as where the cannon stands or how often it shoots, choose the recipe paper."
+)
+
+
+def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
+    """Return what the model did not learn of the ranking and what to do; empty if it passed.
+
+    Args:
+        check: Of the ranking.
+        aliens_alone: Whether the model can only learn which aliens are wanted.
+    """
     if check.passed:
         return ""
     measured = []
@@ -30,7 +41,9 @@ def advice(check: RankingCheck) -> str:
     confused = f" It confuses tiers {_named(pairs)}." if pairs else ""
     return (
         f"The reward model has not understood the ranking: {', and '.join(measured)}.{confused} It "
-        "needs other demonstrations or another order. You can also go on anyway."
+        "needs other demonstrations or another order."
+        + (_ALIENS_ALONE if aliens_alone else "")
+        + " You can also go on anyway."
     )
 
 

@@ -15,7 +15,10 @@ from tril.recipes.values import (
 
 PAPER = Recipe(
     name="paper",
-    summary="As published: 30,000 single fragment pairs, sigmoid reward, PPO from scratch.",
+    summary=(
+        "As published, takes hours: a network learns from screens what the order is about, aliens"
+        " or not; PPO from scratch."
+    ),
     default_steps=10_000_000,
 )
 

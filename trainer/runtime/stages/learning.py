@@ -54,12 +54,13 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     if model.spread is not None:
         data.keep_reward_model(model)
     ranked = data.snapshot.ranked
+    aliens_alone = context.recipe.reward.method == "posterior"
     found = asdict(check) | {
         "predicted_returns": {ranked[i]: value for i, value in check.predicted_returns.items()},
         "final_levels": {ranked[i]: value for i, value in check.final_levels.items()},
-        "advice": advice(check),
+        "advice": advice(check, aliens_alone=aliens_alone),
         "warning": warning(check),
-        "wanted": _wanted(data) if context.recipe.reward.method == "posterior" else None,
+        "wanted": _wanted(data) if aliens_alone else None,
     }
     return RunOutcome(check=CheckOutcome.model_validate(found))
 

@@ -94,6 +94,7 @@ export function TrainForm(props: TrainFormProps) {
           ))}
         </div>
       </fieldset>
+      {recipe.name === "fast" && behaviour.target === null && <AliensAlone />}
       <StepsField
         value={values.steps}
         error={errors.steps}
@@ -147,6 +148,21 @@ function showInvalid(form: Element): void {
   const folded = field?.closest("details");
   if (folded) folded.open = true;
   field?.focus();
+}
+
+/** What fast can't learn, for behaviours that may be about something else. */
+function AliensAlone() {
+  return (
+    <Notice tone="calm">
+      <p>
+        <Trans>
+          fast finds out which aliens your order asks for, and nothing else. If you rank by
+          something else, such as where the cannon stands or how often it shoots, choose paper,
+          which takes hours.
+        </Trans>
+      </p>
+    </Notice>
+  );
 }
 
 /** A run that ends before the imitator begins to learn. */

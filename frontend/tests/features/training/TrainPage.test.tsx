@@ -33,6 +33,13 @@ describe("training", () => {
     expect(screen.getByRole("button", { name: "Train" })).toBeEnabled();
   });
 
+  it("says that fast knows aliens alone where a behaviour may be about something else", async () => {
+    open({ ...RANKED, target: null });
+    expect(await screen.findByText(/fast finds out which aliens/)).toBeVisible();
+    await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
+    expect(screen.queryByText(/fast finds out which aliens/)).toBeNull();
+  });
+
   it("works on the scripted example where nothing was played", async () => {
     const { asked, router } = open(behaviour(), {
       "POST /api/runs": () => run({ id: "r3", status: "queued", example: true }),
