@@ -33,7 +33,7 @@ from tril.store.models import Role, RunStatus
 
 PASSWORD = "never-shown-anywhere"
 QUICKLY_STOPPED = with_values(
-    TINY, {"reward.method": "fast", "reward.updates": 1, "reward.learning_rate": 1e-9}
+    TINY, {"reward.method": "paper", "reward.updates": 1, "reward.learning_rate": 1e-9}
 )
 """Its reward model learns nothing; with the training seed 3 the check then stops the run."""
 

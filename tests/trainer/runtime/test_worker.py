@@ -43,7 +43,7 @@ SOON_S = 3.0
 """Seconds after which a test's worker gives another one up."""
 
 CONFUSED = with_values(
-    TINY, {"reward.method": "fast", "reward.updates": 1, "reward.learning_rate": 1e-9}
+    TINY, {"reward.method": "paper", "reward.updates": 1, "reward.learning_rate": 1e-9}
 )
 """Its reward model learns nothing and orders the demonstrations by chance."""
 
