@@ -42,7 +42,6 @@ from tril.store.schema import check_schema, upgrade
 from tril.store.training import runs
 
 FILES = Path(__file__).parent / "data" / "v0.1"
-PUBLISHED = Path(__file__).parents[1] / "docs" / "results"
 EXPORTED = "second-column-in-order"
 OWN = 8
 """Id of the behaviour that was exported."""
@@ -296,7 +295,7 @@ def test_recipes_have_the_values_that_they_were_started_with(old: OldFolder) -> 
     assert demo.reward.pairs_per_update == 16
     assert {recipe.method for recipe in recipes.values()} == {"ppo", "dagger", "gail"}
     assert [r.policy.own_starts for r in recipes.values() if r.policy.own_starts] == [(2,)]
-    # Those that were started as Tril proposes them are still the recipes of their names.
+    # What was started as published is still the recipe of its name.
     paper = next(recipe for recipe in recipes.values() if recipe.name == "paper")
     assert recipe_digest(paper) == recipe_digest(RECIPES["paper"])
 

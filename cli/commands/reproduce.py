@@ -71,7 +71,7 @@ def reproduce(
         bool,
         typer.Option(
             help="Also run the sanity experiments with rankings by points and by shots, for recipes"
-            " whose reward can follow any quantity: the reward of fast knows aliens alone.",
+            " whose reward may follow any quantity: that of fast considers only hits.",
         ),
     ] = True,
     output: Annotated[

@@ -19,6 +19,7 @@ from tril.recipes import (
     RECIPES,
     Recipe,
     changed_values,
+    checked,
     recipe_from_dict,
     recipe_named,
     with_values,
@@ -163,3 +164,15 @@ def test_what_was_replaced_is_found_again() -> None:
 def test_an_unknown_recipe_names_those_there_are() -> None:
     with pytest.raises(Invalid, match="fast, paper, dagger, gail"):
         recipe_named("slow")
+
+
+def test_a_recipe_of_an_earlier_version_keeps_how_it_learned_its_reward() -> None:
+    former = recipe_from_dict(FAST.to_dict() | {"reward": {"method": "fast", "updates": 300}})
+    assert checked(former) == former
+    assert checked(FAST) == FAST
+    unknown = replace(former, reward=replace(former.reward, method="magic"))  # type: ignore[arg-type]
+    with pytest.raises(Invalid, match=r"reward\.method must be"):
+        checked(unknown)
+    wrong = replace(former, policy=replace(former.policy, n_epochs=0))
+    with pytest.raises(Invalid, match=r"policy\.n_epochs must be"):
+        checked(wrong)

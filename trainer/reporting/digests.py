@@ -70,4 +70,7 @@ def _non_default_values(part: Any) -> dict[str, Any]:
                 values[field.name] = inner
         elif field.default is MISSING or value != field.default:
             values[field.name] = value
+    if isinstance(part, RewardRecipe) and part.pretrained:
+        # Once a value of its own. The digests of results are older than that it isn't.
+        values["pretrained"] = True
     return values

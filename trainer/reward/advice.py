@@ -11,8 +11,8 @@ MAX_NAMED = 6
 
 
 _ALIENS_ALONE = (
-    " This recipe finds out which aliens are wanted, and nothing else: if you ranked by something"
-    " else, such as where the cannon stands or how often it shoots, choose the recipe paper."
+    " This recipe considers only which aliens are hit. If you ranked by something else, such as"
+    " where the cannon stands or how often it shoots, try the recipe paper, which takes hours."
 )
 
 

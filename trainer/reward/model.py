@@ -364,7 +364,11 @@ class RewardModel:
                 )
             header = json.loads(metadata["model"])
             weights = by_prefix(tensors, ".")
-            # Earlier versions had ensembles.
+            if (n_networks := len(header["offsets"])) != 1:
+                raise Invalid(
+                    f"{path.name} is an ensemble of {n_networks} networks, which this version of"
+                    " Tril no longer reads."
+                )
             (offset,), (scale,) = header["offsets"], header["scales"]
             # Files from before sweeps do not say it.
             order = Order(header.get("order", Order.GAPS))

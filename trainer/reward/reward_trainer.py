@@ -49,13 +49,14 @@ def train_reward_model(
         dataset: What it is learned from, and how.
         training_seed: Seeds all random numbers. The same seed gives the same model on the CPU with
             the same number of threads; a GPU may round differently.
-        progress: Receives loss and accuracy, in updates.
+        progress: Counts updates; receives loss and accuracy by method "paper".
         checkpoint_folder: An existing folder of this training alone, from which an interrupted
             training continues. None saves nothing.
         device: Device to learn on; the model returned is on the CPU.
 
     Raises:
-        Invalid: There are fewer than two tiers.
+        Invalid: There are fewer than two tiers, all states have the same reward, or the recipe is
+            of an earlier version that learned rewards in another way.
         RunCancelled: Raised by ``progress``.
     """
     checkpoint = checkpoint_folder and checkpoint_folder / "network.safetensors"

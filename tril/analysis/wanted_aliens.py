@@ -40,8 +40,11 @@ N_ALIENS = ROWS * COLUMNS
 LABELS = np.where(np.arange(ROWS) < np.arange(ROWS + 1)[:, None], 1.0, -1.0)
 """Labels of a column's aliens, from the bottom, by how many are wanted, float64 (7, 6)."""
 
-WANTED = (0.3, 0.1, 0.5)
-"""Values of s and c that are considered; of equally likely ones the first counts."""
+WANTED = (*product((0.3, 0.1, 0.5), repeat=2), (0.9, 0.1), (0.9, 0.9))
+"""Values of (s, c) that are considered; of equally likely ones the first counts.
+
+With the last two, nearly all columns are wanted: their lowest aliens, or as many as can be hit.
+"""
 
 MISSED = (1, 2, 4, 8)
 """Values of v that are considered: a wanted alien is missed about once in v + 1 games."""
@@ -161,7 +164,7 @@ def log_prior(best: Sequence[Hits]) -> Array:
     # By v, u, column and number of wanted aliens.
     kinds = [row < n_wanted, row == n_wanted]
     of_best = np.select(kinds, [wanted, others], of_hits(*BEHIND)).sum(4)
-    of_numbers = [_log_probability_of_numbers(s, c) for s, c in product(WANTED, repeat=2)]
+    of_numbers = [_log_probability_of_numbers(s, c) for s, c in WANTED]
     candidates = np.concatenate(
         [of_best.reshape(-1, COLUMNS, ROWS + 1) + one for one in of_numbers]
     )

@@ -35,7 +35,7 @@ from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_na
 from tril.files.artifact_store import ArtifactStore
 from tril.game.console import Console
 from tril.game.episode import Ending, EndReason, Hit, Start
-from tril.recipes import recipe_from_dict, with_values
+from tril.recipes import checked, recipe_from_dict
 from tril.recording import Recording, RecordingRefused, Replay
 from tril.stages import Stage
 from tril.store import audit, behaviours, rankings, recordings
@@ -218,7 +218,7 @@ def import_run(
     with database.writing() as session:
         if (known := _restored(session, run.id)) is not None:
             return known
-    recipe = with_values(recipe_from_dict(run.recipe), {})
+    recipe = checked(recipe_from_dict(run.recipe))
     if len(recipe.name) > MAX_RECIPE_NAME:
         raise RunRefused("The name of the run's recipe is too long.")
     kind_named(run.example_kind)

@@ -16,8 +16,8 @@ from tril.recipes.values import (
 PAPER = Recipe(
     name="paper",
     summary=(
-        "As published, takes hours: a network learns from screens what the order is about, aliens"
-        " or not; PPO from scratch."
+        "As published; takes hours: a network learns the order from screens alone, whatever it is"
+        " about; PPO from scratch."
     ),
     default_steps=10_000_000,
 )

@@ -17,6 +17,9 @@ from tril.recipes.values import EvaluationRecipe, Recipe
 
 T = TypeVar("T")
 
+FORMER_REWARD_METHODS = ("fast",)
+"""Of recipes of earlier versions, which can no longer be trained."""
+
 FOR_PEOPLE = ("name", "summary", "default_steps", "ordered_steps")
 """Values of a recipe that do not affect what is learned."""
 
@@ -79,6 +82,19 @@ def with_values(recipe: Recipe, values: Mapping[str, Any]) -> Recipe:
         return _validator().validate_python(data)
     except ValidationError as error:
         raise Invalid(" ".join(_problem(one) for one in error.errors())) from error
+
+
+def checked(recipe: Recipe) -> Recipe:
+    """Return a recipe whose values may come from anywhere; it may learn rewards by a former method.
+
+    Raises:
+        Invalid: A value is out of its range.
+    """
+    method = recipe.reward.method
+    if method not in FORMER_REWARD_METHODS:
+        return with_values(recipe, {})
+    recipe = with_values(recipe, {"reward.method": "paper"})
+    return replace(recipe, reward=replace(recipe.reward, method=method))
 
 
 def changed_values(recipe: Recipe, original: Recipe) -> dict[str, Any]:

@@ -51,7 +51,7 @@ class RewardRecipe:
         learning_rate: Adam's learning rate.
         updates: Gradient updates; method "posterior": passes of Gibbs sampling.
         fragment_pairs: Size of the fixed set of fragment pairs that the updates pass over; 0 draws
-            a pair for every update.
+            ``pairs_per_update`` new ones for every update.
         pairs_per_update: Batch size, in fragment pairs.
         fragment_min_steps: Shortest fragment, in observations.
         fragment_max_steps: Longest fragment, in observations, capped at the shorter trajectory of

@@ -119,7 +119,7 @@ def test_a_discriminator_goes_on_from_its_tensors_as_if_nothing_had_been() -> No
 
 @pytest.fixture(scope="module")
 def task(tmp_path_factory: pytest.TempPathFactory) -> ImitationTask:
-    recipe = tiny_recipe(reward="softplus", demonstration_share=0.0, kl_coef=0.0, snapshot_steps=())
+    recipe = tiny_recipe(reward="softplus", snapshot_steps=())
     recipe = replace(recipe, method="gail", gail=GailRecipe(updates=2, batch_size=16))
     return replace(imitation_task(tmp_path_factory.mktemp("clone")), recipe=recipe)
 

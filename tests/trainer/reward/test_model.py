@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import numpy as np
@@ -6,6 +7,7 @@ import torch
 from safetensors.torch import save_file
 from torch import nn
 
+from trainer.archive.standalone import reward_wrapper
 from trainer.nn.checkpoints import load_tensors, save_tensors
 from trainer.reward.model import RewardModel, RewardNetwork, Spread, new_network, predicted_return
 from tril.errors import Invalid
@@ -102,6 +104,18 @@ def test_a_spread_is_kept_with_its_model(tmp_path: Path, observations: np.ndarra
     assert expected.deviations is not None
     assert found.deviations is not None
     np.testing.assert_array_equal(found.deviations, expected.deviations)
+
+
+def test_an_ensemble_of_an_earlier_version_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "reward.safetensors"
+    RewardModel(a_network()).save(path)
+    tensors, metadata = load_tensors(path)
+    header = json.loads(metadata["model"]) | {"offsets": [0.0, 0.0], "scales": [1.0, 1.0]}
+    save_tensors(path, tensors, metadata | {"model": json.dumps(header)})
+    with pytest.raises(Invalid, match="ensemble of 2 networks"):
+        RewardModel.load(path)
+    with pytest.raises(ValueError, match="has an ensemble"):
+        reward_wrapper.RewardModel(path)
 
 
 def test_a_spread_of_other_features_is_refused(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from testsupport.worker_kills import curves_of, finish, flaws
 from testsupport.worker_zygote import Zygote
 from testsupport.workplace import TINY, Workplace
 from tril.jobs import Jobs
-from tril.recipes import Recipe, with_values
+from tril.recipes import GAIL, Recipe, with_values
 from tril.stages import stages_of
 from tril.store.models import RunStatus
 from tril.store.training import artifacts, evaluations
@@ -29,8 +29,10 @@ RECIPES: dict[str, Recipe] = {
         {
             "method": "gail",
             "gail.updates": 2,
-            "policy.reward": "softplus",
-            "policy.demonstration_share": 0.0,
+            "policy.reward": GAIL.policy.reward,
+            "policy.reward_scale": GAIL.policy.reward_scale,
+            "policy.death_forfeit": GAIL.policy.death_forfeit,
+            "policy.snapshot_steps": GAIL.policy.snapshot_steps,
         },
     ),
 }

@@ -36,7 +36,7 @@ def test_another_machine_gets_the_checkpoints_of_the_stages_at_work(
     store: ArtifactStore, tmp_path: Path
 ) -> None:
     folder = own_scratch_folder(tmp_path / "a", 1)
-    save(folder, "reward/member-0", "finished")
+    save(folder, "reward/network", "finished")
     save(folder, "imitator/checkpoint", "first")
     save(folder, "imitator/.checkpoint-x1", "half written")
     CheckpointCopies(store, RUN, folder, lambda: {"reward"}).copy()

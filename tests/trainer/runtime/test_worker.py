@@ -412,6 +412,9 @@ def test_a_ranking_that_is_not_understood_stops_the_run_before_ppo_until_told_to
         assert "other demonstrations or another order" in row.message
         assert row.outcome.check is not None
         assert not row.outcome.check.passed
+        with workplace.database.reading() as session:
+            _, curves = metrics.series(session, run_id)
+        assert {"loss", "accuracy"} <= set(curves["reward"])
         assert "clone" not in row.finished_stages
         jobs.resume(run_id)
         until(lambda: "clone" in workplace.run(run_id).finished_stages, worker)

@@ -85,13 +85,13 @@ def test_the_prior_expects_what_the_best_games_hit_where_they_could() -> None:
     # Of a column that nobody shoots at, nothing but the prior says what is behind its first alien.
     row = log_prior([hits(ROW_1)] * 10)
     assert row.argmax(1).tolist() == [1] * 6
-    assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(min(WANTED)), abs=1e-9)
+    assert (row[0, 3:6] - row[0, 2:5]) == pytest.approx(np.log(min(c for _, c in WANTED)), abs=1e-9)
 
 
 def test_without_best_games_the_prior_is_the_first_one() -> None:
     odds = np.exp(log_prior([]))
     assert odds.sum(1) == pytest.approx(1)
-    assert odds[:, 0] == pytest.approx(1 - WANTED[0])
+    assert odds[:, 0] == pytest.approx(1 - WANTED[0][0])
 
 
 def test_an_alien_that_most_of_the_best_games_spare_is_not_wanted() -> None:
@@ -116,6 +116,21 @@ def test_what_nothing_has_reached_is_not_taken_for_wanted() -> None:
     labels = (np.exp(log_prior(best) - np.logaddexp.reduce(log_prior(best), 1)[:, None]) @ LABELS).T
     assert (labels[0] > 0.9).all()
     assert (labels[1:] < -0.3).all()
+
+
+def test_who_hits_as_many_as_possible_wants_aliens_that_no_game_has_hit() -> None:
+    best = [
+        hits([5, 3, 3 + 6, 1, 1 + 6, 0, 3 + 12, 0 + 6, 4, 3 + 18]),
+        hits([3, 5, 4, 3 + 6, 3 + 12, 3 + 18, 4 + 6, 0, 5 + 6, 2]),
+        hits([4, 1, 0, 5, 4 + 6, 4 + 12, 4 + 18, 3, 3 + 6, 3 + 12]),
+    ]
+    prior = log_prior(best)
+    labels = (np.exp(prior - np.logaddexp.reduce(prior, 1)[:, None]) @ LABELS).T.ravel()
+    never_hit = ~np.any([one.gone for one in best], axis=0)
+    assert never_hit[8]
+    assert (labels[:18] > 0.0).all(), labels.round(2)
+    # Who clears the lowest row, and once strays on, wants the row.
+    assert log_prior([*[hits(ROW_1)] * 4, hits([*ROW_1, 6])]).argmax(1).tolist() == [1] * 6
 
 
 def test_accidents_behind_a_columns_lowest_alien_do_not_make_it_wanted() -> None:

@@ -88,6 +88,8 @@ class RewardModel:
                 raise ValueError(f"{path} has no reward model that this program can read.")
             weights = {name: file.get_tensor(name).float() for name in file.keys()}  # noqa: SIM118
         model = json.loads(metadata["model"])
+        if len(model["offsets"]) != 1:
+            raise ValueError(f"{path} has an ensemble, which this program does not read.")
         (self._offset,), (self._scale,) = model["offsets"], model["scales"]
         own = {name.removeprefix("0."): w for name, w in weights.items() if name.startswith("0.")}
         n_flags, n_features = len(own.get("memory.bias", ())), own["output.weight"].shape[1]

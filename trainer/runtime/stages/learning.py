@@ -54,13 +54,14 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     if model.spread is not None:
         data.keep_reward_model(model)
     ranked = data.snapshot.ranked
-    aliens_alone = context.recipe.reward.method == "posterior"
+    inferred = context.recipe.reward.method == "posterior"
+    aliens_alone = inferred and context.recipe.method == "ppo"
     found = asdict(check) | {
         "predicted_returns": {ranked[i]: value for i, value in check.predicted_returns.items()},
         "final_levels": {ranked[i]: value for i, value in check.final_levels.items()},
         "advice": advice(check, aliens_alone=aliens_alone),
         "warning": warning(check),
-        "wanted": _wanted(data) if aliens_alone else None,
+        "wanted": _wanted(data) if inferred else None,
     }
     return RunOutcome(check=CheckOutcome.model_validate(found))
 

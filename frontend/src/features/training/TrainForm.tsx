@@ -156,9 +156,9 @@ function AliensAlone() {
     <Notice tone="calm">
       <p>
         <Trans>
-          fast finds out which aliens your order asks for, and nothing else. If you rank by
-          something else, such as where the cannon stands or how often it shoots, choose paper,
-          which takes hours.
+          The recipe <strong>fast</strong> considers only which aliens are hit. If you rank by
+          something else, such as where the cannon stands or how often it shoots, try the recipe{" "}
+          <strong>paper</strong>, which takes hours.
         </Trans>
       </p>
     </Notice>

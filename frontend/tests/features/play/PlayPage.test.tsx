@@ -520,6 +520,13 @@ describe("after the end", () => {
     expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ perfect: true });
   });
 
+  it("says on the button that playing again keeps the game, until it is kept", async () => {
+    await end();
+    expect(screen.getByRole("button", { name: /^Keep and play again/ })).toBeVisible();
+    await userEvent.keyboard("k");
+    expect(await screen.findByRole("button", { name: /^Play again/ })).toBeVisible();
+  });
+
   it("plays again at a press, and keeps the game before", async () => {
     const { did } = await end();
     await userEvent.keyboard(" ");

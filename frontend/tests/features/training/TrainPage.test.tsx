@@ -35,9 +35,9 @@ describe("training", () => {
 
   it("says that fast knows aliens alone where a behaviour may be about something else", async () => {
     open({ ...RANKED, target: null });
-    expect(await screen.findByText(/fast finds out which aliens/)).toBeVisible();
+    expect(await screen.findByText(/considers only which aliens are hit/)).toBeVisible();
     await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
-    expect(screen.queryByText(/fast finds out which aliens/)).toBeNull();
+    expect(screen.queryByText(/considers only which aliens are hit/)).toBeNull();
   });
 
   it("works on the scripted example where nothing was played", async () => {
