@@ -1,12 +1,15 @@
 """How well Tril infers that as many aliens as possible are wanted.
 
     python -m benchmarks.learning.as_many --first-seed 706 --seeds 6
+    TRIL_DATA=folder python -m benchmarks.learning.as_many --first-seed 720 --keep
+    TRIL_DATA=folder tril train as-many-as-you-can
 
 A scripted player with a person's errors shoots at more or fewer aliens of a region, in an order
 drawn by chance, and a quarter of the time anywhere; no game can hit all. The games are ranked by
 targets - strays, with pairs of neighbours swapped, and the best are marked as perfect. Prints
 Kendall's tau of what twenty further games are worth with the sum of the labels of what they hit:
-the mean over seeds, and the lowest.
+the mean over seeds, and the lowest. With ``--keep``, it leaves one example of twelve games that hit
+as many as they can, ranked, three of them marked as perfect, in a data folder, to be trained on.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ import numpy as np
 from benchmarks.learning.attempts import errors
 from benchmarks.learning.few_games import draw_labels
 from benchmarks.learning.opinion import Game, order, seen
+from cli.workspace import open_workspace
 from tril.behaviours import Behaviour, Cell
 from tril.demonstrator import play_randomly
 from tril.demonstrator.human_like import HumanLikePlayer
@@ -28,7 +32,9 @@ from tril.game.console import Console
 from tril.game.episode import Episode, draw_start
 from tril.game.space_invaders import COLUMNS, ROWS
 from tril.ranking import kendall_tau
-from tril.recording import Recorder, Recording
+from tril.recording import Recorder, Recording, verify
+from tril.store import behaviours, rankings, recordings
+from tril.store.models import Source
 
 CELLS = tuple((row, column) for row in range(ROWS) for column in range(COLUMNS))
 
@@ -44,6 +50,9 @@ SHOWN = ((4, 0, 3), (8, 2, 3), (12, 0, 0), (12, 0, 3), (16, 4, 3))
 N_SHOWN = 16
 N_UNSEEN = 20
 N_RANDOM = 4
+
+N_KEPT = 12
+N_KEPT_MARKED = 3
 
 ELSEWHERE_SHARE = 0.25
 """Share of games that are played towards any aliens."""
@@ -77,13 +86,42 @@ def tau_of(games: list[Game], unseen: list[Game], n_marked: int, seed: int) -> f
     return kendall_tau(tiers, [float(labels[one.hits.gone].sum()) for one in unseen])
 
 
+def keep(seed: int, console: Console) -> None:
+    """Add a behaviour without targets to the data folder, and its ranked games."""
+    rng = np.random.default_rng(seed)
+    behaviour = Behaviour("all", "All", "", CELLS)
+    played = [verify(play_towards(CELLS, rng, console), console=console) for _ in range(N_KEPT)]
+    games = [seen(one.recording, console)(behaviour) for one in played]
+    true = order(games)
+    ranking = swap_neighbours(true, 3, np.random.default_rng(seed))
+    with open_workspace() as workspace, workspace.database.writing() as session:
+        own = behaviours.create(session, "As many as you can", target=None)
+        ids = [
+            recordings.add(
+                session,
+                own.id,
+                one.recording,
+                one.replay,
+                Source.SCRIPTED,
+                perfect=index in true.items[:N_KEPT_MARKED],
+            ).id
+            for index, one in enumerate(played)
+        ]
+        rankings.save(session, own.id, 0, [[ids[index] for index in t] for t in ranking.tiers])
+        print(f"{own.slug}: {sorted(len(one.replay.hits) for one in played)} aliens hit")
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--first-seed", type=int, default=706)
+    parser.add_argument("--keep", action="store_true")
     arguments = parser.parse_args()
     console = Console()
+    if arguments.keep:
+        keep(arguments.first_seed, console)
+        return
     print("| as many as possible of | games | random play | marked | tau | lowest |")
     print("|---|---:|---:|---:|---:|---:|")
     for name, region in REGIONS.items():
