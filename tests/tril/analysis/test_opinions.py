@@ -103,7 +103,8 @@ def test_a_misplaced_game_is_contradicted_by_those_on_its_wrong_side(item: int, 
     others = [one for one in hits if one != item]
     opinions = say(in_order([*others[:to], item, *others[to:]]), hits).of
     assert opinions[item].contradicted_by
-    near = sorted(others, key=lambda one: abs(one - item))[:5]
+    # What is ranked best is thought to show what is wanted, even if it is the worst.
+    near = sorted(others, key=lambda one: abs(one - item))[: 8 if to == 0 else 5]
     assert set(opinions[item].contradicted_by) <= set(near)
     # Of those that are ranked on the wrong side of it, by what it hits.
     assert all((one > item) == (to > item - 100) for one in opinions[item].contradicted_by)
