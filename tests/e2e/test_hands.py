@@ -105,7 +105,7 @@ def test_a_game_is_played_and_ranked_by_touch(phone: Page, built: LiveServer) ->
     assert phone.evaluate("window.getSelection().toString()") == ""
 
     phone.get_by_role("button", name="End the game here").tap()
-    phone.get_by_role("button", name="Keep K").tap()
+    phone.get_by_role("button", name="Keep", exact=True).tap()
     recording = kept_as(phone)
     course = course_of(built, recording)
     order = [Action.RIGHT, Action.RIGHTFIRE, Action.LEFT, Action.FIRE]
