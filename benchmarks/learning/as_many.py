@@ -18,14 +18,13 @@ import argparse
 
 import numpy as np
 
-from benchmarks.learning.attempts import errors
+from benchmarks.learning.attempts import errors, with_swaps
 from benchmarks.learning.few_games import draw_labels
 from benchmarks.learning.opinion import Game, order, seen
 from cli.workspace import open_workspace
 from tril.behaviours import Behaviour, Cell
 from tril.demonstrator import play_randomly
 from tril.demonstrator.human_like import HumanLikePlayer
-from tril.demonstrator.judging import swap_neighbours
 from tril.demonstrator.plans import DemonstrationPlan, draw_hits
 from tril.demonstrator.player import draw_brisk_style, draw_style
 from tril.game.console import Console
@@ -78,8 +77,7 @@ def play_towards(region: tuple[Cell, ...], rng: np.random.Generator, console: Co
 def tau_of(games: list[Game], unseen: list[Game], n_marked: int, seed: int) -> float:
     """Return Kendall's tau of what unseen games are worth with what the labels make of them."""
     true = order(games)
-    n_swaps = min(3 if len(games) > 8 else 1, len(true.tiers) // 2)
-    ranking = swap_neighbours(true, n_swaps, np.random.default_rng(seed))
+    ranking = with_swaps(true, seed)
     draws, _ = draw_labels(ranking, games, true.items[:n_marked], np.random.default_rng(seed))
     labels = draws.mean(0)
     tiers = order(unseen).tiers
@@ -93,7 +91,7 @@ def keep(seed: int, console: Console) -> None:
     played = [verify(play_towards(CELLS, rng, console), console=console) for _ in range(N_KEPT)]
     games = [seen(one.recording, console)(behaviour) for one in played]
     true = order(games)
-    ranking = swap_neighbours(true, 3, np.random.default_rng(seed))
+    ranking = with_swaps(true, seed)
     with open_workspace() as workspace, workspace.database.writing() as session:
         own = behaviours.create(session, "As many as you can", target=None)
         ids = [
@@ -129,9 +127,9 @@ def main() -> None:
         taus: dict[tuple[int, int, int], list[float]] = {one: [] for one in SHOWN}
         for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
             rng = np.random.default_rng(seed)
-            recordings = [play_towards(region, rng, console) for _ in range(N_SHOWN + N_UNSEEN)]
-            recordings += [play_randomly(rng, console).recording for _ in range(N_RANDOM)]
-            games = [seen(one, console)(behaviour) for one in recordings]
+            played = [play_towards(region, rng, console) for _ in range(N_SHOWN + N_UNSEEN)]
+            played += [play_randomly(rng, console).recording for _ in range(N_RANDOM)]
+            games = [seen(one, console)(behaviour) for one in played]
             unseen, random = games[N_SHOWN:-N_RANDOM], games[-N_RANDOM:]
             for n_games, n_random, n_marked in SHOWN:
                 ranked = [*games[:n_games], *random[:n_random]]

@@ -30,6 +30,7 @@ from tril.demonstrator.plans import draw_hits
 from tril.demonstrator.player import draw_brisk_style, draw_style
 from tril.game.console import Console
 from tril.game.episode import Episode, draw_start
+from tril.ranking import Ranking
 from tril.recording import Recorder, Recording
 
 
@@ -115,6 +116,12 @@ def main() -> None:
             print(row(kept, played), flush=True)
 
 
+def with_swaps(ranking: Ranking, seed: int) -> Ranking:
+    """Return a ranking with up to three pairs of neighbours swapped, of a few games with one."""
+    n_swaps = min(3 if len(ranking.items) > 8 else 1, len(ranking.tiers) // 2)
+    return swap_neighbours(ranking, n_swaps, np.random.default_rng(seed))
+
+
 def row(
     kept: Kept, played: dict[tuple[Behaviour, int], tuple[Sequence[Game], Sequence[Game]]]
 ) -> str:
@@ -123,8 +130,7 @@ def row(
     for (behaviour, seed), (attempts, random) in played.items():
         games = [*attempts[: kept.n_attempts], *random[: kept.n_random]]
         true = order(games)
-        n_swaps = min(3 if len(games) > 8 else 1, len(true.tiers) // 2)
-        ranking = swap_neighbours(true, n_swaps, np.random.default_rng(seed))
+        ranking = with_swaps(true, seed)
         marked = true.items[: kept.n_marked]
         example = Example(ranking, games, marked, true_labels(behaviour))
         if (found := judge(example, len(games), kept.n_marked, seed)) is not None:

@@ -7,8 +7,7 @@ For each behaviour and seed, rewards are learned from twelve ranked games of a p
 after 250 ms, 24 games of varied play and twelve best efforts: first as `fast` learns them, then
 with the values of each `--set`. Prints Kendall's tau of the levels that unseen games end at with
 what they are worth: of own games, which a flawless and a person-like player played for the
-behaviour; of those of them without a stray; and of varied play. A reward takes
-some seconds.
+behaviour; of those of them without a stray; and of varied play. A reward takes some seconds.
 """
 
 from __future__ import annotations

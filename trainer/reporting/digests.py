@@ -71,6 +71,6 @@ def _non_default_values(part: Any) -> dict[str, Any]:
         elif field.default is MISSING or value != field.default:
             values[field.name] = value
     if isinstance(part, RewardRecipe) and part.pretrained:
-        # Once a value of its own. The digests of results are older than that it isn't.
+        # It used to be a value of its own, and counts in the digests of earlier results.
         values["pretrained"] = True
     return values

@@ -73,13 +73,11 @@ class ResultGroup:
     def _remarks(self) -> list[str]:
         """Return how the recipe differs from today's built-in one; nothing if it does not."""
         changes = self.entries[0].changes
-        base = RECIPES.get(self.cell.recipe)
-        if base is not None:
-            if recipe_digest(base) == self.cell.digest:
-                return []
-            changed = changed_recipe(base, changes)
-            if changed is not None and recipe_digest(changed) == self.cell.digest:
-                return [f"{path} {value}" for path, value in changes.items()]
+        if self.is_current:
+            return []
+        changed = changed_recipe(RECIPES[self.cell.recipe], changes)
+        if changed is not None and recipe_digest(changed) == self.cell.digest:
+            return [f"{path} {value}" for path, value in changes.items()]
         return ["other values", self.cell.digest]
 
     @property

@@ -9,7 +9,6 @@ from trainer.reward.check import PASSING_ACCURACY, PASSING_TAU, RankingCheck
 MAX_NAMED = 6
 """Pairs of tiers that are named; the page lists all."""
 
-
 _ALIENS_ALONE = (
     " This recipe considers only which aliens are hit. If you ranked by something else, such as"
     " where the cannon stands or how often it shoots, try the recipe paper, which takes hours."
