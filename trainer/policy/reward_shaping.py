@@ -48,11 +48,6 @@ class RewardShaping:
             model, recipe.reward, recipe.death_penalty, recipe.reward_scale, recipe.death_forfeit
         )
 
-    @property
-    def needs_before(self) -> bool:
-        """Whether R of the state before a step is used."""
-        return self.kind == "difference" or self.death_forfeit > 0.0
-
     def shape(self, before: Rewards, reached: Rewards, died: npt.NDArray[np.bool_]) -> Rewards:
         """Return the reward of each step, float32 (N,).
 
