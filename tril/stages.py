@@ -31,7 +31,7 @@ class Stage(StrEnum):
 _WORDS = {
     Stage.DEMONSTRATIONS: ("Demonstrations", "A scripted player makes the example games."),
     Stage.TRAJECTORIES: ("Replay", "Each ranked recording is replayed as an agent sees it."),
-    Stage.REWARD: ("Reward model", "A network learns what makes better games better."),
+    Stage.REWARD: ("Reward model", "Tril learns from the order what makes better games better."),
     Stage.CHECK: ("Check", "Does the learned reward agree with the ranking?"),
     Stage.CLONE: (
         "Clone",

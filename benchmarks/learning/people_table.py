@@ -77,7 +77,7 @@ HEADINGS = ("targets", "strays", "lost", "perfect games")
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("ledger", type=Path, nargs="+")
+    parser.add_argument("ledger", type=Path, nargs="*", default=[Path("docs/results/people.jsonl")])
     parser.add_argument("--weights", default=weights_digest(), help="digest of the weights")
     parser.add_argument("--seed", type=int, action="append", help="of these training seeds alone")
     arguments = parser.parse_args()

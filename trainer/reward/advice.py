@@ -60,7 +60,7 @@ def warning(check: RankingCheck) -> str:
         "The reward model follows the ranking, but not everywhere (Kendall\u2019s tau"
         f" {check.tau:.2f}{held_out})."
         + (f" It can\u2019t tell these tiers apart: {_named(pairs)}." if pairs else "")
-        + " Games that show more clearly what is better, or more bad games of other kinds, help."
+        + " Games that show more clearly what is better help."
     )
 
 

@@ -162,8 +162,8 @@ def _without_games(run: RunFigures) -> Verdict:
                 "bad",
                 "The check stopped this run before its imitator was trained: the reward model has"
                 " not understood the ranking.",
-                "Add games that show more clearly what is better, such as varied games, or correct"
-                " the order, and train again.",
+                "Add games that show more clearly what is better, or correct the order, and train"
+                " again.",
                 "rank",
             )
         case "failed":

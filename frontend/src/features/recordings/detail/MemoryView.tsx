@@ -48,7 +48,8 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
       <p className={styles.hint}>
         <Trans>
           128 bytes at frame {frame}, in hexadecimal. Those that changed in this frame are
-          underlined. Learning never sees them.
+          underlined. Which aliens a game hits is read from them; rewards and policies see screens
+          alone.
         </Trans>
       </p>
       <div className={styles.scroll}>
