@@ -82,7 +82,7 @@ def test_policies_trained_on_their_start_have_a_table_of_their_own(tmp_path: Pat
     held_out, table = page_of(tmp_path, entry(), *own).split("## One imitator per start")
     assert held_out.count(f"| Column 2 | 1,000 | 0 {ROW}") == 1
     ((*cells, pages),) = rows(table, "Column 2")
-    assert cells[3:] == ["0", "6 + 0", "6 + 0", "", "", "2 + 0 ✗", "3 + 0", "tie /  / clone"]
+    assert cells[3:] == ["0", "6 + 0", "6 + 0", "", "", "2 + 0 ✗", "3 + 0", "tie / – / clone"]
     links = [f"[{n}]({cell_folder(one)}/README.md)" for n, one in zip((0, 2), own, strict=True)]
     assert pages == ", ".join(links)
 
