@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from playwright.sync_api import Browser, Playwright
@@ -38,19 +41,23 @@ def launch_chromium(playwright: Playwright) -> Browser:
 def install_chromium() -> None:
     """Install a Chromium where there is none: Debian's as root on Debian, else Playwright's.
 
+    Processes that ask at the same time wait for the first of them.
+
     Raises:
         RuntimeError: None could be installed.
     """
-    # Ubuntu's package of that name is a stub for another package system.
-    if find_chromium() is None:
-        install_debian_packages("chromium")
-    if find_chromium() is None:
-        command = [sys.executable, "-m", "playwright", "install", "chromium"]
-        if subprocess.run(command, stdout=sys.stderr, check=False).returncode:
-            raise RuntimeError(
-                "The browser tests need a Chromium, and none could be installed. Install Chromium "
-                "or Google Chrome, or name one: CHROMIUM=/path/to/chromium make test"
-            )
+    with _alone("chromium"):
+        # Ubuntu's package of that name is a stub for another package system.
+        if find_chromium() is None:
+            install_debian_packages("chromium")
+        if find_chromium() is None:
+            command = [sys.executable, "-m", "playwright", "install", "chromium"]
+            if subprocess.run(command, stdout=sys.stderr, check=False).returncode:
+                raise RuntimeError(
+                    "The browser tests need a Chromium, and none could be installed. Install "
+                    "Chromium or Google Chrome, or name one: "
+                    "CHROMIUM=/path/to/chromium make test"
+                )
 
 
 def install_debian_packages(*packages: str) -> None:
@@ -59,11 +66,21 @@ def install_debian_packages(*packages: str) -> None:
         return
     quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     install = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
-    for command in (["apt-get", "update"], install):
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            subprocess.run(
-                command, env=quiet, stdout=sys.stderr, check=False, timeout=INSTALL_TIMEOUT_S
-            )
+    with _alone("packages"):
+        for command in (["apt-get", "update"], install):
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                subprocess.run(
+                    command, env=quiet, stdout=sys.stderr, check=False, timeout=INSTALL_TIMEOUT_S
+                )
+
+
+@contextlib.contextmanager
+def _alone(what: str) -> Iterator[None]:
+    """Let other processes of this user wait before the same block: apt has one lock for all."""
+    path = Path(tempfile.gettempdir()) / f"tril-tests-{os.getuid()}-{what}.lock"
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def find_chromium() -> str | None:

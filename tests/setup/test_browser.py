@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -35,7 +36,8 @@ def apt_log(tmp_path: Path, programs: Path) -> Path:
     (tmp_path / "os-release").write_text('PRETTY_NAME="Debian GNU/Linux 12"\nID=debian\n')
     packaged = put_program(tmp_path, "packaged", STARTS)
     log = tmp_path / "apt.log"
-    copy = f'[ "$1" = update ] || /bin/cp {packaged} {programs / "chromium"}'
+    # It takes a moment, so that others ask for it in the meantime.
+    copy = f'[ "$1" = update ] || {{ /bin/sleep 0.2; /bin/cp {packaged} {programs / "chromium"}; }}'
     put_program(programs, "apt-get", f'echo "$@" >> {log}\n{copy}')
     return log
 
@@ -83,6 +85,18 @@ def test_root_on_debian_gets_debians_package(
         "update",
         "install --yes --no-install-recommends chromium",
     ]
+
+
+def test_processes_that_ask_at_once_wait_for_one_to_install(
+    programs: Path, apt_log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    # Each opens the lock anew, as processes of their own would.
+    with ThreadPoolExecutor(3) as pool:
+        asked = [pool.submit(install_chromium) for _ in range(3)]
+    assert [one.exception() for one in asked] == [None] * 3
+    assert find_chromium() == str(programs / "chromium")
+    assert len(apt_log.read_text().splitlines()) == 2
 
 
 def test_everybody_else_gets_playwrights_download(programs: Path, apt_log: Path) -> None:
