@@ -37,7 +37,7 @@ class ConcurrencyLimit:
         """Wait for a slot and hold it for the block.
 
         Args:
-            client: Who asks.
+            client: The client that asks.
 
         Raises:
             HTTPException: 503, because too many of the client's requests wait or this one has

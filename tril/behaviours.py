@@ -32,16 +32,16 @@ class Behaviour:
             raise Invalid("A behaviour needs a name.")
         if self.target is None:
             if self.ordered:
-                raise Invalid("An order needs target cells. Pick cells or turn the order off.")
+                raise Invalid("An order needs target aliens. Pick some or turn the order off.")
             return
         if not self.target:
-            raise Invalid("Pick at least one target cell, or turn target cells off.")
+            raise Invalid("Pick at least one alien, or turn the target off.")
         if len(set(self.target)) != len(self.target):
-            raise Invalid("A target cell is listed twice.")
+            raise Invalid("A target alien is listed twice.")
         for row, column in self.target:
             if not (0 <= row < ROWS and 0 <= column < COLUMNS):
                 raise Invalid(
-                    f"Expected target cells in rows 0..{ROWS - 1} and columns 0..{COLUMNS - 1}, "
+                    f"Expected target aliens in rows 0..{ROWS - 1} and columns 0..{COLUMNS - 1}, "
                     f"got ({row}, {column})."
                 )
 

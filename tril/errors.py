@@ -18,7 +18,7 @@ class NotFound(TrilError):
 
 
 class Forbidden(TrilError):
-    """Who asks may not do this."""
+    """The role of the person or key does not allow this."""
 
 
 class Conflict(TrilError):

@@ -6,7 +6,7 @@ A scripted player of varying skill tries to do all of a behaviour, again and aga
 limits of its own, up to three times those of `person-250`. Some games of random play are ranked
 beside the attempts, as if the player had fooled around. All are ranked by what they are worth, with
 pairs of neighbours swapped, and the best are marked as perfect, whatever they miss. Prints in how
-many examples an alien is taken wrongly, how many aliens are on average, how far the worst label is
+many examples an alien is mislabelled, how many aliens are on average, how far the worst label is
 from the true one (0 to 2), and what the best game is worth (targets - strays).
 """
 

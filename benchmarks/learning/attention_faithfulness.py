@@ -2,7 +2,7 @@
 
     python -m benchmarks.learning.attention_faithfulness [--behaviour column-3] [--states 16]
 
-A reward is learned from the scripted example of a behaviour, or read from a file. On states spread
+A reward is inferred from the scripted example of a behaviour, or read from a file. On states spread
 over its ranked games, each method draws a map, summed over the four screens, and the deletion and
 insertion tests of Petsiuk et al. (2018, section 4.1) judge the order of its pixels, see
 trainer.explain.faithfulness. Areas are in levels.
@@ -104,9 +104,14 @@ def main() -> None:
     behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--behaviour", choices=list(behaviours), default="column-1")
-    parser.add_argument("--updates", type=int, default=RECIPES["fast"].reward.updates)
+    parser.add_argument(
+        "--updates",
+        type=int,
+        default=RECIPES["fast"].reward.updates,
+        help="passes of Gibbs sampling by which the reward is inferred",
+    )
     parser.add_argument("--states", type=int, default=16)
-    parser.add_argument("--model", type=Path, help="a run's reward model, instead of learning one")
+    parser.add_argument("--model", type=Path, help="a run's reward model, instead of inferring one")
     arguments = parser.parse_args()
     model, games = learned(behaviours[arguments.behaviour], arguments.updates, arguments.model)
     torch.set_num_threads(1)

@@ -6,7 +6,7 @@ A scripted player with a person's limits plays each behaviour, the built-in ones
 people might add: twelve games to be ranked, with three pairs of neighbours swapped, and twelve best
 efforts. Some of the ranked games, evenly from the best to the worst, and the first of the best
 efforts are kept; without best efforts, the best ranked games stand in for them. Prints, for each
-number of both, in how many examples an alien is taken wrongly, and how far the worst label is from
+number of both, in how many examples an alien is mislabelled, and how far the worst label is from
 the true one (0 to 2) on average.
 """
 

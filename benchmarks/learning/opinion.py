@@ -1,13 +1,14 @@
-"""What a linear reward says of games while they are ranked: how fast, how well, how reliably.
+"""How fast, well and reliably the rank page places games by which aliens the others hit.
 
     python -m benchmarks.learning.opinion
 
 Rankings are of the scripted player's twelve games of a behaviour, flawless (`scripted`) or with a
-person's limits (`person-250`), alone or with games of random play. Of each game the reward is asked
-that was learned from the others; of unseen games, those of another seed, the one learned from all.
-Then three pairs of neighbours are swapped, as a person's mistakes, and games that are contradicted
-are counted; then one game is put in a wrong place, at least a third of the ranking away. Prints
-tables and a JSON line.
+person's limits (`person-250`), alone or with games of random play, with three pairs of neighbours
+swapped, as a person's mistakes. `tril.analysis.opinions` infers from what the games hit which
+aliens are wanted; it places each ranked game by the others alone, and unseen games, those of
+another seed, by all of them. Places are compared with the true order, and contradicted games are
+counted; then one game is put in a wrong place, at least a third of the ranking away. Prints tables
+and a JSON line.
 """
 
 from __future__ import annotations

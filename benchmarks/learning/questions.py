@@ -5,8 +5,8 @@
 A scripted person has ranked a few games of a behaviour. Then it is asked where one more belongs,
 again and again: one of its other ranked games, or of those that it played with another seed. It
 puts it beside the first tier that is worth as much; one answer in ten is random. Games are drawn at
-random or chosen by what has been inferred so far. Prints, by the number of answers, the sum of what
-all labels are off (1 for an alien that is taken wrongly for sure), on average.
+random or chosen by what has been inferred so far. Prints, by the number of answers, the sum of the
+errors of all labels (1 for an alien that is surely mislabelled), on average.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ def create_invitation(
 
 @router.delete("/invitations/{invitation_id}", status_code=204, responses=NOT_FOUND)
 def revoke_invitation(session: WriteSession, who: Who, invitation_id: PersonsId) -> None:
-    """Let nobody else in by a link. Those who came by it stay until they are signed out."""
+    """Revoke a link. Those who have used it stay until they are signed out."""
     invitations.revoke(session, invitation_id, who.player_id)
 
 

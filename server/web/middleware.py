@@ -73,7 +73,7 @@ class SameOrigin:
 
 
 class Authentication:
-    """Refuses requests to the API of nobody who is signed in (401; 4401 closes a WebSocket).
+    """Refuses requests to the API without a valid sign-in (401; 4401 closes a WebSocket).
 
     Others are passed on with their identity. An open WebSocket is closed when they are signed out.
     """
@@ -132,7 +132,7 @@ async def _refuse_for_now(scope: Scope, receive: Receive, send: Send, why: str) 
     if scope["type"] == "websocket":
         # Once it is accepted, so that the page hears that it may try again.
         await send({"type": "websocket.accept"})
-        reason = "It can't be looked up who you are. Try again in a moment."
+        reason = "Your sign-in can't be checked right now. Try again in a moment."
         await send({"type": "websocket.close", "code": CLOSE_TRY_AGAIN_LATER, "reason": reason})
     else:
         await problem(503, why)(scope, receive, send)

@@ -22,8 +22,9 @@ from tril.store.models import Role
 class Need(Enum):
     """What an operation needs.
 
-    NOTHING: no sign-in. SIGNED_IN: its answer is only about who asks. OWN_BEHAVIOUR, OWN_RECORDING
-    and OWN_GAME: researchers, and participants for what is named in the path, if it is theirs.
+    NOTHING: no sign-in. SIGNED_IN: its answer is only about the person who asks. OWN_BEHAVIOUR,
+    OWN_RECORDING and OWN_GAME: researchers, and participants for what is named in the path, if it
+    is theirs.
     WORKER: a worker's key and nobody else, since the answer has the database's password.
     """
 
@@ -128,7 +129,7 @@ _NOT_YOURS = {
 
 
 async def check_permission(connection: HTTPConnection) -> None:
-    """Let a request pass if who makes it may; a dependency of every route.
+    """Let a request pass if its maker's role allows it; a dependency of every route.
 
     Raises:
         Forbidden: Their role may not do this.

@@ -19,8 +19,8 @@ class Texts:
     sign_in: str = "Sign in"
     wrong_key: str = "This key does not fit"
     wrong_key_why: str = (
-        "It is not the one of this server. <code>tril address</code> in a terminal prints the "
-        "address that contains it."
+        "It is not the key of this server. <code>tril address</code> in a terminal prints the "
+        "address that contains the right one."
     )
     signed_out: str = "You are not signed in"
     signed_out_why: str = (
@@ -43,13 +43,13 @@ class Texts:
     begin: str = "Begin"
     revoked: str = "This invitation was revoked"
     revoked_why: str = (
-        "It lets nobody in any more. Ask who sent it to you for a new link. If you came by it "
-        "before, you are still signed in, in the browser that you used."
+        "It can no longer be used. Ask the person who sent it to you for a new link. If you have "
+        "already used it, you are still signed in, in the browser that you used."
     )
     incomplete: str = "This link is not complete"
     incomplete_why: str = (
-        "Part of it is missing, or it is of another server. Copy the whole link, or ask who sent "
-        "it to you for a new one."
+        "Part of it is missing, or it belongs to another server. Copy the whole link, or ask the "
+        "person who sent it to you for a new one."
     )
     to_tril: str = "To Tril"
 

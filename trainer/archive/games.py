@@ -11,8 +11,8 @@ from tril.store.models import EvaluationRow
 def best_and_worst(games: Sequence[EvaluationRow]) -> list[tuple[str, EvaluationRow]]:
     """Return the imitator's best and its worst evaluation game, with what they are.
 
-    More targets are better, then fewer strays, then who survived, then the predicted return; the
-    first of equals counts. Only one is returned if they are the same.
+    More targets are better, then fewer strays, then survival, then the predicted return; the first
+    of equals counts. Only one is returned if they are the same.
 
     Args:
         games: A run's evaluation games, loaded with their recordings.

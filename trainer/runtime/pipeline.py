@@ -318,8 +318,9 @@ def failure_message(stage: str, problem: BaseException, run_id: str) -> str:
     is_full = isinstance(problem, (MemoryError, torch.OutOfMemoryError))
     if is_full or "not enough memory" in str(problem):
         return (
-            "There was not enough memory. Close other programs or choose fewer games at a time, "
-            "then resume; what was learned so far is kept."
+            "There was not enough memory. Close other programs, then resume; what was learned so "
+            "far is kept. If that is not enough, start a new run that plays fewer games at a time: "
+            "`tril train BEHAVIOUR --set policy.n_envs=4`."
         )
     return (
         f"Something unexpected went wrong in the stage \u201c{stage}\u201d: "

@@ -66,7 +66,7 @@ class CheckFigures(Stored):
 
 
 class WantedAliens(Stored):
-    """Which aliens a reward model takes for wanted, of each alien of the 6x6 grid.
+    """Which aliens of the 6x6 grid a reward model infers to be wanted.
 
     The lists have 36 members, row by row from the lowest, each row from the left.
 

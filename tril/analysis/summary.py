@@ -182,7 +182,7 @@ def summarise(games: Sequence[GameFigures]) -> PolicySummary:
 
 
 def winner(imitator: GameFigures | None, clone: GameFigures | None) -> Winner | None:
-    """Return the winner of a start: more targets hit, then fewer strays, then who survived.
+    """Return the winner of a start: more targets hit, then fewer strays, then survival.
 
     In the thesis the death of the player does not count.
 

@@ -190,13 +190,13 @@ def _open_cells(allowed: Iterable[Cell], hits: Sequence[Cell]) -> list[Cell]:
 def _check_target(behaviour: Behaviour) -> tuple[Cell, ...]:
     if behaviour.target is None:
         raise Invalid(
-            f"{behaviour.name} has no target cells, so the demonstrator can't show it."
-            " Play its demonstrations yourself, or choose a behaviour with target cells."
+            f"{behaviour.name} has no target aliens, so the demonstrator can't show it."
+            " Play its demonstrations yourself, or choose a behaviour with target aliens."
         )
     target = behaviour.target if behaviour.ordered else tuple(sorted(behaviour.target))
     if len(target) > _MAX_TARGETS:
         raise Invalid(
-            f"{behaviour.name} has {len(target)} target cells; the demonstrator can hit at most"
+            f"{behaviour.name} has {len(target)} target aliens; the demonstrator can hit at most"
             f" {_MAX_TARGETS} in a game. Pick fewer, or play its demonstrations yourself."
         )
     hit: list[Cell] = []

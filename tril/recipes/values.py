@@ -50,8 +50,8 @@ class RewardRecipe:
             fragments only how it is checked.
         learning_rate: Adam's learning rate.
         updates: Gradient updates; method "posterior": passes of Gibbs sampling.
-        fragment_pairs: Size of the fixed set of fragment pairs that the updates pass over; 0 draws
-            ``pairs_per_update`` new ones for every update.
+        fragment_pairs: Number of fragment pairs, sampled once, that the updates pass over; 0 is
+            ``updates * pairs_per_update``, so that one pass is enough and no pair is used twice.
         pairs_per_update: Batch size, in fragment pairs.
         fragment_min_steps: Shortest fragment, in observations.
         fragment_max_steps: Longest fragment, in observations, capped at the shorter trajectory of

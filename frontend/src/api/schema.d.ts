@@ -614,7 +614,7 @@ export interface paths {
         post?: never;
         /**
          * Revoke Invitation
-         * @description Let nobody else in by a link. Those who came by it stay until they are signed out.
+         * @description Revoke a link. Those who have used it stay until they are signed out.
          */
         delete: operations["revoke_invitation"];
         options?: never;
@@ -2717,7 +2717,7 @@ export interface components {
         Verification: "pending" | "verified" | "failed";
         /**
          * WantedAliens
-         * @description Which aliens a reward model takes for wanted, of each alien of the 6x6 grid.
+         * @description Which aliens of the 6x6 grid a reward model infers to be wanted.
          *
          *     The lists have 36 members, row by row from the lowest, each row from the left.
          *

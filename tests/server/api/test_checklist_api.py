@@ -48,5 +48,5 @@ def test_a_behaviour_without_targets_has_no_checklist_and_says_why(client: TestC
     new = client.post("/api/behaviours", json={"name": "Stay on the left"}).json()
     checklist = client.get(f"/api/behaviours/{new['id']}/checklist").json()
     assert checklist["planned"] == []
-    assert "no target cells" in checklist["note"]
+    assert "no target aliens" in checklist["note"]
     assert client.get("/api/behaviours/999/checklist").status_code == 404

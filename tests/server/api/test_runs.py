@@ -89,7 +89,7 @@ def test_dagger_is_refused_where_its_expert_knows_nothing(
     new = {"behaviour_id": own["id"], "recipe": "dagger", "steps": 1_000}
     answer = client.post("/api/runs", json=new)
     assert answer.status_code == 422
-    assert "Play nicely has no target cells" in answer.json()["detail"]
+    assert "Play nicely has no target aliens" in answer.json()["detail"]
     unknown = client.post("/api/runs", json={"behaviour_id": 1, "recipe": "secret"})
     assert unknown.status_code == 422
     assert "fast" in unknown.json()["detail"]

@@ -257,7 +257,7 @@ def test_what_the_demonstrator_does_not_know_is_refused_before_anything_is_playe
 ) -> None:
     progress = RecordingProgress()
     for behaviour, reason in (
-        (Behaviour("free", "Play nicely", ""), "has no target cells"),
+        (Behaviour("free", "Play nicely", ""), "has no target aliens"),
         (None, "needs to know the behaviour"),
     ):
         other = replace(task, behaviour=behaviour)

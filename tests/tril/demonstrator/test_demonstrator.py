@@ -170,10 +170,10 @@ def test_a_persons_own_behaviour_gets_twelve_by_the_same_pattern(
 @pytest.mark.parametrize(
     ("behaviour", "why"),
     [
-        (Behaviour("still", "Stay left", ""), "Stay left has no target cells"),
+        (Behaviour("still", "Stay left", ""), "Stay left has no target aliens"),
         (_behaviour([(1, 2)]), "row 2 of column 3 of Own stands behind aliens"),
         (_behaviour([(1, 0), (0, 0)], ordered=True), "in order from the bottom"),
-        (_behaviour([(r, c) for r in range(3) for c in range(5)]), "has 15 target cells"),
+        (_behaviour([(r, c) for r in range(3) for c in range(5)]), "has 15 target aliens"),
     ],
 )
 def test_what_no_player_could_show_is_refused(behaviour: Behaviour, why: str) -> None:

@@ -94,7 +94,7 @@ def listing(session: Session) -> list[InvitationRow]:
 
 
 def revoke(session: Session, invitation_id: int, by_player_id: int | None) -> None:
-    """Let nobody else in by a link; those who came by it stay. Harmless when repeated.
+    """Revoke a link; those who have used it stay. Harmless when repeated.
 
     Raises:
         NotFound: There is no such invitation.

@@ -312,9 +312,9 @@ def queue_again(session: Session, run_id: str) -> RunRow:
     row = get(session, run_id, for_update=True)
     status = RunStatus(row.status)
     if status is RunStatus.DONE:
-        raise Conflict("This training is done. Start a new one to train again.")
+        raise Conflict("This run is done. Start a new one to train again.")
     if not status.is_over:
-        raise Conflict(f"This training is not over yet ({status}); there is nothing to resume.")
+        raise Conflict(f"This run is not over yet ({status}); there is nothing to resume.")
     row.go_on_anyway = row.go_on_anyway or status is RunStatus.STOPPED
     row.status, row.message = RunStatus.QUEUED, ""
     row.finished_at, row.remaining_s = None, None

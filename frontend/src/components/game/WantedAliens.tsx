@@ -129,7 +129,7 @@ function sorted({ labels }: Inferred): { wanted: Cell[]; others: Cell[]; unsure:
   };
 }
 
-/** Targets that are not taken for wanted, and aliens that are though they are none. */
+/** Targets that are not inferred to be wanted, and other aliens that are. */
 function compared(
   wanted: readonly Cell[],
   target: readonly Cell[] | null,

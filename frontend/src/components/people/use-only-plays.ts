@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { playerQuery } from "@/api/system";
 
 /**
- * Returns whether who looks may only play, or undefined while that is unknown. What players may not
+ * Returns whether the viewer may only play, or undefined while that is unknown. What players may not
  * ask for is asked for once this is false.
  */
 export function useOnlyPlays(): boolean | undefined {

@@ -82,8 +82,8 @@ export function Keys() {
               value={role}
               onChange={(event) => setRole(event.currentTarget.value as KeyNew["role"])}
             >
-              <option value="researcher">{t`What researchers may`}</option>
-              <option value="owner">{t`Everything, as you may`}</option>
+              <option value="researcher">{t`The same as a researcher`}</option>
+              <option value="owner">{t`Everything that you may do`}</option>
               <option value="worker">{t`Start workers on other machines, and nothing else`}</option>
             </select>
           )}

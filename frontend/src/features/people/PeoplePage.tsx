@@ -35,8 +35,8 @@ export function PeoplePage() {
         <p className={styles.hint}>
           <Trans>
             Whoever opens a link gives a name and is let in. Players play one behaviour and see only
-            their own games. Revoking a link keeps others from using it; who came by it stays signed
-            in until you sign them out.
+            their own games. Revoking a link keeps others from using it; anyone who has used it
+            stays signed in until you sign them out.
           </Trans>
         </p>
         <Invitations />
@@ -47,8 +47,8 @@ export function PeoplePage() {
         </h2>
         <p className={styles.hint}>
           <Trans>
-            A change takes effect within seconds. Who becomes a player keeps the games played so
-            far, and sees only those of the behaviours they play.
+            A change takes effect within seconds. Anyone who becomes a player keeps the games played
+            so far, and sees only those of the behaviours they play.
           </Trans>
         </p>
         <Persons />

@@ -52,10 +52,10 @@ function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint
           done: false,
           optional: true,
           text: plural(nPerfect, {
-            0: "None is marked as perfect: the best ranked ones stand in. Mark at least three of your best games with their star: what they hit tells most.",
-            one: "# is marked as perfect. Mark at least three of your best games with their star: what they hit tells most.",
+            0: "None is marked as perfect: the best ranked ones stand in. Mark at least three of your best games with their star: training learns most from what they hit.",
+            one: "# is marked as perfect. Mark at least three of your best games with their star: training learns most from what they hit.",
             other:
-              "# are marked as perfect. Mark at least three of your best games with their star: what they hit tells most.",
+              "# are marked as perfect. Mark at least three of your best games with their star: training learns most from what they hit.",
           }),
         },
     nRanked >= GOOD_NUMBER

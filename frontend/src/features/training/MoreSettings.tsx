@@ -54,12 +54,15 @@ export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSet
             )}
           </Field>
         </div>
-        <Checkbox
-          label={t`Go on anyway`}
-          hint={t`A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same.`}
-          checked={values.goOnAnyway}
-          onChange={(goOnAnyway) => onChange({ goOnAnyway })}
-        />
+        {/* The check stops no run by GAIL, which does not learn from the reward. */}
+        {recipe.values.method !== "gail" && (
+          <Checkbox
+            label={t`Go on anyway`}
+            hint={t`A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same.`}
+            checked={values.goOnAnyway}
+            onChange={(goOnAnyway) => onChange({ goOnAnyway })}
+          />
+        )}
         <Checkbox
           label={t`Only on a GPU`}
           hint={t`The run waits for a worker that has one. Otherwise it learns on whatever the next free worker has.`}

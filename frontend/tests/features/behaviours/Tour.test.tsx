@@ -38,7 +38,7 @@ describe("the tour", () => {
     expect(screen.queryByRole("region", { name: "Tour" })).toBeNull();
   });
 
-  it("is not for who has played already", () => {
+  it("is not for people who have played already", () => {
     show(<Tour isNew={false} />);
     expect(screen.queryByRole("region", { name: "Tour" })).toBeNull();
   });

@@ -528,7 +528,7 @@ describe("the results", () => {
     const plot = await screen.findByRole("img", { name: /Final level by targets hit/ });
     expect(plot).toHaveTextContent("Recording 22, worth 5: 0.80");
     const table = screen.getByRole("table", {
-      name: "What the reward predicts, and worth of games",
+      name: "Predicted and actual worth of games",
     });
     const rows = within(table)
       .getAllByRole("row")

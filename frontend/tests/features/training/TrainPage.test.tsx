@@ -40,6 +40,15 @@ describe("training", () => {
     expect(screen.queryByText(/considers only which aliens are hit/)).toBeNull();
   });
 
+  it("offers to go on anyway only where the check may stop the run", async () => {
+    open(RANKED, {
+      "GET /api/recipes": () => [recipe(), recipe({ name: "gail", values: { method: "gail" } })],
+    });
+    expect(await screen.findByLabelText("Go on anyway")).toBeInTheDocument();
+    await userEvent.click(screen.getByRole("radio", { name: /gail/ }));
+    expect(screen.queryByLabelText("Go on anyway")).toBeNull();
+  });
+
   it("works on the scripted example where nothing was played", async () => {
     const { asked, router } = open(behaviour(), {
       "POST /api/runs": () => run({ id: "r3", status: "queued", example: true }),

@@ -75,7 +75,7 @@ def test_dagger_is_refused_where_its_expert_knows_nothing(workplace: Workplace) 
     with workplace.database.writing() as session:
         free = behaviours.create(session, "Play nicely").id
     elsewhere = replace(workplace, behaviour_id=free)
-    with pytest.raises(Invalid, match="Play nicely has no target cells"):
+    with pytest.raises(Invalid, match="Play nicely has no target aliens"):
         elsewhere.make_run(dagger)
 
 

@@ -68,8 +68,9 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
         <div className={styles.section}>
           <p className={styles.note}>
             <Trans>
-              Runs that differ only in their training seed are drawn as one line: their mean, as far
-              as all of them go, in a band from the lowest to the highest. {chartHint()}
+              Runs that differ only in their training seed are drawn as one line: their mean, up to
+              the last step that all of them have reached, in a band from the lowest to the highest
+              value. {chartHint()}
             </Trans>
           </p>
           <div>

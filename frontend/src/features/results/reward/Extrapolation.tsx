@@ -57,7 +57,7 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
 /** The plot as a table. */
 function Groups({ judged, measure }: { judged: readonly JudgedGames[]; measure: Measure }) {
   return (
-    <table className={tables.table} aria-label={t`What the reward predicts, and worth of games`}>
+    <table className={tables.table} aria-label={t`Predicted and actual worth of games`}>
       <thead>
         <tr>
           <th scope="col">
