@@ -146,8 +146,9 @@ $(PY):
 	@scripts/create_venv.sh "$(PYTHON)" $(VENV)
 
 # The build backend comes first, so that the pinned one builds the project.
-INSTALL = $(PIP) install --quiet --constraint constraints.txt hatchling && \
-	$(PIP) install --quiet --constraint constraints.txt --no-build-isolation --editable
+# Modules are compiled as they are imported: most of PyTorch is not.
+INSTALL = $(PIP) install --quiet --no-compile --constraint constraints.txt hatchling && \
+	$(PIP) install --quiet --no-compile --constraint constraints.txt --no-build-isolation --editable
 
 $(RUN_STAMP): pyproject.toml constraints.txt | $(PY)
 	@echo "Installing the Python packages (the first time takes minutes)"

@@ -73,6 +73,8 @@ export default defineConfig({
     css: false,
     // One process per core; the default is one fewer, which leaves half of two cores idle.
     maxWorkers: "100%",
+    // Files of one process share the modules, which halves the time.
+    isolate: false,
     projects: [
       {
         extends: true,

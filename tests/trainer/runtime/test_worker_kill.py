@@ -14,7 +14,7 @@ from tril.jobs import Jobs
 from tril.store import recordings
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
-N_KILLS = 10
+N_KILLS = 6
 LONGEST_LIFE = 0.6
 """Of a worker, as a share of what a run takes that nothing happens to."""
 
