@@ -55,7 +55,7 @@ from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
-from tril.analysis import wanted_aliens
+from trainer.runtime.versions import inference_digest
 from tril.behaviours import Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours
@@ -476,12 +476,6 @@ class Lesson:
         starts = [draw_opening(Start(idle), rng) for idle in idle_frames.tolist()]
         for game in play(imitator, starts, "sampled", sampling_seed=1_000 + number):
             self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
-
-
-def inference_digest() -> str:
-    """Return eight hexadecimal digits that change with how wanted aliens are inferred."""
-    source = Path(wanted_aliens.__file__).read_bytes()
-    return hashlib.blake2b(source, digest_size=4).hexdigest()
 
 
 def arguments_of(words: Sequence[str] | None = None) -> argparse.Namespace:
