@@ -259,7 +259,9 @@ def _title(line: Line) -> str:
     if line["reward"] != "ranking":
         parts.append(REWARD_NAMES[line["reward"]])
     if line["rounds_asked"] > 1:
-        parts.append(f"{line['answers']} answers after each of {line['rounds_asked'] - 1} rounds")
+        n = line["rounds_asked"] - 1
+        when = f"each of {n} rounds" if n > 1 else "the first round"
+        parts.append(f"{line['answers']} answers after {when}")
     changed = ["by GAIL"] if GAIL in line["set"] else line["set"]
     if line["inference"]:
         changed = [*changed, f"inference {line['inference']}"]
