@@ -49,13 +49,12 @@ from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import Policy, load_policy, save_policy
 from trainer.progress import NullProgress
-from trainer.reporting.digests import recipe_digest, weights_digest
+from trainer.reporting.digests import inference_digest, recipe_digest, weights_digest
 from trainer.reward.check import check_ranking, final_level
 from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
-from trainer.runtime.versions import inference_digest
 from tril.behaviours import Behaviour, Cell, Score, score
 from tril.demonstrator import kind_named, make_example
 from tril.demonstrator.judging import merit, swap_neighbours

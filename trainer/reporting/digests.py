@@ -12,6 +12,7 @@ from typing import Any
 
 from trainer.policy.networks import PRETRAINED
 from trainer.reward.pretraining import WEIGHTS
+from tril.analysis import wanted_aliens
 from tril.errors import Invalid
 from tril.recipes import FOR_PEOPLE, Recipe, RewardRecipe, with_values
 
@@ -34,6 +35,14 @@ def recipe_digest(recipe: Recipe | RewardRecipe) -> str:
 def weights_digest() -> str:
     """Return eight hexadecimal digits that change when weights that ship with Tril do."""
     return "".join(_file_digest(path)[:4] for path in (WEIGHTS, PRETRAINED))
+
+
+def inference_digest() -> str:
+    """Return eight hexadecimal digits that change with how wanted aliens are inferred.
+
+    The prior is no value of a recipe.
+    """
+    return _file_digest(Path(wanted_aliens.__file__))
 
 
 def _pretrained_weights(recipe: Recipe | RewardRecipe) -> list[Path]:

@@ -104,7 +104,7 @@ def test_a_run_goes_through_all_stages_and_leaves_its_results(
     assert row.remaining_s is None
     assert row.versions["torch"]
     assert row.versions["rom_md5"]
-    assert row.versions["inference"]
+    assert row.versions["reward_inference"]
     check_results(workplace, row)
 
 
