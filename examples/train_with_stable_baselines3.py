@@ -17,14 +17,14 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
-import tril.game.env
+import tril.play.env
 
 COLUMN_2 = [(row, 1) for row in range(6)]
 
 
 def make_env() -> gymnasium.Env[npt.NDArray[np.uint8], np.int64]:
     """Return a monitored environment."""
-    return Monitor(gymnasium.make(tril.game.env.ENV_ID, target=COLUMN_2))
+    return Monitor(gymnasium.make(tril.play.env.ENV_ID, target=COLUMN_2))
 
 
 def main() -> None:

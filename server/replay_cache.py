@@ -8,7 +8,7 @@ import threading
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, ReplayTask
 from tril.files.cache import Cache
-from tril.game.episode import Ending
+from tril.play.episode import Ending
 from tril.recording import Recording
 
 _FORMAT = 1

@@ -31,7 +31,7 @@ from trainer.reward.model import RewardModel, predicted_return
 from tril.exchange.backup import check_backup, make_backup
 from tril.exchange.behaviour_transfer import import_behaviour
 from tril.exchange.recording_transfer import import_recordings
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.jobs import Jobs, prepare_queue
 from tril.recipes import FORMER_NAMES, RECIPES, recipe_from_dict
 from tril.recording import trajectory, verify

@@ -34,7 +34,7 @@ from server.play.wire.protocol import (
 from server.services import Services
 from testsupport.databases import settings_on
 from testsupport.visitors import cookie_of
-from tril.game.controls import Keys
+from tril.games.space_invaders.controls import Keys
 from tril.settings import Settings
 from tril.store import recordings
 from tril.store.database import Database, create_database

@@ -11,10 +11,10 @@ from functools import cache
 from pathlib import Path
 
 from testsupport.databases import copy_database, on_postgresql, settings_on
-from tril.game.console import Console
-from tril.game.episode import Episode, Start
-from tril.game.space_invaders import Action
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import Action
 from tril.jobs import prepare_queue
+from tril.play.episode import Episode, Start
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recorder, Recording, Replay
 from tril.settings import Settings

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tril.errors import Invalid
-from tril.game.space_invaders import COLUMNS, ROWS
-from tril.game.space_invaders import Cell as Cell
+from tril.games.space_invaders.memory import COLUMNS, ROWS
+from tril.games.space_invaders.memory import Cell as Cell
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
-from tril.game import space_invaders as game
-from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
-from tril.game.observation import OBSERVATION_SHAPE, AgentView
+from tril.games.atari.console import Console
+from tril.games.space_invaders import memory as game
+from tril.play.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
+from tril.play.observation import OBSERVATION_SHAPE, AgentView
 
 HASH_EVERY_FRAMES = game.FRAME_RATE_HZ
 """Frames between hashes of the RAM: one second."""

@@ -23,13 +23,13 @@ from benchmarks.learning.few_games import draw_labels
 from benchmarks.learning.opinion import Game, order, seen
 from cli.workspace import open_workspace
 from tril.behaviours import Behaviour, Cell
-from tril.demonstrator import play_randomly
-from tril.demonstrator.human_like import HumanLikePlayer
-from tril.demonstrator.plans import DemonstrationPlan, draw_hits
-from tril.demonstrator.player import draw_brisk_style, draw_style
-from tril.game.console import Console
-from tril.game.episode import Episode, draw_start
-from tril.game.space_invaders import COLUMNS, ROWS
+from tril.demonstrators import play_randomly
+from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
+from tril.demonstrators.space_invaders.plans import DemonstrationPlan, draw_hits
+from tril.demonstrators.space_invaders.player import draw_brisk_style, draw_style
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import COLUMNS, ROWS
+from tril.play.episode import Episode, draw_start
 from tril.ranking import kendall_tau
 from tril.recording import Recorder, Recording, verify
 from tril.store import behaviours, rankings, recordings

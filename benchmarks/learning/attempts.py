@@ -23,13 +23,13 @@ from benchmarks.learning.few_games import Example, judge, true_labels
 from benchmarks.learning.opinion import Game, order, seen
 from benchmarks.learning.own_behaviours import OWN
 from tril.behaviours import BUILT_IN, Behaviour
-from tril.demonstrator import HUMAN, ErrorModel, example_plans, play_randomly
-from tril.demonstrator.human_like import HumanLikePlayer
-from tril.demonstrator.judging import swap_neighbours
-from tril.demonstrator.plans import draw_hits
-from tril.demonstrator.player import draw_brisk_style, draw_style
-from tril.game.console import Console
-from tril.game.episode import Episode, draw_start
+from tril.demonstrators import HUMAN, ErrorModel, example_plans, play_randomly
+from tril.demonstrators.judging import swap_neighbours
+from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
+from tril.demonstrators.space_invaders.plans import draw_hits
+from tril.demonstrators.space_invaders.player import draw_brisk_style, draw_style
+from tril.games.atari.console import Console
+from tril.play.episode import Episode, draw_start
 from tril.ranking import Ranking
 from tril.recording import Recorder, Recording
 

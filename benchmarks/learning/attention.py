@@ -21,9 +21,9 @@ from trainer.explain.attention import POSITIONS, attention_map
 from trainer.explain.occlusion import PATCH
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.analysis.outcome import AttentionState
-from tril.game.console import Console
-from tril.game.controls import Keys, action_for
-from tril.game.starts import Start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys, action_for
+from tril.games.space_invaders.starts import Start
 from tril.recording import Recording, trajectory
 
 

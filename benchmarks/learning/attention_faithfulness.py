@@ -30,10 +30,10 @@ from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN, Behaviour
-from tril.demonstrator.example import make_example
-from tril.game.console import Console
-from tril.game.observation import Observation, Observations
-from tril.game.space_invaders import BACKGROUND
+from tril.demonstrators.example import make_example
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import BACKGROUND
+from tril.play.observation import Observation, Observations
 from tril.recipes import RECIPES, with_values
 from tril.recording import Trajectory, trajectory
 

@@ -18,10 +18,10 @@ from trainer.policy.evaluation import play
 from trainer.policy.networks import SIZES, Policy
 from trainer.progress import NullProgress
 from tril.behaviours import BUILT_IN, Behaviour, score
-from tril.demonstrator.example import make_example
-from tril.game.console import Console
-from tril.game.episode import DEATHS
-from tril.game.starts import evaluation_start
+from tril.demonstrators.example import make_example
+from tril.games.atari.console import Console
+from tril.games.space_invaders.starts import evaluation_start
+from tril.play.episode import DEATHS
 from tril.recipes import PAPER
 from tril.recording import Trajectory, trajectory
 from tril.store.training.evaluations import ActionSelection

@@ -33,10 +33,10 @@ from tril.analysis.wanted_aliens import (
     pair_weights,
 )
 from tril.behaviours import BUILT_IN, Behaviour
-from tril.demonstrator import kind_named, make_example
-from tril.demonstrator.judging import swap_neighbours
-from tril.game.console import Console
-from tril.game.space_invaders import COLUMNS, ROWS
+from tril.demonstrators import kind_named, make_example
+from tril.demonstrators.judging import swap_neighbours
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import COLUMNS, ROWS
 from tril.ranking import Ranking, normalise
 
 N_RANKED = (2, 3, 4, 6, 8, 12)

@@ -35,8 +35,8 @@ from testsupport.workplace import TINY, make_workplace
 from trainer.reward.model import RewardModel
 from trainer.reward.pretraining import pretrained_network
 from tril.cores import core_count
-from tril.game.observation import Observations
 from tril.inference import Endpoint, InferenceClient, endpoint_of
+from tril.play.observation import Observations
 from tril.settings import Settings
 
 WAYS = ("socket", "tcp", "tls")

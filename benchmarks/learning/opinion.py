@@ -26,9 +26,9 @@ import numpy as np
 from tril.analysis.opinions import Opinion, form_opinions
 from tril.analysis.wanted_aliens import Hits
 from tril.behaviours import BUILT_IN, Behaviour
-from tril.demonstrator import kind_named, make_example, play_randomly
-from tril.demonstrator.judging import merit, swap_neighbours
-from tril.game.console import Console
+from tril.demonstrators import kind_named, make_example, play_randomly
+from tril.demonstrators.judging import merit, swap_neighbours
+from tril.games.atari.console import Console
 from tril.ranking import Ranking, kendall_tau, normalise
 from tril.recording import Recording, trajectory
 

@@ -56,20 +56,20 @@ from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceD
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import Behaviour, Cell, Score, score
-from tril.demonstrator import kind_named, make_example
-from tril.demonstrator.judging import merit, swap_neighbours
-from tril.demonstrator.random_play import play_randomly
-from tril.demonstrator.varied_play import play_varied
-from tril.game.console import Console
-from tril.game.episode import DEATHS
-from tril.game.openings import Opening, draw_opening, evaluation_opening
-from tril.game.space_invaders import FRAMES_PER_STEP
-from tril.game.starts import (
+from tril.demonstrators import kind_named, make_example
+from tril.demonstrators.judging import merit, swap_neighbours
+from tril.demonstrators.random_play import play_randomly
+from tril.demonstrators.space_invaders.varied_play import play_varied
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import FRAMES_PER_STEP
+from tril.games.space_invaders.openings import Opening, draw_opening, evaluation_opening
+from tril.games.space_invaders.starts import (
     EVALUATION_START_COUNT,
     EVALUATION_STARTS,
     TRAINING_IDLE_FRAMES,
     Start,
 )
+from tril.play.episode import DEATHS
 from tril.ranking import best_ranked, kendall_tau, normalise
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recording, Trajectory, trajectory

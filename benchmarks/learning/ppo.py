@@ -32,7 +32,7 @@ from stable_baselines3.common.vec_env import SubprocVecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 from torch import Tensor, nn
 
-import tril.game.env
+import tril.play.env
 from trainer.nn.devices import learning_device
 from trainer.nn.precision import Precision
 from trainer.nn.threads import one_thread
@@ -43,7 +43,7 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import EpisodeEnd, TrilVecEnv
 from trainer.reward.model import RewardModel, new_network
-from tril.game.vector.vector_game import TrainingStarts, VectorGame, VectorStep
+from tril.play.vector.vector_game import TrainingStarts, VectorGame, VectorStep
 from tril.recipes import RECIPES, PolicyRecipe
 
 seconds: dict[str, float] = defaultdict(float)
@@ -184,7 +184,7 @@ def make_plain(
     """Return plain PPO on plain environments."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
-        return gymnasium.make(tril.game.env.ENV_ID, reward="none")
+        return gymnasium.make(tril.play.env.ENV_ID, reward="none")
 
     games = SubprocVecEnv([make_env] * recipe.n_envs)
     return PPO(
@@ -214,7 +214,7 @@ def make_atari_defaults(shaping: RewardShaping, training_seed: int, device: torc
     """Return plain PPO with stable-baselines3's settings for Atari: NatureCNN, 8 x 128."""
 
     def make_env() -> gymnasium.Env[Any, Any]:
-        return gymnasium.make(tril.game.env.ENV_ID, reward="none")
+        return gymnasium.make(tril.play.env.ENV_ID, reward="none")
 
     return PPO(
         "CnnPolicy",

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from benchmarks.learning.few_games import Example, draw_labels, keep_evenly, make, rank_also
 from tril.analysis.wanted_aliens import worth
 from tril.behaviours import BUILT_IN
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.ranking import Ranking, normalise
 
 ANSWERS = (0, 1, 2, 3, 5, 7, 10, 15)

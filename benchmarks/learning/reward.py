@@ -21,8 +21,8 @@ from trainer.reward.check import check_ranking
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import BUILT_IN
-from tril.demonstrator.example import make_example
-from tril.game.console import Console
+from tril.demonstrators.example import make_example
+from tril.games.atari.console import Console
 from tril.recipes import RECIPES
 from tril.recording import trajectory
 

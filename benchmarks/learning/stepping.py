@@ -21,8 +21,8 @@ import ale_py
 import numpy as np
 
 from tril.cores import core_count
-from tril.game import space_invaders as game
-from tril.game.vector.vector_game import TrainingStarts, VectorGame
+from tril.games.space_invaders import memory as game
+from tril.play.vector.vector_game import TrainingStarts, VectorGame
 
 
 def raw_process(connection: Connection, seed: int) -> None:

@@ -20,14 +20,14 @@ from typing import Any
 import numpy as np
 
 from tril.behaviours import BUILT_IN, Behaviour, score
-from tril.demonstrator.example import make_example
-from tril.demonstrator.expert import Expert
-from tril.game.agent import STICKY_ACTION_PROBABILITY, AgentGame, StickyActions
-from tril.game.console import Console
-from tril.game.episode import DEATHS
-from tril.game.openings import evaluation_opening
-from tril.game.space_invaders import Action
-from tril.game.starts import EVALUATION_START_COUNT
+from tril.demonstrators.example import make_example
+from tril.demonstrators.space_invaders.expert import Expert
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import Action
+from tril.games.space_invaders.openings import evaluation_opening
+from tril.games.space_invaders.starts import EVALUATION_START_COUNT
+from tril.play.agent import STICKY_ACTION_PROBABILITY, AgentGame, StickyActions
+from tril.play.episode import DEATHS
 from tril.recording import step_actions
 
 Player = Callable[[AgentGame], int]

@@ -30,7 +30,7 @@ from testsupport.databases import corrupt_databases
 from testsupport.live import GameClient, join
 from testsupport.processes import server_process
 from testsupport.workplace import Workplace, make_workplace
-from tril.game.controls import Keys
+from tril.games.space_invaders.controls import Keys
 from tril.settings import Settings
 from tril.store import games
 from tril.store.models import RecordingState, Verification

@@ -33,9 +33,9 @@ from benchmarks.play.support.crowd import running_crowd
 from testsupport.browser import launch_chromium
 from testsupport.processes import TrilProcess, whole_tril
 from testsupport.waiting import wait_until
-from tril.game.console import Console
-from tril.game.controls import Keys, action_for
-from tril.game.episode import EVALUATION_START_COUNT, Episode, evaluation_start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys, action_for
+from tril.play.episode import EVALUATION_START_COUNT, Episode, evaluation_start
 from tril.stages import Stage
 from tril.store.database import Database, create_database
 from tril.store.training import runs

@@ -25,16 +25,16 @@ import numpy as np
 
 from tril.behaviours import BUILT_IN
 from tril.cores import core_count
-from tril.demonstrator import example_plans
-from tril.demonstrator.error_model import HUMAN
-from tril.demonstrator.human_like import HumanLikePlayer
-from tril.demonstrator.plans import draw_hits
-from tril.demonstrator.player import PlayStyle
+from tril.demonstrators import example_plans
+from tril.demonstrators.error_model import HUMAN
+from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
+from tril.demonstrators.space_invaders.plans import draw_hits
+from tril.demonstrators.space_invaders.player import PlayStyle
 from tril.exchange.formats.recording_file import dump_recording, load_recording
-from tril.game.console import Console
-from tril.game.controls import Keys, action_for
-from tril.game.episode import TRAINING_IDLE_FRAMES, Episode, Start
-from tril.game.space_invaders import Action
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys, action_for
+from tril.games.space_invaders.memory import Action
+from tril.play.episode import TRAINING_IDLE_FRAMES, Episode, Start
 from tril.recording import Recorder, RecordingRefused
 
 KEYS_HELD_FRAMES = 20

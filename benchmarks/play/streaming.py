@@ -33,10 +33,10 @@ from server.play.wire.codec import FrameEncoder, Screen
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
 from tril.behaviours import BUILT_IN
-from tril.game.console import Console
-from tril.game.controls import Keys, action_for
-from tril.game.episode import Episode, Start
-from tril.game.palette import palette_rgb
+from tril.games.atari.console import Console
+from tril.games.atari.palette import palette_rgb
+from tril.games.space_invaders.controls import Keys, action_for
+from tril.play.episode import Episode, Start
 from tril.recording import Recorder
 
 BLOCK_FRAMES = 30

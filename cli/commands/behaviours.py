@@ -14,12 +14,12 @@ from rich.table import Table
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
 from tril.behaviours import Cell
-from tril.demonstrator import play_varied
+from tril.demonstrators import play_varied
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.store import behaviours, borrowed, players, rankings
 
 app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)

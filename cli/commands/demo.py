@@ -19,7 +19,7 @@ from cli.commands.runs import (
 from cli.follow import follow_to_end
 from cli.output import console, errors
 from cli.workspace import open_workspace
-from tril.demonstrator import KINDS, SCRIPTED
+from tril.demonstrators import KINDS, SCRIPTED
 from tril.files.artifact_store import ArtifactStore
 
 

@@ -15,7 +15,7 @@ from tril.analysis.summary import GameFigures, summarise
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.game.episode import DEATHS
+from tril.play.episode import DEATHS
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.training import artifacts, runs
@@ -89,7 +89,7 @@ def _play(
     from trainer.policy.evaluation import beginnings, play
     from trainer.policy.networks import load_policy
     from trainer.reward.model import RewardModel
-    from tril.game.episode import Ending
+    from tril.play.episode import Ending
 
     database = workspace.database
     store = ArtifactStore(workspace.settings.artifact_root)

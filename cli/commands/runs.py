@@ -15,7 +15,7 @@ from cli.follow import duration, follow_to_end
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
 from tril.analysis.summary import PolicySummary
-from tril.demonstrator import SCRIPTED
+from tril.demonstrators import SCRIPTED
 from tril.errors import Invalid
 from tril.exchange.run_archive import read_archive
 from tril.exchange.run_transfer import import_run

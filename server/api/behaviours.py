@@ -18,9 +18,9 @@ from server.api.schemas.behaviours import (
 )
 from server.dependencies import BehaviourId, ReadSession, Who, WriteSession
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.demonstrator import GameOutcome, example_plans, match_plans
+from tril.demonstrators import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
-from tril.game.episode import EndReason
+from tril.play.episode import EndReason
 from tril.store import behaviours, recordings
 from tril.store.models import BehaviourRow, RecordingRow, Verification
 

@@ -10,8 +10,8 @@ from server.dependencies import GameId, ReadSession, RecordingId, Who, WriteSess
 from server.play.conditions import PlayConditions
 from server.web.permissions import refuse_behaviour_of_others
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.game.episode import Start, draw_start
-from tril.game.space_invaders import MAX_FRAMES
+from tril.games.space_invaders.memory import MAX_FRAMES
+from tril.play.episode import Start, draw_start
 from tril.store import behaviours, games, recordings
 from tril.store.models import GameRow
 

@@ -23,7 +23,7 @@ from server.replay_cache import version_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.exchange import recording_transfer
-from tril.game.space_invaders import RAM_NAMES
+from tril.games.space_invaders.memory import RAM_NAMES
 from tril.store import behaviours, recordings
 from tril.store.models import RecordingRow
 

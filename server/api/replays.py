@@ -14,14 +14,14 @@ from starlette.responses import Response
 
 from server.api.schemas.behaviours import Ghost
 from server.api.schemas.runs import RewardTrace
-from server.cannon_track import cannon_track
 from server.clips import MEDIA_TYPES, ClipKind
 from server.dependencies import BehaviourId, RecordingId, RunId, services_of
 from server.play.replays import ReplayTask
 from server.play.replays.products import read_observation, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
-from tril.game.space_invaders import MAX_STEPS
+from tril.games.space_invaders.cannon_track import cannon_track
+from tril.games.space_invaders.memory import MAX_STEPS
 from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
 from tril.recording import Recording
 from tril.store import behaviours, rankings, recordings

@@ -22,10 +22,10 @@ import numpy.typing as npt
 from PIL import Image
 
 from server.clips.request import ClipKind
-from tril.game import space_invaders as game
-from tril.game.console import Console
-from tril.game.episode import Episode
-from tril.game.palette import palette_grayscale, palette_rgb
+from tril.games.atari.console import Console
+from tril.games.atari.palette import palette_grayscale, palette_rgb
+from tril.games.space_invaders import memory as game
+from tril.play.episode import Episode
 from tril.recording import Recording, replay
 
 Screens = npt.NDArray[np.uint8]

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from tril.analysis.summary import Policy
-from tril.game.space_invaders import MAX_FRAMES
+from tril.games.space_invaders.memory import MAX_FRAMES
 from tril.store.training.evaluations import ActionSelection
 
 KEY = "play"

@@ -12,8 +12,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from tril.game.console import Console, StartCache
-from tril.game.episode import Start
+from tril.games.atari.console import Console, StartCache
+from tril.play.episode import Start
 
 PATIENCE_S = 2.0
 """Longest wait for a moment without a running game before a console is loaded anyway."""

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page, TimeoutError, expect
 
 from tests.e2e.pages import signed_in
 from testsupport.live import LiveServer
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 
 FULL_TIME = "20.0 s"
 

@@ -13,7 +13,7 @@ from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
 from testsupport.live import LiveServer, live_server
 from testsupport.workplace import Workplace
-from tril.demonstrator import play_randomly
+from tril.demonstrators import play_randomly
 from tril.store import rankings, recordings
 from tril.store.models import Source
 

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, CDPSession, Locator, Page, expect
 from tests.e2e.pages import DESKTOP
 from tests.e2e.playing import course_of, expect_running, kept_as, play_page
 from testsupport.live import LiveServer
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 
 PHONE: dict[str, Any] = {
     "viewport": {"width": 360, "height": 740},

@@ -18,8 +18,8 @@ from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
 from testsupport.live import LiveServer, live_server
 from testsupport.workplace import FRAMES, Workplace
-from tril.game.episode import Episode
-from tril.game.palette import palette_rgb
+from tril.games.atari.palette import palette_rgb
+from tril.play.episode import Episode
 from tril.recording import replay
 from tril.store import recordings
 

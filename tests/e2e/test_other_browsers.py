@@ -11,7 +11,7 @@ from tests.e2e.every_page import EveryPage
 from tests.e2e.playing import course_of
 from testsupport.live import cookie
 from testsupport.other_browsers import OtherBrowser, firefox, webkit
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 
 BROWSERS = {"Firefox": firefox, "WebKit": webkit}
 COUNT_PICTURES = """(() => {

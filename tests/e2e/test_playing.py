@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 from tests.e2e.pages import DESKTOP
 from tests.e2e.playing import end_and_keep, expect_running, play_page
 from testsupport.live import LiveServer
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 
 LEFT_OF_TWENTY = re.compile(r"(\d+\.\d) s")
 

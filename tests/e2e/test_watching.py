@@ -14,7 +14,7 @@ from tests.e2e.playing import end_and_keep, expect_running
 from testsupport.live import LiveServer, live_server
 from testsupport.watching import finished_run, running_inference
 from testsupport.workplace import Workplace
-from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.games.space_invaders.memory import FRAMES_PER_STEP
 from tril.store import recordings
 from tril.store.models import Source
 

@@ -18,8 +18,8 @@ from server.clips.render import FRAMES_PER_PICTURE, PICTURE_MS, brightest
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
-from tril.game.console import Console
-from tril.game.palette import palette_grayscale, palette_rgb
+from tril.games.atari.console import Console
+from tril.games.atari.palette import palette_grayscale, palette_rgb
 from tril.recording import Recording
 
 

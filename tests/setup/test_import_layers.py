@@ -13,7 +13,7 @@ BREACHES = (
     ("tril", "torch"),
     ("tril", "fastapi"),
     ("tril", "server.api"),
-    ("tril.game", "tril.store.models"),
+    ("tril.games.space_invaders", "tril.store.models"),
     ("server", "stable_baselines3"),
     ("server", "trainer.progress"),
     ("trainer", "starlette"),

@@ -17,7 +17,7 @@ from trainer.policy.networks import new_policy, save_policy
 from trainer.progress import Progress, RunCancelled
 from trainer.reward.model import RewardModel, new_network
 from tril.behaviours import BUILT_IN
-from tril.game.starts import Start
+from tril.games.space_invaders.starts import Start
 from tril.recipes import FAST, PAPER, Recipe
 from tril.recording import Recording, Trajectory
 

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tril.game.agent import AgentGame
-from tril.game.console import Console
-from tril.game.episode import EndReason, Episode, EpisodeEnded, Start
-from tril.game.space_invaders import Action
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import Action
+from tril.play.agent import AgentGame
+from tril.play.episode import EndReason, Episode, EpisodeEnded, Start
 from tril.recording import (
     HASH_EVERY_FRAMES,
     Recorder,

@@ -21,10 +21,10 @@ from testsupport.faults.history import History, Kind, Request
 from testsupport.live import GameClient, join
 from testsupport.workplace import Workplace
 from tril.exchange.formats.recording_file import dump_recording
-from tril.game.console import Console
-from tril.game.controls import Keys
-from tril.game.episode import Episode, Start
-from tril.game.space_invaders import Action
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys
+from tril.games.space_invaders.memory import Action
+from tril.play.episode import Episode, Start
 from tril.recording import Recorder, Recording
 from tril.settings import Settings
 from tril.store.models import NOT_OVER, RunStatus

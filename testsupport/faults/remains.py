@@ -18,7 +18,7 @@ from testsupport.worker_kills import flaws
 from testsupport.workplace import Workplace
 from tril.errors import NotFound
 from tril.files.artifact_store import ArtifactStore
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.recording import RecordingRefused, verify
 from tril.store import recordings
 from tril.store.models import (

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from tril.behaviours import BUILT_IN, Behaviour
-from tril.demonstrator import SCRIPTED
+from tril.demonstrators import SCRIPTED
 from tril.exchange.formats.run_file import RunObject
 from tril.exchange.run_archive import RANKED, UNRANKED
 from tril.recipes import RECIPES, changed_values, recipe_from_dict

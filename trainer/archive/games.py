@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tril.game.episode import DEATHS
+from tril.play.episode import DEATHS
 from tril.store.models import EvaluationRow
 
 

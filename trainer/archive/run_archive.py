@@ -28,7 +28,7 @@ from tril.exchange.recording_transfer import dump_row
 from tril.exchange.run_archive import EVALUATION, NETWORKS, RANKED, RUN_FILE, UNRANKED, RunArchive
 from tril.exchange.run_transfer import ExportedRun, export_run
 from tril.files.artifact_store import ArtifactStore, write_whole
-from tril.game.space_invaders import rom_md5
+from tril.games.space_invaders.memory import rom_md5
 from tril.recording import Recording
 from tril.store import recordings
 from tril.store.database import Database

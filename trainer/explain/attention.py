@@ -19,8 +19,8 @@ from trainer.explain.subject import Subject
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.analysis.outcome import AttentionState
-from tril.game.observation import OBSERVATION_SHAPE
-from tril.game.space_invaders import BACKGROUND
+from tril.games.space_invaders.memory import BACKGROUND
+from tril.play.observation import OBSERVATION_SHAPE
 
 POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
 """Positions per side of patches that lie inside the screen; T-REX's code omits the last two."""

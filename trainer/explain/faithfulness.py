@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from trainer.explain.subject import Subject
 from tril.analysis.outcome import Faithfulness, MeasuredOrder
-from tril.game.observation import Observation
-from tril.game.space_invaders import BACKGROUND
+from tril.games.space_invaders.memory import BACKGROUND
+from tril.play.observation import Observation
 
 POINTS = 20
 """Parts into which the pixels are deleted or inserted."""

@@ -12,8 +12,8 @@ import numpy.typing as npt
 import torch
 
 from trainer.explain.subject import Subject
-from tril.game.observation import check_observations
-from tril.game.space_invaders import BACKGROUND
+from tril.games.space_invaders.memory import BACKGROUND
+from tril.play.observation import check_observations
 
 
 def gradient_map(subject: Subject, observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:

@@ -14,7 +14,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.reward.model import RewardNetwork
-from tril.game.space_invaders import BACKGROUND
+from tril.games.space_invaders.memory import BACKGROUND
 
 PATCH = 3
 """Side of the patch, in pixels."""

@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from trainer.explain.subject import Subject
 from trainer.progress import NullProgress, Progress
-from tril.game.observation import Observation
-from tril.game.space_invaders import BACKGROUND
+from tril.games.space_invaders.memory import BACKGROUND
+from tril.play.observation import Observation
 
 SIDE = 9
 """Side of the patches that the page offers, in pixels: a little larger than an alien."""

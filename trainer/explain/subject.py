@@ -10,8 +10,8 @@ import torch
 from torch import Tensor
 
 from trainer.nn.devices import CPU, forward_batch
-from tril.game.observation import Observation, Observations
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
+from tril.play.observation import Observation, Observations
 
 
 class Subject(Protocol):

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from tril.game.observation import SIZE, STACK, Observations
+from tril.play.observation import SIZE, STACK, Observations
 
 
 def channels_last_screens(observations: Observations, out: Observations | None = None) -> Tensor:

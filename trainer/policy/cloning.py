@@ -15,7 +15,7 @@ from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.networks import ScreenPolicy, new_policy, pretrained_policy
 from trainer.progress import Progress
 from tril.errors import Invalid
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 from tril.recipes import CloningRecipe
 from tril.recording import Trajectory
 

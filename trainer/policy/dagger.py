@@ -41,13 +41,13 @@ from trainer.policy.imitation import (
 from trainer.policy.networks import Policy, load_policy, save_policy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import CallbackProgress, Progress
-from tril.demonstrator import Expert
+from tril.demonstrators import Expert
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.game.agent import AgentGame
-from tril.game.console import Console
-from tril.game.episode import DEATHS
-from tril.game.starts import Start, draw_start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.starts import Start, draw_start
+from tril.play.agent import AgentGame
+from tril.play.episode import DEATHS
 from tril.recording import Recording, Trajectory, trajectory
 
 FORMAT = "tril-dagger-checkpoint"

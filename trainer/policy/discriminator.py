@@ -25,7 +25,7 @@ from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.imitation import ImitationTask
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from tril.errors import Invalid
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.recipes import GailRecipe
 from tril.recording import trajectory
 

@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from tril.game import space_invaders as game
-from tril.game.agent import STICKY_ACTION_PROBABILITY, sample_actions
-from tril.game.episode import Ending, EndReason, Hit
-from tril.game.openings import Opening, evaluation_beginning, start_of
-from tril.game.starts import Start
-from tril.game.vector.vector_game import FinishedGame, FixedStarts, VectorGame
+from tril.games.space_invaders import memory as game
+from tril.games.space_invaders.openings import Opening, evaluation_beginning, start_of
+from tril.games.space_invaders.starts import Start
+from tril.play.agent import STICKY_ACTION_PROBABILITY, sample_actions
+from tril.play.episode import Ending, EndReason, Hit
+from tril.play.vector.vector_game import FinishedGame, FixedStarts, VectorGame
 from tril.recipes import EvaluationRecipe
 from tril.recording import Recording
 from tril.store.training.evaluations import ActionSelection

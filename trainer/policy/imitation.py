@@ -15,9 +15,14 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import CallbackProgress
 from trainer.reward.model import RewardModel
 from tril.behaviours import Behaviour, score
-from tril.game.episode import Ending, Hit
-from tril.game.openings import Opening, draw_opening
-from tril.game.starts import TRAINING_IDLE_FRAMES, Start, evaluation_start, spread_starts
+from tril.games.space_invaders.openings import Opening, draw_opening
+from tril.games.space_invaders.starts import (
+    TRAINING_IDLE_FRAMES,
+    Start,
+    evaluation_start,
+    spread_starts,
+)
+from tril.play.episode import Ending, Hit
 from tril.recipes import Recipe
 from tril.recording import Recording
 

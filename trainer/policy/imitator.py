@@ -34,8 +34,8 @@ from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
 from trainer.progress import Progress
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.game.episode import Ending
-from tril.game.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
+from tril.play.episode import Ending
+from tril.play.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.ranking import best_ranked
 
 CHECKPOINT_INTERVAL_S = 45.0

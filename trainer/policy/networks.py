@@ -35,8 +35,8 @@ from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.game.observation import OBSERVATION_SHAPE, check_observations
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
+from tril.play.observation import OBSERVATION_SHAPE, check_observations
 
 OBSERVATION_SPACE = spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)
 ACTION_SPACE = spaces.Discrete(len(Action))
@@ -150,7 +150,7 @@ def new_policy(
 
 
 def pretrained_policy(learning_rate: float, device: torch.device = CPU) -> ScreenPolicy:
-    """Return the policy of size "small" that ships with Tril, see trainer.policy.pretraining."""
+    """Return the policy of size "small" that ships with Tril; see trainer.policy.pretraining."""
     policy = _screen_policy(policy_arguments("small"), learning_rate)
     tensors, _ = load_tensors(PRETRAINED)
     _load_shared(policy, tensors)

@@ -30,7 +30,7 @@ from trainer.nn.threads import one_thread
 from trainer.policy.networks import ScreenPolicy, channels_last, policy_arguments
 from trainer.policy.rollout_buffer import Minibatch, ScreenRolloutBuffer
 from trainer.policy.vec_env import EpisodeEnd, FinishedEpisode, TrilVecEnv
-from tril.game.vector.vector_game import VectorGame
+from tril.play.vector.vector_game import VectorGame
 from tril.recipes import PolicyRecipe
 
 

@@ -28,7 +28,7 @@ import numpy.typing as npt
 import torch
 from torch import nn
 
-from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_games
+from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, learn_to_read, play_games
 from trainer.nn.precision import Precision
 from trainer.nn.seeding import torch_seeded
 from trainer.policy.evaluation import play
@@ -45,11 +45,11 @@ from trainer.policy.networks import (
 )
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, new_network
-from tril.demonstrator.varied_play import play_varied
-from tril.game.console import Console
-from tril.game.episode import DEATHS
-from tril.game.openings import evaluation_opening
-from tril.game.starts import EVALUATION_START_COUNT
+from tril.demonstrators.space_invaders.varied_play import play_varied
+from tril.games.atari.console import Console
+from tril.games.space_invaders.openings import evaluation_opening
+from tril.games.space_invaders.starts import EVALUATION_START_COUNT
+from tril.play.episode import DEATHS
 from tril.recipes import FAST, with_values
 from tril.recording import Recording
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.reward.model import RewardModel
-from tril.game.episode import DEATHS, EndReason
+from tril.play.episode import DEATHS, EndReason
 from tril.recipes import PolicyRecipe
 
 Rewards = npt.NDArray[np.float32]

@@ -13,7 +13,7 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from torch import Tensor
 
 from trainer.nn.screens import channels_last_screens, take_screens
-from tril.game.observation import Observations
+from tril.play.observation import Observations
 
 
 class Minibatch(NamedTuple):

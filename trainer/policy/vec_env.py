@@ -13,8 +13,8 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
 from trainer.policy.reward_shaping import Rewards, RewardShaping
-from tril.game.episode import DEATHS, EndReason
-from tril.game.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
+from tril.play.episode import DEATHS, EndReason
+from tril.play.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
 
 
 @dataclass(frozen=True)

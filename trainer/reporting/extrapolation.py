@@ -20,7 +20,7 @@ import numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv, VecNormalize
 
-import tril.game.env
+import tril.play.env
 from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.policy.networks import Policy, ScreenPolicy, policy_arguments
 from trainer.progress import Progress, ScaledProgress
@@ -35,8 +35,8 @@ from trainer.reward.model import predicted_return
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.errors import Invalid
-from tril.game.env import points_of
-from tril.game.starts import spread_starts
+from tril.games.space_invaders.starts import spread_starts
+from tril.play.env import points_of
 from tril.recipes import Recipe
 from tril.recording import trajectory
 
@@ -184,7 +184,7 @@ def _tell(progress: Progress, player: Any, total: int) -> bool:
 
 def _environments(quantity: Quantity, plan: SkillPlan) -> VecEnv:
     def make() -> gymnasium.Env[Any, Any]:
-        return gymnasium.make(tril.game.env.ENV_ID, reward=quantity)
+        return gymnasium.make(tril.play.env.ENV_ID, reward=quantity)
 
     makers = [make] * plan.parallel_games
     return DummyVecEnv(makers) if plan.parallel_games == 1 else SubprocVecEnv(makers)

@@ -21,7 +21,7 @@ from trainer.reporting.ledger import Entry
 from trainer.reporting.skilled_games import QUANTITIES, Extrapolation, SkilledGame
 from tril.analysis.extrapolation import JudgedGames, Measure
 from tril.behaviours import Behaviour, Cell, score
-from tril.game.space_invaders import COLUMNS, ROWS
+from tril.games.space_invaders.memory import COLUMNS, ROWS
 
 MAP_SCALE = 4
 FRAME_SCALE = 2

@@ -19,7 +19,7 @@ from trainer.reporting.digests import recipe_digest
 from trainer.reporting.skilled_games import Experiment, Extrapolation, Rounded
 from tril.analysis.summary import GameFigures
 from tril.behaviours import Behaviour, Cell, score
-from tril.demonstrator import SCRIPTED
+from tril.demonstrators import SCRIPTED
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
 from tril.recipes import Recipe
@@ -44,7 +44,7 @@ class LedgerCell:
         steps: Steps of the imitator's training games.
         training_seed: Feeds every random choice.
         own_starts: As in PolicyRecipe.
-        demonstrations: Name of the kind of demonstrations, see tril.demonstrator.KINDS.
+        demonstrations: Name of the kind of demonstrations, see tril.demonstrators.KINDS.
     """
 
     behaviour: str

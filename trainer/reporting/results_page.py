@@ -26,9 +26,9 @@ from trainer.reporting.result_groups import (
 from trainer.reporting.skilled_games import QUANTITIES, Experiment, tau_of
 from tril.analysis.outcome import AttentionState
 from tril.behaviours import BUILT_IN, score
-from tril.demonstrator import KINDS, SCRIPTED
+from tril.demonstrators import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
-from tril.game.agent import STICKY_ACTION_PROBABILITY
+from tril.play.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import RECIPES, EvaluationRecipe
 from tril.store.training.evaluations import POLICIES
 

@@ -16,7 +16,7 @@ from trainer.reporting.ledger import (
 )
 from tril.analysis.outcome import ImitatorOutcome, RunOutcome
 from tril.behaviours import Cell
-from tril.demonstrator import kind_named
+from tril.demonstrators import kind_named
 from tril.errors import Invalid
 from tril.recipes import RECIPES, changed_values, recipe_from_dict
 from tril.store import behaviours, recordings

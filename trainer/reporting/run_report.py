@@ -24,7 +24,7 @@ from trainer.reporting.run_entry import cells, describe_example, entry_of
 from tril.analysis.outcome import AttentionState
 from tril.behaviours import score
 from tril.files.artifact_store import ArtifactStore, write_whole
-from tril.game.agent import STICKY_ACTION_PROBABILITY
+from tril.play.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database

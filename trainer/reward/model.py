@@ -21,8 +21,8 @@ from trainer.nn.devices import device_of, forward_batch
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
-from tril.game.observation import check_observations
-from tril.game.space_invaders import COLUMNS, ROWS
+from tril.games.space_invaders.memory import COLUMNS, ROWS
+from tril.play.observation import check_observations
 
 FORMAT = "tril-reward-model"
 FORMAT_VERSION = 1

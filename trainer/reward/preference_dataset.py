@@ -13,7 +13,7 @@ from torch import Tensor
 from trainer.reward.fragments import preference_pairs
 from trainer.reward.model import RewardModel
 from trainer.reward.pretraining import read_features
-from tril.game.episode import Hit
+from tril.play.episode import Hit
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory

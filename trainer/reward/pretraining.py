@@ -25,14 +25,14 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, learn_to_read, play_games
 from trainer.nn.checkpoints import load_tensors, save_tensors
 from trainer.nn.devices import CPU, forward_batch
-from trainer.nn.memory_reading import N_GAMES, Screens, learn_to_read, play_games
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from trainer.reward.model import Order, RewardNetwork, network_of
-from tril.demonstrator.varied_play import play_low_rows
-from tril.game.observation import Observations
+from tril.demonstrators.space_invaders.varied_play import play_low_rows
+from tril.play.observation import Observations
 
 WEIGHTS = Path(__file__).with_name("pretrained.safetensors")
 

@@ -28,7 +28,7 @@ from tril.analysis.wanted_aliens import (
     log_prior,
     pair_weights,
 )
-from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
+from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP, ROWS
 
 _TINY = 1e-3
 

@@ -20,9 +20,9 @@ from trainer.progress import Progress
 from trainer.reward.model import RewardModel
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import OBSERVATION_SHAPE, Observation, Observations
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 from tril.inference.messages import OBSERVATION_BYTES
+from tril.play.observation import OBSERVATION_SHAPE, Observation, Observations
 from tril.store.database import Database
 from tril.store.training import artifacts
 from tril.store.training.evaluations import POLICIES

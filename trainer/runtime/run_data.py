@@ -13,7 +13,7 @@ from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceD
 from trainer.runtime.context import RunContext
 from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
 from tril.store.training import artifacts

@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from trainer.reporting.digests import inference_digest
 from tril import __version__
-from tril.game.space_invaders import rom_md5
+from tril.games.space_invaders.memory import rom_md5
 
 PACKAGES = ("torch", "stable-baselines3", "gymnasium", "ale-py", "numpy")
 

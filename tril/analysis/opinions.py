@@ -31,7 +31,7 @@ from tril.analysis.wanted_aliens import (
     pair_weights,
     worth,
 )
-from tril.game.space_invaders import COLUMNS
+from tril.games.space_invaders.memory import COLUMNS
 from tril.ranking import Ranking
 
 MIN_GAMES = 4

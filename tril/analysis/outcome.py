@@ -151,7 +151,7 @@ class ExampleOutcome(Stored):
     """The order that an example's demonstrations should have and the one that they are given.
 
     Attributes:
-        kind: Name of their kind, see tril.demonstrator.KINDS.
+        kind: Name of their kind, see tril.demonstrators.KINDS.
         mistakes: Pairs [better, worse] that are ranked the other way round.
         tau: Kendall's tau-b between the two orders.
     """

@@ -30,7 +30,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP, ROWS
+from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP, ROWS
 from tril.ranking import BEST_SHARE, Pair, best_ranked
 
 Array = npt.NDArray[np.float64]

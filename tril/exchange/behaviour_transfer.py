@@ -22,8 +22,8 @@ from tril.exchange.formats.behaviour_file import (
 )
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.exchange.recording_transfer import dump_row
-from tril.game.console import Console
-from tril.game.space_invaders import GAME
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import GAME
 from tril.recording import RecordingRefused
 from tril.store import audit, behaviours, borrowed, players, rankings, recordings
 from tril.store.database import Database

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tril.behaviours import BUILT_IN
-from tril.demonstrator import N_PERFECT, Demonstration, make_example
+from tril.demonstrators import N_PERFECT, Demonstration, make_example
 from tril.exchange.formats.recording_file import dump_recording
 
 

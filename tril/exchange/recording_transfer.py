@@ -17,8 +17,8 @@ from tril.exchange.formats.recording_file import (
     load_recording,
     ranking_of,
 )
-from tril.game.console import Console
-from tril.game.episode import EndReason, Start
+from tril.games.atari.console import Console
+from tril.play.episode import EndReason, Start
 from tril.recording import Recording
 from tril.store import audit, rankings, recordings
 from tril.store.database import Database

@@ -18,7 +18,7 @@ from tril.analysis.outcome import (
     RunSnapshot,
 )
 from tril.behaviours import Behaviour, score
-from tril.demonstrator import kind_named
+from tril.demonstrators import kind_named
 from tril.exchange.formats.recording_file import load_recording
 from tril.exchange.formats.recording_object import RecordingObject
 from tril.exchange.formats.run_file import (
@@ -33,8 +33,8 @@ from tril.exchange.formats.run_file import (
 )
 from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_name
 from tril.files.artifact_store import ArtifactStore
-from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, Hit, Start
+from tril.games.atari.console import Console
+from tril.play.episode import Ending, EndReason, Hit, Start
 from tril.recipes import checked, recipe_from_dict
 from tril.recording import Recording, RecordingRefused, Replay
 from tril.stages import Stage

@@ -13,19 +13,19 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
-from tril.game.observation import (
-    SIZE,
-    Observation,
-    Observations,
-    check_observations,
-)
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
 from tril.inference.endpoint import Endpoint
 from tril.inference.messages import (
     MAX_OBSERVATIONS,
     raise_refusal,
     receive_message,
     send_message,
+)
+from tril.play.observation import (
+    SIZE,
+    Observation,
+    Observations,
+    check_observations,
 )
 
 TIMEOUT_S = 60.0

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from tril.errors import Invalid, NotFound, Unavailable
-from tril.game.observation import OBSERVATION_SHAPE
+from tril.play.observation import OBSERVATION_SHAPE
 
 MAX_HEADER_BYTES = 16 * 1024
 MAX_OBSERVATIONS = 1024

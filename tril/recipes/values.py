@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from tril.game.starts import EVALUATION_START_COUNT
+from tril.games.space_invaders.starts import EVALUATION_START_COUNT
 
 MAX_DAGGER_STEPS = 60_000
 """DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""
@@ -46,7 +46,7 @@ class RewardRecipe:
     Attributes:
         method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
             and its published code); "posterior" infers which aliens are wanted, see
-            trainer.reward.wanted_aliens; only ``updates`` and the folds' values affect it, and
+            `wanted_aliens`; only ``updates`` and the folds' values affect it, and
             fragments only how it is checked.
         learning_rate: Adam's learning rate.
         updates: Gradient updates; method "posterior": passes of Gibbs sampling.
@@ -137,7 +137,7 @@ class PolicyRecipe:
         snapshot_episodes: Games from training starts whose mean return decides between snapshots.
         own_starts: Evaluation starts that replace the training starts, see judged_where_trained.
         opening_share: Share of the episodes from a start that begin with an opening, see
-            tril.game.openings.
+            tril.games.space_invaders.openings.
         sticky_action_probability: Probability, at every frame of a training game, that the previous
             action is repeated (Machado et al. 2018, section 5.1).
     """
@@ -266,7 +266,7 @@ class EvaluationRecipe:
     Attributes:
         start_numbers: Evaluation starts of the headline table.
         further_start_numbers: Further evaluation starts that the means are taken over.
-        openings: Whether the games begin with the starts' openings, see tril.game.openings.
+        openings: Whether the games begin with the starts' openings.
     """
 
     start_numbers: StartNumbers = (0, 1, 2)
@@ -283,7 +283,7 @@ class Recipe:
         summary: One sentence for people.
         default_steps: Training steps of the imitator that the page proposes.
         ordered_steps: The same where targets have an order; 0 for as many.
-        ending: Which event ends a training or evaluation game, see tril.game.episode.Ending.
+        ending: Which event ends a training or evaluation game, see tril.play.episode.Ending.
         method: What trains the imitator: "ppo" on the learned reward, "dagger" on the corrections
             of the scripted demonstrator, "gail" by PPO against a discriminator of the perfect
             demonstrations. Nothing else of a run depends on it.

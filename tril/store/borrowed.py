@@ -16,7 +16,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, NotFound
-from tril.game.space_invaders import MAX_FRAMES
+from tril.games.space_invaders.memory import MAX_FRAMES
 from tril.recording import Verified
 from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change

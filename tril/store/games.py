@@ -15,8 +15,8 @@ from sqlalchemy import Select, bindparam, func, select, update
 from sqlalchemy.orm import Session, joinedload
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.game.episode import Start
-from tril.game.space_invaders import rom_md5
+from tril.games.space_invaders.memory import rom_md5
+from tril.play.episode import Start
 from tril.recording import Recording, Replay, Verified
 from tril.store.changes import note_change
 from tril.store.database import database_now

@@ -107,7 +107,7 @@ class Role(StrEnum):
 class Source(StrEnum):
     """Who played a recording.
 
-    VARIED: a game made for a ranking that lacks variety, see tril.demonstrator.varied_play.
+    VARIED: a game made for a ranking that lacks variety.
     """
 
     PERSON = "person"
@@ -287,7 +287,7 @@ class RunRow(Base):
     """One training of a behaviour. The id is also the job's id.
 
     ``snapshot`` is frozen when the run is made (with ``example``, once its demonstrations exist).
-    ``example_kind`` names which demonstrations those are (tril.demonstrator.KINDS). ``recipe``
+    ``example_kind`` names which demonstrations those are (tril.demonstrators.KINDS). ``recipe``
     is the full recipe as data. ``parent_run_id`` names the run whose imitator PPO begins with in
     place of the run's own clone. ``finished_stages`` maps each finished stage to the seconds of
     work it took. ``name`` and ``notes`` are a person's. ``device`` says which workers may take it.

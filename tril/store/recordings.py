@@ -9,7 +9,7 @@ from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.game.episode import Ending, EndReason, Hit, Start
+from tril.play.episode import Ending, EndReason, Hit, Start
 from tril.recording import Recording, Replay
 from tril.store import audit, rankings
 from tril.store.changes import note_change

@@ -28,8 +28,8 @@ import numpy as np
 from benchmarks.play.support.pages import owners_cookie
 from server.play.wire.protocol import InputMessage, client_bytes
 from tril.exchange.formats.recording_file import dump_recording
-from tril.game.controls import Keys
-from tril.game.episode import Start
+from tril.games.space_invaders.controls import Keys
+from tril.play.episode import Start
 from tril.recording import Recording
 from tril.settings import Settings
 

@@ -17,7 +17,7 @@ from server.play.stream import play_over
 from server.play.wire.codec import Screen
 from server.play.wire.connection import Connection
 from server.play.wire.scene import Scene
-from tril.game.palette import palette_rgb
+from tril.games.atari.palette import palette_rgb
 
 QUALITY = 75
 

@@ -2626,7 +2626,7 @@ export interface components {
          * Source
          * @description Who played a recording.
          *
-         *     VARIED: a game made for a ranking that lacks variety, see tril.demonstrator.varied_play.
+         *     VARIED: a game made for a ranking that lacks variety, see tril.demonstrators.space_invaders.varied_play.
          * @enum {string}
          */
         Source: "person" | "scripted" | "policy" | "varied";

@@ -10,8 +10,8 @@ from server.api.schemas.recordings import BegunBy, Branch, Hit, Recording
 from server.play.conditions import PlayConditions
 from server.replay_cache import version_of
 from tril.behaviours import Behaviour, score
-from tril.game.episode import evaluation_number
-from tril.game.space_invaders import COLUMNS
+from tril.games.space_invaders.memory import COLUMNS
+from tril.play.episode import evaluation_number
 from tril.store import behaviours, players, rankings
 from tril.store.models import BehaviourRow, RecordingRow
 from tril.store.recordings import as_recording, hits_of

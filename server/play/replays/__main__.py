@@ -12,7 +12,7 @@ import sys
 import traceback
 
 from server.play.replays.request import Answer, AnyRequest, execute
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.recording import RecordingRefused
 
 NICENESS = 5

@@ -13,11 +13,11 @@ from PIL import Image
 
 from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
 from tril.errors import NotFound
-from tril.game import space_invaders as game
-from tril.game.console import Console
-from tril.game.episode import Episode
-from tril.game.observation import SIZE, STACK, Observation, Observations
-from tril.game.palette import palette_rgb
+from tril.games.atari.console import Console
+from tril.games.atari.palette import palette_rgb
+from tril.games.space_invaders import memory as game
+from tril.play.episode import Episode
+from tril.play.observation import SIZE, STACK, Observation, Observations
 from tril.recording import Recording, replay, trajectory
 
 MAGIC = b"TRILFRM1"

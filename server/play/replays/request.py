@@ -14,9 +14,9 @@ from server.play.replays.products import (
     observations_file,
     thumbnail_png,
 )
-from tril.demonstrator.varied_play import play_varied
+from tril.demonstrators.space_invaders.varied_play import play_varied
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.recording import Recording, Verified, verify
 
 

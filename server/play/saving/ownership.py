@@ -26,7 +26,7 @@ from server.play.session.live_game import GameInfo, LiveGame
 from server.play.session.session import PlaySession, RewoundGame
 from server.play.wire.protocol import Paused
 from tril.errors import Unavailable
-from tril.game.episode import EpisodeState, Hit
+from tril.play.episode import EpisodeState, Hit
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import behaviours, games, recordings
 from tril.store.games import GameOver

@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 
 from server.play.conditions import FULL_SPEED_PERCENT
 from server.play.lateness import Lateness
-from tril.game import space_invaders as game
+from tril.games.space_invaders import memory as game
 
 _LOG = logging.getLogger(__name__)
 

@@ -9,9 +9,9 @@ from server.play.session.rewind import Checkpoints
 from server.play.wire.messages import all_hits, greeting, hits_after, outcome
 from server.play.wire.protocol import Ended, Hello, HitMessage, Rewound
 from tril.behaviours import Behaviour
-from tril.game.console import Console
-from tril.game.controls import Keys, action_for
-from tril.game.episode import Episode
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys, action_for
+from tril.play.episode import Episode
 from tril.recording import Recorder
 from tril.store.games import Progress
 

@@ -8,9 +8,9 @@ from collections.abc import Awaitable, Callable
 from server.play.consoles import ConsolePool
 from server.play.session.clock import FRAME_S
 from server.play.wire.scene import Scene
-from tril.game import space_invaders as game
-from tril.game.console import Console
-from tril.game.episode import Episode, EpisodeState
+from tril.games.atari.console import Console
+from tril.games.space_invaders import memory as game
+from tril.play.episode import Episode, EpisodeState
 from tril.recording import Recording
 
 CHECKPOINT_EVERY_FRAMES = game.FRAME_RATE_HZ

@@ -29,10 +29,10 @@ from server.play.watch.watch_socket import WatchSocket
 from server.play.wire.protocol import Close
 from tril.behaviours import Behaviour
 from tril.errors import NotFound
-from tril.game.episode import Ending
-from tril.game.openings import Opening, draw_opening, evaluation_beginning
-from tril.game.starts import Start, draw_start
+from tril.games.space_invaders.openings import Opening, draw_opening, evaluation_beginning
+from tril.games.space_invaders.starts import Start, draw_start
 from tril.inference import Endpoint
+from tril.play.episode import Ending
 from tril.recipes import recipe_from_dict
 from tril.recording import Recording, Verified, verify
 from tril.store import behaviours, games

@@ -23,9 +23,9 @@ from server.play.wire.protocol import (
 from tril.analysis.summary import Policy
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
-from tril.game import space_invaders as game
-from tril.game.episode import Episode
-from tril.game.starts import EVALUATION_START_COUNT
+from tril.games.space_invaders import memory as game
+from tril.games.space_invaders.starts import EVALUATION_START_COUNT
+from tril.play.episode import Episode
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES, ActionSelection
 
 MAX_LANES = 4

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tril.game.observation import Observation, Observations
-from tril.game.space_invaders import ACTION_COUNT
+from tril.games.space_invaders.memory import ACTION_COUNT
 from tril.inference import AttentionMap, AttentionNetwork, Endpoint, Judgement
 from tril.inference.endpoint import Streams, disconnect
 from tril.inference.messages import (
@@ -20,6 +19,7 @@ from tril.inference.messages import (
     parse_header,
     raise_refusal,
 )
+from tril.play.observation import Observation, Observations
 
 TIMEOUT_S = 20.0
 """Loading the networks of a run for the first time takes most of a second."""

@@ -6,19 +6,19 @@ import numpy as np
 import numpy.typing as npt
 
 from server.play.watch.messages import Actor
-from tril.game import space_invaders as game
-from tril.game.agent import (
+from tril.games.atari.console import Console
+from tril.games.space_invaders import memory as game
+from tril.games.space_invaders.openings import Opening, start_of
+from tril.games.space_invaders.starts import Start
+from tril.play.agent import (
     STICKY_ACTION_PROBABILITY,
     AgentGame,
     StickyActions,
     sample_actions,
 )
-from tril.game.console import Console
-from tril.game.episode import Ending, Episode
-from tril.game.observation import Observation
-from tril.game.openings import Opening, start_of
-from tril.game.starts import Start
-from tril.game.vector.reset_distribution import FixedStarts
+from tril.play.episode import Ending, Episode
+from tril.play.observation import Observation
+from tril.play.vector.reset_distribution import FixedStarts
 from tril.recording import Recording
 
 

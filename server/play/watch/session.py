@@ -31,7 +31,7 @@ from server.play.watch.messages import (
 from server.play.watch.policy_client import PolicyClient
 from server.play.watch.watch_socket import WatchSocket
 from tril.errors import TrilError
-from tril.game.observation import Observations
+from tril.play.observation import Observations
 
 _LOG = logging.getLogger(__name__)
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tril.game.palette import palette_rgb
-from tril.game.space_invaders import SCREEN_SHAPE
+from tril.games.atari.palette import palette_rgb
+from tril.games.space_invaders.memory import SCREEN_SHAPE
 
 Screen = npt.NDArray[np.uint8]
 """A screen, uint8 (210, 160) of palette values."""

@@ -19,7 +19,7 @@ from server.play.wire.protocol import (
     frame_bytes,
 )
 from server.play.wire.scene import Scene
-from tril.game.controls import Keys
+from tril.games.space_invaders.controls import Keys
 
 MAX_REASON_CHARACTERS = 60
 """A close reason is limited to 123 bytes."""

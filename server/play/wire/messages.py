@@ -5,8 +5,8 @@ from __future__ import annotations
 from server.play.wire.codec import palette_json
 from server.play.wire.protocol import AlienGeometry, Ended, Hello, HitAt, HitMessage
 from tril.behaviours import Behaviour, score
-from tril.game import space_invaders as game
-from tril.game.episode import Episode, Hit
+from tril.games.space_invaders import memory as game
+from tril.play.episode import Episode, Hit
 
 
 def greeting(behaviour: Behaviour, episode: Episode, epoch: int, speed_percent: int) -> Hello:

@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from server.play.conditions import Percent
 from server.play.wire.codec import FLAG_KEY, EncodedFrame
-from tril.game.aliens import Formation
-from tril.game.controls import Keys
+from tril.games.space_invaders.controls import Keys
+from tril.games.space_invaders.grid import Formation
 
 MAX_UNACKNOWLEDGED = 6
 MAX_MESSAGE_BYTES = 256

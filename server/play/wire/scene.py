@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Self
 
 from server.play.wire.codec import Screen
-from tril.game.aliens import Formation
-from tril.game.episode import Episode
+from tril.games.space_invaders.grid import Formation
+from tril.play.episode import Episode
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from testsupport.live import TIMEOUT_S, LiveServer, live_server
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace
 from tril.errors import Unavailable
-from tril.game.episode import Start
+from tril.play.episode import Start
 from tril.store import games, players
 from tril.store.changes import note_change
 from tril.store.database import Database, create_database

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from server.cannon_track import cannon_track
 from server.play.replays.products import memory_file
 from testsupport.workplace import FRAMES, Workplace
-from tril.game import space_invaders as game
-from tril.game.console import Console
-from tril.game.episode import Episode, Start
+from tril.games.atari.console import Console
+from tril.games.space_invaders import memory as game
+from tril.games.space_invaders.cannon_track import cannon_track
+from tril.play.episode import Episode, Start
 from tril.recording import Recorder
 from tril.store import recordings
 

@@ -16,8 +16,8 @@ from server.play.replays.products import read_frames_file
 from server.play.wire.codec import FrameDecoder
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
-from tril.game.console import Console
-from tril.game.palette import palette_rgb
+from tril.games.atari.console import Console
+from tril.games.atari.palette import palette_rgb
 from tril.store.models import RecordingRow, RecordingState, Verification
 
 

@@ -10,7 +10,7 @@ from starlette.testclient import TestClient
 
 from server.api import rankings as api
 from testsupport.workplace import Workplace
-from tril.demonstrator import play_randomly
+from tril.demonstrators import play_randomly
 from tril.store import recordings
 from tril.store.models import Source
 

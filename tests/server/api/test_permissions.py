@@ -26,7 +26,7 @@ from server.web.security import load_secrets
 from tests.server.clients import build_frontend, signed_in
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace, make_workplace
-from tril.game.episode import Start
+from tril.play.episode import Start
 from tril.store import borrowed, games, players, recordings
 from tril.store.access import credentials
 from tril.store.models import (

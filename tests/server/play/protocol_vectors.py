@@ -30,9 +30,9 @@ from server.play.wire.protocol import (
     client_bytes,
     frame_bytes,
 )
-from tril.game.console import Console
-from tril.game.controls import Keys, action_for
-from tril.game.episode import Episode, Start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys, action_for
+from tril.play.episode import Episode, Start
 from tril.recording import Recorder
 
 PATH = Path(__file__).resolve().parents[2] / "data" / "protocol-vectors.json"

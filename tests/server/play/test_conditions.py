@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.play.conditions import BAD_P95_MS, KEY, MAX_ENTRIES, BegunBy, PlayConditions
-from tril.game.space_invaders import MAX_FRAMES
+from tril.games.space_invaders.memory import MAX_FRAMES
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
 FRAMES = st.integers(1, MAX_FRAMES)

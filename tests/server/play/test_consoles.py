@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from server.play.consoles import ConsolePool
-from tril.game.console import Console
-from tril.game.episode import Start
+from tril.games.atari.console import Console
+from tril.play.episode import Start
 
 
 @pytest.fixture

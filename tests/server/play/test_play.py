@@ -30,8 +30,8 @@ from tests.server.clients import replayed, stored
 from testsupport.live import GameClient, LiveServer, cookie, live_server
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
-from tril.game.controls import Keys
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.controls import Keys
+from tril.games.space_invaders.memory import Action
 from tril.store import games, recordings
 from tril.store.database import Database
 

@@ -35,9 +35,9 @@ from server.play.wire.protocol import (
     parse_server,
 )
 from tests.server.play.protocol_vectors import PATH, vectors
-from tril.game.aliens import Formation
-from tril.game.controls import Keys
-from tril.game.space_invaders import SCREEN_SHAPE
+from tril.games.space_invaders.controls import Keys
+from tril.games.space_invaders.grid import Formation
+from tril.games.space_invaders.memory import SCREEN_SHAPE
 
 VECTORS = json.loads(PATH.read_text())
 

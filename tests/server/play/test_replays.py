@@ -16,7 +16,7 @@ from server.play.replays import ReplayProcess, ReplayTask, process
 from server.play.replays.products import frames_file, read_observation, read_observations
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
-from tril.demonstrator import play_varied
+from tril.demonstrators import play_varied
 from tril.errors import NotFound, Unavailable
 from tril.exchange.formats.recording_file import dump_recording, load_recording
 from tril.recording import Recording, RecordingRefused, trajectory

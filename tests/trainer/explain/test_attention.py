@@ -19,9 +19,9 @@ from trainer.explain.gradient import gradient_map
 from trainer.explain.occlusion import PATCH
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, RewardNetwork
-from tril.game.console import Console
-from tril.game.observation import AgentView
-from tril.game.starts import evaluation_start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.starts import evaluation_start
+from tril.play.observation import AgentView
 
 
 def _model() -> RewardModel:

@@ -14,7 +14,7 @@ from trainer.explain.faithfulness import (
     occupied_pixels,
     order_of,
 )
-from tril.game.observation import Observation, Observations
+from tril.play.observation import Observation, Observations
 
 BLOCK = (slice(10, 14), slice(20, 24))
 WHOLE = 16 * 4 * 100

@@ -11,8 +11,8 @@ from trainer.explain.gradient import gradient_map
 from trainer.explain.patches import patch_map
 from trainer.explain.subject import ActionOdds
 from trainer.policy.networks import Policy, new_policy
-from tril.game.observation import Observation
-from tril.game.space_invaders import Action
+from tril.games.space_invaders.memory import Action
+from tril.play.observation import Observation
 
 
 @pytest.fixture(scope="module")

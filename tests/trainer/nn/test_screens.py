@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from trainer.nn.screens import channels_last_screens, take_screens
-from tril.game.observation import check_observations
+from tril.play.observation import check_observations
 
 
 @pytest.fixture

@@ -27,14 +27,14 @@ from trainer.policy.networks import Policy, load_policy, new_policy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress, RunCancelled
 from tril.behaviours import BUILT_IN, Behaviour
-from tril.demonstrator import EXPERT_STYLE, Expert
-from tril.demonstrator.player import Planner
+from tril.demonstrators import EXPERT_STYLE, Expert
+from tril.demonstrators.space_invaders.player import Planner
 from tril.errors import Invalid
-from tril.game.agent import AgentGame
-from tril.game.console import Console
-from tril.game.episode import EndReason, Episode
-from tril.game.space_invaders import FRAMES_PER_STEP
-from tril.game.starts import TRAINING_IDLE_FRAMES
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import FRAMES_PER_STEP
+from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES
+from tril.play.agent import AgentGame
+from tril.play.episode import EndReason, Episode
 from tril.recipes import CloningRecipe, DaggerRecipe
 from tril.recording import Recording, step_actions, trajectory
 

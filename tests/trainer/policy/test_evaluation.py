@@ -8,10 +8,10 @@ import torch
 
 from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
-from tril.game.agent import STICKY_ACTION_PROBABILITY
-from tril.game.episode import Ending, EndReason
-from tril.game.space_invaders import Action
-from tril.game.starts import evaluation_start
+from tril.games.space_invaders.memory import Action
+from tril.games.space_invaders.starts import evaluation_start
+from tril.play.agent import STICKY_ACTION_PROBABILITY
+from tril.play.episode import Ending, EndReason
 from tril.recording import trajectory, verify
 
 STARTS = tuple(evaluation_start(number) for number in (0, 1, 2))

@@ -30,9 +30,9 @@ from trainer.policy.imitator import train_imitator
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.reward.model import RewardModel
 from tril.behaviours import BUILT_IN
-from tril.demonstrator import Demonstration, ExampleKind, example_tasks, execute
+from tril.demonstrators import Demonstration, ExampleKind, example_tasks, execute
 from tril.errors import Invalid
-from tril.game.starts import Start
+from tril.games.space_invaders.starts import Start
 from tril.recipes import GailRecipe
 from tril.recording import Trajectory, trajectory
 

@@ -24,8 +24,8 @@ from trainer.policy.ppo import ImitationPPO
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
 from tril.errors import Invalid
-from tril.game.openings import start_of
-from tril.game.starts import TRAINING_IDLE_FRAMES, evaluation_start
+from tril.games.space_invaders.openings import start_of
+from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES, evaluation_start
 from tril.recipes import DAGGER, FAST, judged_where_trained, with_values
 
 

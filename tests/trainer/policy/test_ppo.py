@@ -18,8 +18,8 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
 from trainer.progress import RunCancelled
-from tril.game.episode import DEATHS
-from tril.game.vector.vector_game import TrainingStarts, VectorGame
+from tril.play.episode import DEATHS
+from tril.play.vector.vector_game import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
 
 PLAIN = replace(

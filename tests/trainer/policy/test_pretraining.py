@@ -9,9 +9,9 @@ import pytest
 import torch
 
 from tests.trainer.samples import planted_trajectories
+from trainer.games.space_invaders.foresight import N_OUTCOMES
+from trainer.games.space_invaders.memory_reading import play_games
 from trainer.nn.checkpoints import load_tensors
-from trainer.nn.foresight import N_OUTCOMES
-from trainer.nn.memory_reading import play_games
 from trainer.policy.cloning import train_clone
 from trainer.policy.networks import PRETRAINED, new_policy, pretrained_policy
 from trainer.policy.pretraining import (
@@ -22,7 +22,7 @@ from trainer.policy.pretraining import (
 )
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
-from tril.demonstrator import play_varied
+from tril.demonstrators import play_varied
 from tril.errors import Invalid
 from tril.recipes import FAST, CloningRecipe, changed_values, with_values
 

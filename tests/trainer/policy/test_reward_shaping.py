@@ -3,7 +3,7 @@ import pytest
 
 from tests.trainer.samples import random_model
 from trainer.policy.reward_shaping import RewardShaping
-from tril.game.episode import EndReason
+from tril.play.episode import EndReason
 
 BEFORE = np.array([0.0, 1.0, -1.0], np.float32)
 REACHED = np.array([2.0, 1.0, 0.0], np.float32)

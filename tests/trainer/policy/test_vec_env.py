@@ -9,10 +9,10 @@ from tests.trainer.samples import random_model, short_recording
 from trainer.policy.evaluation import play
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import EpisodeEnd, FinishedEpisode, TrilVecEnv
-from tril.game.episode import EndReason
-from tril.game.space_invaders import Action
-from tril.game.starts import Start
-from tril.game.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
+from tril.games.space_invaders.memory import Action
+from tril.games.space_invaders.starts import Start
+from tril.play.episode import EndReason
+from tril.play.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recording import Recording, trajectory
 
 MODEL = random_model(zero=-0.5, one=0.5)

@@ -12,8 +12,8 @@ import torch
 from torch.nn import functional as F
 
 from tests.trainer.samples import TIERS, planted_trajectories
+from trainer.games.space_invaders.memory_reading import Screens, play_games
 from trainer.nn.checkpoints import load_tensors, save_tensors
-from trainer.nn.memory_reading import Screens, play_games
 from trainer.nn.seeding import torch_seeded
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking, jackknife
@@ -27,13 +27,13 @@ from trainer.reward.pretraining import (
 )
 from trainer.reward.reward_trainer import train_reward_model
 from tril.behaviours import ROW_1
-from tril.demonstrator.player import ScriptedPlayer, draw_style
+from tril.demonstrators.space_invaders.player import ScriptedPlayer, draw_style
 from tril.errors import Invalid
-from tril.game.console import Console
-from tril.game.episode import Episode
-from tril.game.observation import AgentView
-from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP
-from tril.game.starts import Start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP
+from tril.games.space_invaders.starts import Start
+from tril.play.episode import Episode
+from tril.play.observation import AgentView
 from tril.recipes import RewardRecipe
 from tril.recording import Recorder, trajectory
 

@@ -20,8 +20,8 @@ from trainer.reward.pretraining import pretrained_network
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.wanted_aliens import WantedAliensTrainer, labels_of, set_labels
 from tril.analysis.wanted_aliens import Hits, learned_order
-from tril.game.episode import Hit
-from tril.game.space_invaders import COLUMNS, FRAMES_PER_STEP
+from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP
+from tril.play.episode import Hit
 from tril.recipes import FAST
 from tril.recording import Trajectory
 

@@ -33,7 +33,6 @@ from trainer.runtime.answers import Models
 from trainer.runtime.inference import new_server
 from tril.errors import Invalid, NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
-from tril.game.observation import Observation, Observations
 from tril.inference import AttentionMethod, GivenUp, InferenceClient, LocalEndpoint, endpoint_of
 from tril.inference.messages import (
     MAX_BODY_BYTES,
@@ -43,6 +42,7 @@ from tril.inference.messages import (
     receive_message,
     send_message,
 )
+from tril.play.observation import Observation, Observations
 from tril.store.training import artifacts
 from tril.store.training.artifacts import path_of
 

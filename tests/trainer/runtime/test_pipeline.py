@@ -31,11 +31,11 @@ from trainer.runtime.stages.evaluation import starts_seen
 from trainer.runtime.stages.snapshots import keep_snapshot
 from trainer.runtime.worker import sweep_until
 from tril.analysis.outcome import RunOutcome, RunSnapshot
-from tril.demonstrator import example_tasks
+from tril.demonstrators import example_tasks
 from tril.errors import Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore, StoreAway
-from tril.game.console import Console
-from tril.game.starts import evaluation_start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.starts import evaluation_start
 from tril.recipes import with_values
 from tril.stages import Stage, stages_of
 from tril.store import behaviours, borrowed, rankings, recordings

@@ -29,9 +29,9 @@ from trainer.reward.model import RewardModel
 from trainer.runtime.pipeline import LEASE_LOST, LEFT
 from tril.cores import core_count
 from tril.files.artifact_store import ArtifactStore
-from tril.game.episode import Ending, EndReason
 from tril.jobs import Jobs, overall_progress
 from tril.jobs.delivery import LOST_AFTER_S
+from tril.play.episode import Ending, EndReason
 from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
 from tril.stages import stages_of

@@ -20,7 +20,7 @@ from tril.analysis.wanted_aliens import (
     pair_weights,
     worth,
 )
-from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.games.space_invaders.memory import FRAMES_PER_STEP
 
 N_STEPS = 200
 APART = 12

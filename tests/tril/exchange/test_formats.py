@@ -24,9 +24,9 @@ from tril.exchange.formats.recording_file import (
     ranking_of,
 )
 from tril.exchange.formats.recording_object import Source, parse_recording, recording_schema
-from tril.game.console import Console
-from tril.game.episode import EndReason, Episode, Start, evaluation_start
-from tril.game.space_invaders import Action, rom_md5
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import Action, rom_md5
+from tril.play.episode import EndReason, Episode, Start, evaluation_start
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import models
 

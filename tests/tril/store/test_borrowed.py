@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from testsupport.workplace import Workplace
-from tril.demonstrator import play_randomly
+from tril.demonstrators import play_randomly
 from tril.errors import Conflict, Invalid, NotFound
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.recording import Verified
 from tril.store import behaviours, borrowed, rankings, recordings
 from tril.store.borrowed import add_varied_games, pick_evenly

@@ -9,7 +9,7 @@ from datetime import datetime, timedelta, tzinfo
 import pytest
 
 from testsupport.workplace import Workplace
-from tril.game.episode import Start
+from tril.play.episode import Start
 from tril.store import games, models, processes, recordings
 from tril.store.changes import ChangeReader, note_change, prune
 from tril.store.models import RecordingState, RunStatus

@@ -11,9 +11,9 @@ from sqlalchemy.orm import Session
 
 from testsupport.workplace import Workplace, make_workplace
 from tril.errors import NotFound
-from tril.game.console import Console
-from tril.game.episode import Episode, Start
-from tril.game.space_invaders import Action
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import Action
+from tril.play.episode import Episode, Start
 from tril.recording import Recorder
 from tril.store import games, players, recordings
 from tril.store.games import GameOver, Progress

@@ -14,7 +14,7 @@ from alembic import command
 from sqlalchemy import inspect, select, text
 
 from testsupport.databases import upgrade_at_once
-from tril.demonstrator import play_varied
+from tril.demonstrators import play_varied
 from tril.errors import Unavailable
 from tril.recipes import FAST
 from tril.store import behaviours, players, recordings

@@ -15,9 +15,9 @@ from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import AttentionDetails, RewardPercentiles, RewardState
-from tril.game.console import Console
-from tril.game.episode import Episode
-from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import FRAMES_PER_STEP
+from tril.play.episode import Episode
 from tril.recording import Recording, replay
 
 PNG = "image/png"

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from trainer.progress import Progress
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import ExampleOutcome, RunOutcome, RunSnapshot
-from tril.demonstrator import (
+from tril.demonstrators import (
     N_PERFECT,
     SCRIPTED,
     Demonstration,
@@ -22,8 +22,8 @@ from tril.demonstrator import (
     kind_named,
     rank_example,
 )
-from tril.game.console import Console
-from tril.game.episode import EndReason
+from tril.games.atari.console import Console
+from tril.play.episode import EndReason
 from tril.recording import verify
 from tril.store import rankings, recordings
 from tril.store.models import RecordingRow, RecordingState, Source, Verification

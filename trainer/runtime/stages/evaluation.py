@@ -11,9 +11,9 @@ from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.behaviours import score
-from tril.game.console import Console
-from tril.game.episode import Ending
-from tril.game.starts import evaluation_number
+from tril.games.atari.console import Console
+from tril.games.space_invaders.starts import evaluation_number
+from tril.play.episode import Ending
 from tril.recipes import recipe_from_dict
 from tril.store.training import evaluations, leases, runs
 from tril.store.training.evaluations import (

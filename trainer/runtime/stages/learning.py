@@ -19,7 +19,7 @@ from trainer.reward.wanted_aliens import labels_of
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages.snapshots import keep_snapshot
 from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome, WantedAliens
-from tril.game.console import Console
+from tril.games.atari.console import Console
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> None:

@@ -8,7 +8,7 @@ from trainer.policy.imitation import Snapshot
 from trainer.policy.networks import save_policy
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
-from tril.game.console import Console
+from tril.games.atari.console import Console
 from tril.store.training import leases, training_games
 
 

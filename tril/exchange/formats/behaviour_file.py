@@ -24,7 +24,7 @@ from tril.exchange.formats.recording_object import (
     reject_bool,
     truncated,
 )
-from tril.game.space_invaders import COLUMNS, MAX_FRAMES, ROWS
+from tril.games.space_invaders.memory import COLUMNS, MAX_FRAMES, ROWS
 from tril.recording import RecordingRefused
 
 BEHAVIOUR_FORMAT = "tril-behaviour"

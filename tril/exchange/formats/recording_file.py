@@ -15,9 +15,9 @@ from tril.exchange.formats.recording_object import (
     parse_recording,
     truncated,
 )
-from tril.game import space_invaders as game
-from tril.game.console import Console
-from tril.game.episode import Ending, EndReason, Hit, Start
+from tril.games.atari.console import Console
+from tril.games.space_invaders import memory as game
+from tril.play.episode import Ending, EndReason, Hit, Start
 from tril.ranking import Ranking
 from tril.recording import Recording, Replay, verify
 

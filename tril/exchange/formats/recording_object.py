@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from tril.game.space_invaders import COLUMNS, MAX_IDLE_FRAMES, ROWS
+from tril.games.space_invaders.memory import COLUMNS, MAX_IDLE_FRAMES, ROWS
 from tril.recording import RecordingRefused
 
 FORMAT = "tril-recording"

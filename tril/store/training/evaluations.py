@@ -12,8 +12,8 @@ from sqlalchemy.orm import Session, joinedload
 
 from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.behaviours import Score
-from tril.game.episode import DEATHS
-from tril.game.space_invaders import FRAMES_PER_STEP
+from tril.games.space_invaders.memory import FRAMES_PER_STEP
+from tril.play.episode import DEATHS
 from tril.store.borrowed import pick_evenly
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow

@@ -10,7 +10,7 @@ from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from tril.analysis.outcome import RunSnapshot
-from tril.demonstrator import SCRIPTED, example_plans, kind_named
+from tril.demonstrators import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
 from tril.ranking import best_ranked
 from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
@@ -56,7 +56,7 @@ def create(
         example: Whether missing scripted demonstrations are made and ranked first; the snapshot is
             frozen once they exist.
         player_id: Who started it.
-        example_kind: Which demonstrations an example has, see tril.demonstrator.KINDS.
+        example_kind: Which demonstrations an example has, see tril.demonstrators.KINDS.
         parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
         max_queued: Most runs that may wait in the queue; None for any number.
         max_queued_of_player: Most of those that may be this person's.

@@ -9,7 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from tril.behaviours import Behaviour, Cell, score
-from tril.game.episode import DEATHS, EndReason
+from tril.play.episode import DEATHS, EndReason
 from tril.store.borrowed import Traits, pick_evenly
 from tril.store.models import EvaluationRow, RecordingRow
 from tril.store.training.evaluations import N_PROPOSED

@@ -11,7 +11,7 @@ from server.play.replays import ReplayProcess
 from server.play.saving import ownership
 from server.play.saving.ownership import find_refusal
 from tril.errors import Unavailable
-from tril.game.episode import Start
+from tril.play.episode import Start
 from tril.recording import Recording, RecordingRefused
 
 GAME = Recording(Start(0), b"\x00")

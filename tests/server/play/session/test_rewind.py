@@ -14,9 +14,9 @@ from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Re
 from server.play.wire.scene import Scene
 from testsupport.live import QUICK, GameClient, LiveServer, live_server
 from testsupport.workplace import Workplace
-from tril.game.console import Console
-from tril.game.controls import Keys
-from tril.game.episode import Episode, Start
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys
+from tril.play.episode import Episode, Start
 from tril.recording import Recorder
 from tril.store import games, recordings
 from tril.store.models import RecordingState, Source

@@ -27,12 +27,12 @@ from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from trainer.runtime.answers import Models
 from tril.files.artifact_store import ArtifactStore
-from tril.game.agent import AgentGame
-from tril.game.console import Console
-from tril.game.controls import Keys
-from tril.game.episode import Ending, Episode
-from tril.game.openings import Opening, evaluation_beginning
-from tril.game.starts import TRAINING_IDLE_FRAMES
+from tril.games.atari.console import Console
+from tril.games.space_invaders.controls import Keys
+from tril.games.space_invaders.openings import Opening, evaluation_beginning
+from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES
+from tril.play.agent import AgentGame
+from tril.play.episode import Ending, Episode
 from tril.recipes import with_values
 from tril.recording import replay, verify
 from tril.store import games, recordings

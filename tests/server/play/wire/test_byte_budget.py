@@ -13,7 +13,7 @@ from server.play.wire.protocol import FrameMessage, Hello, InputMessage, client_
 from testsupport.live import GameClient, join
 from testsupport.processes import server_process
 from testsupport.workplace import Workplace
-from tril.game.controls import Keys
+from tril.games.space_invaders.controls import Keys
 
 MESSAGE_BYTES = 14
 """An INPUT or an ACK with its WebSocket header and mask."""

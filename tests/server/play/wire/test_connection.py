@@ -11,9 +11,9 @@ import pytest
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, BadMessage, InputMessage, Paused, parse_frame
 from server.play.wire.scene import Scene
-from tril.game.aliens import Formation
-from tril.game.controls import Keys
-from tril.game.space_invaders import SCREEN_SHAPE
+from tril.games.space_invaders.controls import Keys
+from tril.games.space_invaders.grid import Formation
+from tril.games.space_invaders.memory import SCREEN_SHAPE
 
 SCREEN = np.zeros(SCREEN_SHAPE, np.uint8)
 

@@ -8,7 +8,7 @@ import pytest
 from testsupport.workplace import Workplace
 from tril.analysis.outcome import CheckOutcome, RunOutcome
 from tril.behaviours import Score
-from tril.demonstrator import play_randomly
+from tril.demonstrators import play_randomly
 from tril.store import behaviours, borrowed, recordings
 from tril.store.models import Source
 from tril.store.training import evaluations, runs

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from testsupport.workplace import Workplace
 from tril.behaviours import BUILT_IN
-from tril.game.episode import EndReason
+from tril.play.episode import EndReason
 from tril.store import recordings
 from tril.store.training import training_games
 from tril.store.training.evaluations import N_PROPOSED

@@ -1,0 +1,1 @@
+"""What of a game is read off screens, with answers that its memory gives."""

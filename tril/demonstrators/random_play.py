@@ -1,0 +1,66 @@
+"""Random play: games that show what is bad in ways in which a person's games are not.
+
+It reads nothing off the game. An action is held for a random time, as a person holds a key, and
+which actions are likely changes during a game, so that games differ more than by noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import ACTION_COUNT, FRAMES_PER_STEP
+from tril.play.episode import Episode, draw_start
+from tril.recording import Recorder, Verified, verify
+
+HOLD_STEPS = (2.0, 25.0)
+"""Bounds of the mean time, in steps, for which a game's actions are held."""
+
+PHASE_STEPS = (20, 120)
+"""Bounds of the time, in steps, after which the probabilities of the actions are drawn again."""
+
+CONCENTRATION = 0.6
+"""Of the Dirichlet distribution of these probabilities: below 1, few actions are likely."""
+
+
+def random_actions(rng: np.random.Generator) -> Iterator[int]:
+    """Yield the action of every step of a game, without an end.
+
+    The time for which an action is held is geometric; its mean is drawn once, log-uniformly.
+
+    Args:
+        rng: Source of the draws.
+    """
+    mean_hold = math.exp(rng.uniform(*np.log(HOLD_STEPS)))
+    while True:
+        probabilities = rng.dirichlet([CONCENTRATION] * ACTION_COUNT)
+        left = int(rng.integers(*PHASE_STEPS, endpoint=True))
+        while left > 0:
+            action = int(rng.choice(ACTION_COUNT, p=probabilities))
+            hold = min(left, int(rng.geometric(1 / mean_hold)))
+            yield from [action] * hold
+            left -= hold
+
+
+def play_randomly(rng: np.random.Generator, console: Console | None = None) -> Verified:
+    """Play a game at random to its end and verify the recording.
+
+    Args:
+        rng: Source of the start and the actions.
+        console: The console to play on; None loads one.
+
+    Raises:
+        RecordingRefused: The replay differs, because the emulator is not deterministic.
+    """
+    console = console or Console()
+    recorder = Recorder(Episode(console, draw_start(rng)))
+    actions = random_actions(rng)
+    while recorder.episode.end is None:
+        action = next(actions)
+        for _ in range(FRAMES_PER_STEP):
+            if recorder.episode.end is None:
+                recorder.advance(action)
+    return verify(recorder.recording(), console=console)

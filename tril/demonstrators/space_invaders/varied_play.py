@@ -1,0 +1,114 @@
+"""Varied play: games that between them show many ways of being good and bad at anything.
+
+They know of no behaviour. Most are played towards a few aliens drawn by chance, flawlessly or with
+a person's errors; the others are random play. Random play alone seldom lives long enough to hit
+more than two aliens, so that it says little about what comes later in a game.
+
+Varied play seldom clears a row while aliens above it are left; `play_low_rows` does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tril.behaviours import Cell
+from tril.demonstrators.error_model import person
+from tril.demonstrators.random_play import play_randomly
+from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
+from tril.demonstrators.space_invaders.plans import DemonstrationPlan, draw_hits
+from tril.demonstrators.space_invaders.player import ScriptedPlayer, draw_style
+from tril.games.atari.console import Console
+from tril.games.space_invaders.memory import COLUMNS, ROWS
+from tril.play.episode import Episode, Start, draw_start
+from tril.recording import Recorder, Verified, verify
+
+RANDOM_SHARE = 0.25
+"""Share of random play."""
+
+FLAWLESS_SHARE = 0.5
+"""Share of flawless play among the others."""
+
+MAX_COLUMNS = 3
+"""Most columns that a game's aliens are drawn from."""
+
+MAX_HITS = 10
+"""Most aliens that a game is played towards."""
+
+MAX_ROWS = 3
+"""Most rows that a game that clears rows is played towards, from the lowest on."""
+
+MIN_ROW_HITS = 4
+MAX_ROW_HITS = 14
+"""Fewest and most aliens that such a game is played towards; more can't be hit in 300 steps."""
+
+REACTION_MS = (150, 250, 350)
+"""Reaction times of the players that make errors, in milliseconds."""
+
+
+def draw_plan(rng: np.random.Generator) -> DemonstrationPlan:
+    """Draw a few aliens of one to three columns, or of all, to play towards."""
+    n_columns = int(rng.integers(1, MAX_COLUMNS + 2))
+    columns = rng.permutation(COLUMNS)[: n_columns if n_columns <= MAX_COLUMNS else COLUMNS]
+    allowed = frozenset((row, column) for row in range(ROWS) for column in columns.tolist())
+    return DemonstrationPlan(1, "Varied play", allowed, 1, min(MAX_HITS, len(allowed)))
+
+
+def play_varied(rng: np.random.Generator, console: Console | None = None) -> Verified:
+    """Play one varied game to its end and verify the recording.
+
+    Args:
+        rng: Source of all draws.
+        console: The console to play on; None loads one.
+
+    Raises:
+        RecordingRefused: The replay differs, because the emulator is not deterministic.
+    """
+    console = console or Console()
+    if rng.random() < RANDOM_SHARE:
+        return play_randomly(rng, console)
+    start = draw_start(rng)
+    wanted = draw_hits(draw_plan(rng), rng, first_column=int(rng.integers(COLUMNS)))
+    return _play_towards(wanted, start, rng, console)
+
+
+def play_low_rows(rng: np.random.Generator, console: Console | None = None) -> Verified:
+    """Play one game towards aliens of the lowest rows to its end and verify the recording.
+
+    A third of the games clear row by row from left to right, a third from right to left, and the
+    others hit what is nearest.
+
+    Args:
+        rng: Source of all draws.
+        console: The console to play on; None loads one.
+
+    Raises:
+        RecordingRefused: The replay differs, because the emulator is not deterministic.
+    """
+    start = draw_start(rng)
+    return _play_towards(draw_low_rows(rng), start, rng, console or Console())
+
+
+def draw_low_rows(rng: np.random.Generator) -> tuple[Cell, ...]:
+    """Draw aliens (row, column) of the lowest one to three rows, in an order to hit them in."""
+    n_rows = int(rng.integers(1, MAX_ROWS + 1))
+    cells = [(row, column) for row in range(n_rows) for column in range(COLUMNS)]
+    max_hits = min(MAX_ROW_HITS, len(cells))
+    direction = int(rng.integers(3))
+    if direction == 2:
+        plan = DemonstrationPlan(1, "Low rows", frozenset(cells), MIN_ROW_HITS, max_hits)
+        return draw_hits(plan, rng, first_column=int(rng.integers(COLUMNS)))
+    cells.sort(key=lambda cell: (cell[0], cell[1] if direction == 0 else -cell[1]))
+    return tuple(cells[: int(rng.integers(MIN_ROW_HITS, max_hits + 1))])
+
+
+def _play_towards(
+    wanted: tuple[Cell, ...], start: Start, rng: np.random.Generator, console: Console
+) -> Verified:
+    recorder = Recorder(Episode(console, start))
+    style = draw_style(rng)
+    if rng.random() < FLAWLESS_SHARE:
+        ScriptedPlayer(recorder, wanted, style, rng).play()
+    else:
+        errors = person(int(rng.choice(REACTION_MS)))
+        HumanLikePlayer(recorder, wanted, style, errors, rng).play()
+    return verify(recorder.recording(), console=console)

@@ -1,1 +1,0 @@
-"""The emulator, the state read from it, and the agents' view of it."""

@@ -1,0 +1,1 @@
+"""The games that can be taught, one package each; nothing else knows what is in a game."""

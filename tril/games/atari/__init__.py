@@ -1,0 +1,1 @@
+"""What all games of the emulated Atari 2600 share."""

@@ -1,0 +1,1 @@
+"""Space Invaders, the published case."""

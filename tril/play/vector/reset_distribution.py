@@ -1,0 +1,172 @@
+"""Reset distributions: where the episodes of a vector's games begin."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tril.games.space_invaders import memory as game
+from tril.games.space_invaders.openings import Opening, draw_opening, start_of
+from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES, Start, UnknownStart
+
+
+@dataclass(frozen=True)
+class DemonstrationLog:
+    """The executed actions of a demonstration, from which its states are replayed.
+
+    Attributes:
+        start: how the demonstration began.
+        actions: the action executed at every frame, one byte each.
+    """
+
+    start: Start
+    actions: bytes
+
+    def __post_init__(self) -> None:
+        """Check that there are actions."""
+        if not self.actions:
+            raise ValueError("Expected a demonstration of at least one frame, got none.")
+
+    @property
+    def steps(self) -> int:
+        """Number of steps that begin within the demonstration."""
+        return -(-len(self.actions) // game.FRAMES_PER_STEP)
+
+
+@dataclass(frozen=True)
+class DemonstrationStep:
+    """The state of a demonstration before one of its steps.
+
+    Attributes:
+        demonstration: index into the distribution's demonstrations.
+        step: from 0, the demonstration's start.
+    """
+
+    demonstration: int
+    step: int
+
+
+class ResetDistribution(Protocol):
+    """Where the episodes of a vector's games begin."""
+
+    @property
+    def demonstrations(self) -> tuple[DemonstrationLog, ...]:
+        """The demonstrations in whose states episodes may begin."""
+
+    @property
+    def possible_starts(self) -> set[Start]:
+        """The starts that episodes may begin from."""
+
+    def check(self, n_games: int) -> None:
+        """Check that the distribution fits a vector of n games; raises ValueError."""
+
+    def sample(
+        self, rng: np.random.Generator, game_index: int, games_before: int
+    ) -> Start | Opening | DemonstrationStep | None:
+        """Return where a game's next episode begins, None if it has none.
+
+        Args:
+            rng: the game's own generator.
+            game_index: the game.
+            games_before: number of episodes it has finished.
+        """
+
+    def rng_key(self, game_index: int) -> tuple[int, ...]:
+        """Return the part of the sticky-action seed that identifies a game."""
+
+
+@dataclass(frozen=True)
+class TrainingStarts:
+    """Episodes begin at a uniformly drawn start, after an opening, or at a demonstration's step.
+
+    An episode from a demonstration's step counts the steps before it towards the limit.
+
+    Attributes:
+        idle_frames: the idle frames to draw from; by default none of an evaluation start.
+        demonstrations: the demonstrations in whose states episodes may begin.
+        demonstration_share: share of the episodes that do, 0 to 1.
+        opening_share: share of the other episodes that begin after an opening, 0 to 1.
+    """
+
+    idle_frames: tuple[int, ...] = TRAINING_IDLE_FRAMES
+    demonstrations: tuple[DemonstrationLog, ...] = ()
+    demonstration_share: float = 0.0
+    opening_share: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if not self.idle_frames:
+            raise UnknownStart("Expected at least one number of idle frames to start from.")
+        for idle_frames in self.idle_frames:
+            Start(idle_frames)
+        for share in (self.demonstration_share, self.opening_share):
+            if not 0.0 <= share <= 1.0:
+                raise ValueError(f"Expected a share from 0 to 1, got {share}.")
+        if self.demonstration_share > 0.0 and not self.demonstrations:
+            raise ValueError("Expected demonstrations for a share of games to begin in, got none.")
+
+    @property
+    def possible_starts(self) -> set[Start]:
+        """All starts with these idle frames."""
+        return {Start(idle_frames) for idle_frames in self.idle_frames}
+
+    def check(self, n_games: int) -> None:
+        """Accept any number of games."""
+
+    def sample(
+        self, rng: np.random.Generator, game_index: int, games_before: int
+    ) -> Start | Opening | DemonstrationStep | None:
+        """Draw a start, an opening or a step of a demonstration."""
+        if self.demonstration_share > 0.0 and rng.random() < self.demonstration_share:
+            demonstration = int(rng.integers(len(self.demonstrations)))
+            step = int(rng.integers(self.demonstrations[demonstration].steps))
+            return DemonstrationStep(demonstration, step)
+        start = Start(self.idle_frames[int(rng.integers(len(self.idle_frames)))])
+        if self.opening_share > 0.0 and rng.random() < self.opening_share:
+            return draw_opening(start, rng)
+        return start
+
+    def rng_key(self, game_index: int) -> tuple[int, ...]:
+        """Return the game's index."""
+        return (game_index,)
+
+
+@dataclass(frozen=True)
+class FixedStarts:
+    """Every game plays one episode from its own start and is inactive afterwards.
+
+    Attributes:
+        starts: one for each game, with an opening or without.
+    """
+
+    starts: tuple[Start | Opening, ...]
+
+    @property
+    def demonstrations(self) -> tuple[DemonstrationLog, ...]:
+        """None."""
+        return ()
+
+    @property
+    def possible_starts(self) -> set[Start]:
+        """The games' starts."""
+        return {start_of(one) for one in self.starts}
+
+    def check(self, n_games: int) -> None:
+        """Check that there is one start per game."""
+        if len(self.starts) != n_games:
+            raise ValueError(f"Expected {n_games} starts, one per game, got {len(self.starts)}.")
+
+    def sample(
+        self, rng: np.random.Generator, game_index: int, games_before: int
+    ) -> Start | Opening | DemonstrationStep | None:
+        """Return the game's start, None once it has been played."""
+        return self.starts[game_index] if games_before == 0 else None
+
+    def rng_key(self, game_index: int) -> tuple[int, ...]:
+        """Return the game's start and the number of games before it with the same start.
+
+        A game then does not depend on the other games of the vector.
+        """
+        start = start_of(self.starts[game_index])
+        earlier = sum(start_of(one) == start for one in self.starts[:game_index])
+        return (start.idle_frames, start.mode, start.difficulty, earlier)
