@@ -36,9 +36,9 @@ class ArchiveMaker:
     def __init__(self, settings: Settings, cache: Cache, timeout_s: float = TIMEOUT_S) -> None:
         self._environ = {
             "TRIL_DATA": str(settings.data),
-            "TRIL_DATABASE_URL": settings.application_url,
-            "TRIL_JOBS_DATABASE_URL": settings.queue_url,
-            "TRIL_ARTIFACTS_URL": settings.artifact_root,
+            "TRIL_DATABASE_URL": settings.database_url,
+            "TRIL_JOBS_DATABASE_URL": settings.jobs_database_url,
+            "TRIL_ARTIFACTS_URL": settings.artifacts_url,
         }
         self._cache = cache
         self._timeout_s = timeout_s

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tril.files.artifact_store import ArtifactStore
 from tril.settings import Settings
 
 MEASURED_EVERY_S = 10.0
@@ -63,11 +64,11 @@ class StorageMeter:
 def measure(settings: Settings) -> StorageUse:
     """Add up the sizes of the data folder's files; files that vanish meanwhile count as 0."""
     databases = artifacts = cache = other = 0
-    artifact_root = Path(settings.artifact_root)
+    artifact_root = ArtifactStore(settings.artifact_root).folder
     for place, size_bytes in _files(settings.data):
         if place.is_relative_to(settings.cache_folder):
             cache += size_bytes
-        elif place.is_relative_to(artifact_root):
+        elif artifact_root and place.is_relative_to(artifact_root):
             artifacts += size_bytes
         elif place.parent == settings.data and ".sqlite" in place.name:
             databases += size_bytes

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import make_url
+from sqlalchemy import URL, make_url
 
 from testsupport.postgres import cluster
 from tril.settings import Settings
@@ -54,7 +54,8 @@ def new_url(folder: Path) -> str:
     """Return the URL of an empty database, which SQLite makes in a folder when it is opened."""
     name = f"tril_{secrets.token_hex(8)}"
     if not on_postgresql():
-        return f"sqlite:///{folder / name}.sqlite"
+        url = URL.create("sqlite", database=str(folder / f"{name}.sqlite"))
+        return url.render_as_string(hide_password=False)
     server = cluster()
     server.create(name)
     return server.url(name)

@@ -9,6 +9,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
+from sqlalchemy import URL
 
 from tril.addresses import (
     Network,
@@ -102,7 +103,11 @@ class Settings(BaseSettings):
     @field_validator("data")
     @classmethod
     def _absolute(cls, value: Path) -> Path:
-        return value.expanduser().resolve()
+        try:
+            return value.expanduser().resolve()
+        except RuntimeError as error:
+            # Nobody's home, or links that go in circles.
+            raise ValueError(str(error)) from error
 
     @field_validator(
         "tls_certificate", "tls_key", "worker_key_file", "inference_key_file", mode="before"
@@ -148,7 +153,7 @@ class Settings(BaseSettings):
     @property
     def application_url(self) -> str:
         """URL of the application's database."""
-        return self.database_url or f"sqlite:///{self.data / 'tril.sqlite'}"
+        return self.database_url or self._sqlite_url("tril.sqlite")
 
     @property
     def queue_url(self) -> str:
@@ -157,7 +162,12 @@ class Settings(BaseSettings):
             return self.jobs_database_url
         # Workers of other machines reach it there, and its tables have a schema of their own.
         is_shared = self.database_url.startswith("postgresql")
-        return self.database_url if is_shared else f"sqlite:///{self.data / 'jobs.sqlite'}"
+        return self.database_url if is_shared else self._sqlite_url("jobs.sqlite")
+
+    def _sqlite_url(self, name: str) -> str:
+        """Return the URL of an SQLite file in the data folder, whatever that is called."""
+        url = URL.create("sqlite", database=str(self.data / name))
+        return url.render_as_string(hide_password=False)
 
     @property
     def artifact_root(self) -> str:
@@ -194,8 +204,8 @@ class Settings(BaseSettings):
         path: Path | None = getattr(self, f"{name}_file")
         if not key and path is not None:
             try:
-                key = path.expanduser().read_text()
-            except (OSError, UnicodeDecodeError) as error:
+                key = path.expanduser().read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError, RuntimeError) as error:
                 raise Invalid(
                     f"The key in {path} ({PREFIX}{name.upper()}_FILE) can't be read: {error}."
                 ) from error

@@ -153,7 +153,8 @@ def _make_backup(settings: Settings, databases: dict[str, Path | Engine], folder
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise Conflict(f"{folder} is not empty. Choose a new folder.")
     folder.parent.mkdir(parents=True, exist_ok=True)
-    sizes = [*map(_size, databases.values()), *map(_size, _artifact_files(settings))]
+    store = ArtifactStore(settings.artifact_root)
+    sizes = [*map(_size, databases.values()), *map(_size, _artifact_files(store.folder))]
     _check_room(folder.parent, sum(sizes))
     for attempt in range(1, MAX_ATTEMPTS + 1):
         unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
@@ -229,20 +230,20 @@ def _copy(settings: Settings, databases: dict[str, Path | Engine], folder: Path)
         else:
             dump_postgresql(source, folder / name)
         files.append(CopiedFile(name, *_digest(folder / name)))
-    root = Path(settings.artifact_root)
-    for source in _artifact_files(settings):
+    root = ArtifactStore(settings.artifact_root).folder
+    for source in _artifact_files(root):
+        assert root is not None
         path = (Path("artifacts") / source.relative_to(root)).as_posix()
         try:
             files.append(CopiedFile(path, *_copy_file(source, folder / path)))
         except FileNotFoundError:
             continue  # deleted meanwhile; the check finds out whether it is needed
-    is_local = ArtifactStore(settings.artifact_root).is_local
     manifest = {
         "format": FORMAT,
         "version": FORMAT_VERSION,
         "tril": __version__,
         "created_at": datetime.now(UTC).isoformat(timespec="seconds"),
-        "artifacts_elsewhere": None if is_local else settings.artifact_root,
+        "artifacts_elsewhere": None if root else settings.artifact_root,
         "files": [asdict(file) for file in files],
         **({} if contents is None else {"contents": asdict(contents)}),
     }
@@ -292,11 +293,9 @@ def _digest(place: Path) -> tuple[int, str]:
         return file.tell(), found.hexdigest()
 
 
-def _artifact_files(settings: Settings) -> Iterator[Path]:
-    """Yield the complete files of the artifact store."""
-    if not ArtifactStore(settings.artifact_root).is_local:
-        return
-    for folder, _, names in os.walk(settings.artifact_root):
+def _artifact_files(root: Path | None) -> Iterator[Path]:
+    """Yield the complete files of an artifact store in a local folder."""
+    for folder, _, names in os.walk(root) if root else ():
         yield from (Path(folder) / name for name in sorted(names) if not name.startswith("."))
 
 
@@ -331,7 +330,7 @@ def _sqlite_file(url: str, whose: str) -> Path:
 
 
 def _open_read_only(place: Path) -> sqlite3.Connection:
-    return sqlite3.connect(f"file:{place.absolute().as_posix()}?mode=ro&immutable=1", uri=True)
+    return sqlite3.connect(f"{place.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
 
 
 def _check_database(place: Path) -> None:

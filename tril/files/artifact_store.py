@@ -66,6 +66,11 @@ class ArtifactStore:
         return isinstance(self._files, LocalFileSystem)
 
     @property
+    def folder(self) -> Path | None:
+        """The local folder that is the store; None if it is elsewhere."""
+        return Path(self._root) if self.is_local else None
+
+    @property
     def url(self) -> str:
         """Return the store's URL; that of a local folder is its absolute path."""
         return str(self._root) if self.is_local else self._url
@@ -161,6 +166,9 @@ class ArtifactStore:
 
 def _opened(root: str) -> tuple[Any, str]:
     """Return fsspec's file system of a store, and the store's place in it."""
+    if "://" not in root:
+        # Not url_to_fs, which takes "::" in a folder's name for a chain of URLs.
+        return LocalFileSystem(), LocalFileSystem._strip_protocol(root)
     if not root.startswith("s3://"):
         files, place = fsspec.core.url_to_fs(root)
         return files, place

@@ -119,14 +119,14 @@ def copy_before_upgrade(engine: Engine, revision: str, folder: Path) -> Path:
 def _run(url: URL | None, program: str, *arguments: str) -> None:
     environ = dict(os.environ)
     if url is not None:
+        from psycopg.conninfo import make_conninfo
+
         # Not the password, which other users of the machine would see among the arguments.
         if url.password:
             environ["PGPASSWORD"] = str(url.password)
-        # URL.set(password=None) would leave it.
-        place = URL.create(
-            "postgresql", url.username, None, url.host, url.port, url.database, url.query
-        )
-        arguments = (*arguments, "--no-password", f"--dbname={place.render_as_string()}")
+        # Not a URL: libpq reads neither spaces nor plus signs as SQLAlchemy writes them.
+        place = url.get_dialect()().create_connect_args(url)[1] | {"password": None}
+        arguments = (*arguments, "--no-password", f"--dbname={make_conninfo(**place)}")
     done = subprocess.run(
         [program, *arguments],
         env=environ,

@@ -80,7 +80,8 @@ def alembic_config() -> Config:
     # Otherwise it logs two lines each time, even if nothing is to be done.
     logging.getLogger("alembic.runtime.migration").setLevel(logging.WARNING)
     config = Config()
-    config.set_main_option("script_location", str(_MIGRATIONS))
+    # ConfigParser takes percent signs for interpolation.
+    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
     return config
 
 

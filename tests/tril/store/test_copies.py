@@ -151,11 +151,13 @@ def test_the_password_of_an_address_reaches_pg_dump_and_not_its_arguments(tmp_pa
     program, said = tmp_path / "program", tmp_path / "said"
     program.write_text(f'#!/bin/sh\nprintf "%s\\n" "$PGPASSWORD" "$@" > {said}\n')
     program.chmod(0o755)
-    url = make_url("postgresql+psycopg://tril:secret@db.example:5433/tril?sslmode=require")
+    url = make_url(
+        "postgresql+psycopg://tril:se%20cret@db.example:5433/my%20lab?options=-c%20x%3Dy"
+    )
     copies._run(url, str(program), "--format=custom")
     assert said.read_text().splitlines() == [
-        "secret",
+        "se cret",
         "--format=custom",
         "--no-password",
-        "--dbname=postgresql://tril@db.example:5433/tril?sslmode=require",
+        "--dbname=host=db.example dbname='my lab' user=tril port=5433 options='-c x=y'",
     ]
