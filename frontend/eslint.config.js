@@ -31,6 +31,19 @@ export default tseslint.config(
   },
   {
     files: ["src/**"],
+    ignores: ["src/lib/storage.ts"],
+    rules: {
+      "no-restricted-globals": [
+        "error",
+        ...["localStorage", "sessionStorage"].map((name) => ({
+          name,
+          message: "Access may throw: use @/lib/storage.",
+        })),
+      ],
+    },
+  },
+  {
+    files: ["src/**"],
     plugins: { lingui },
     rules: {
       "no-restricted-imports": ["error", { patterns: [PARENTS] }],

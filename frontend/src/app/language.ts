@@ -2,6 +2,7 @@
 import type { Messages } from "@lingui/core";
 
 import { i18n } from "@/lib/i18n";
+import { ofBrowser } from "@/lib/storage";
 
 /** Every language there is, by its own name. */
 export const LANGUAGES = { en: "English", de: "Deutsch" } as const;
@@ -21,7 +22,7 @@ export function readLanguage(): Language {
 
 /** Returns what was chosen in this browser, else the first of its languages that there is. */
 export function preferredLanguage(): Language {
-  const wanted = [stored() ?? "", ...navigator.languages].map((tag) => tag.split("-")[0] ?? "");
+  const wanted = [ofBrowser.read(KEY) ?? "", ...navigator.languages].map((tag) => tag.split("-")[0] ?? "");
   return wanted.find(isLanguage) ?? "en";
 }
 
@@ -38,11 +39,7 @@ export async function startLanguage(): Promise<void> {
 /** Shows the page in a language and stores the choice. */
 export async function setLanguage(language: Language): Promise<void> {
   await activate(language);
-  try {
-    localStorage.setItem(KEY, language);
-  } catch {
-    // Without storage the choice lasts until the page is closed.
-  }
+  ofBrowser.write(KEY, language);
 }
 
 /** Calls back when the language changes; returns what ends that. */
@@ -67,14 +64,6 @@ async function activate(language: Language): Promise<void> {
   if (catalogue) i18n.load(language, catalogue.messages);
   i18n.activate(language);
   document.documentElement.lang = language;
-}
-
-function stored(): string | null {
-  try {
-    return localStorage.getItem(KEY);
-  } catch {
-    return null;
-  }
 }
 
 function isLanguage(tag: string): tag is Language {

@@ -1,4 +1,5 @@
 /** Notifications by the browser, if the person turned them on and the browser allows them. */
+import { ofBrowser } from "./storage";
 
 const KEY = "tril-notify";
 
@@ -6,19 +7,19 @@ export function areNotificationsOn(): boolean {
   return (
     "Notification" in globalThis &&
     Notification.permission === "granted" &&
-    localStorage.getItem(KEY) === "on"
+    ofBrowser.read(KEY) === "on"
   );
 }
 
 /** Asks the browser for permission; returns whether it was given. */
 export async function allowNotifications(): Promise<boolean> {
   const allowed = (await Notification.requestPermission()) === "granted";
-  if (allowed) localStorage.setItem(KEY, "on");
+  if (allowed) ofBrowser.write(KEY, "on");
   return allowed;
 }
 
 export function turnNotificationsOff(): void {
-  localStorage.removeItem(KEY);
+  ofBrowser.remove(KEY);
 }
 
 /**

@@ -42,12 +42,13 @@ export function listenToChanges(listener: StreamListener): () => void {
       channel.postMessage(message);
     });
 
-  // Web Locks exist only on secure origins (https or localhost). Without them each tab keeps its
-  // own stream, and every tab is notified more than once, which is harmless.
+  // Web Locks exist only on secure origins (https or localhost), and are denied where storage is.
+  // Without them each tab keeps its own stream, and every tab is notified more than once, which is
+  // harmless.
   const locks = (navigator as Partial<Navigator>).locks;
   if (locks) {
-    locks.request(LOCK, { signal: stop.signal }, stream).catch((error: unknown) => {
-      if (!stop.signal.aborted) throw error;
+    locks.request(LOCK, { signal: stop.signal }, stream).catch(() => {
+      if (!stop.signal.aborted) void stream();
     });
   } else {
     void stream();

@@ -1,4 +1,5 @@
 /** The colour theme, stored in this browser. */
+import { ofBrowser } from "@/lib/storage";
 
 const THEMES = ["system", "light", "dark"] as const;
 type Theme = (typeof THEMES)[number];
@@ -16,12 +17,8 @@ export function applyTheme(theme: Theme): void {
   const root = document.documentElement;
   if (theme === "system") delete root.dataset.theme;
   else root.dataset.theme = theme;
-  try {
-    if (theme === "system") localStorage.removeItem(KEY);
-    else localStorage.setItem(KEY, theme);
-  } catch {
-    // Without storage the theme lasts until the page is closed.
-  }
+  if (theme === "system") ofBrowser.remove(KEY);
+  else ofBrowser.write(KEY, theme);
 }
 
 /** Returns the next theme, cyclically. */

@@ -10,11 +10,14 @@ import styles from "./PeoplePage.module.css";
 /** A link or key that was just made: only its hash is stored, so this is the time to copy it. */
 export function Secret({ value }: { value: string }) {
   const toast = useToast();
-  const copy = () => {
-    navigator.clipboard.writeText(value).then(
-      () => toast(t`Copied.`),
-      () => toast(t`Copying failed. Select the text and copy it.`),
-    );
+  const copy = async () => {
+    try {
+      // Denied by some browsers, and missing where the page came without encryption.
+      await navigator.clipboard.writeText(value);
+      toast(t`Copied.`);
+    } catch {
+      toast(t`Copying failed. Select the text and copy it.`);
+    }
   };
   return (
     <Notice tone="calm" icon="check" live>
@@ -23,7 +26,7 @@ export function Secret({ value }: { value: string }) {
           <Trans>Copy it now; it is not shown again.</Trans>
         </p>
         <code>{value}</code>
-        <Button onClick={copy}>
+        <Button onClick={() => void copy()}>
           <Trans>Copy</Trans>
         </Button>
       </div>

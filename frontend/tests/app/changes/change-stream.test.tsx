@@ -120,8 +120,11 @@ describe("the event stream", () => {
     expect(FakeEventSource.opened).toHaveLength(2);
   });
 
-  it("is one per tab where there are no locks", async () => {
-    vi.stubGlobal("navigator", {});
+  it.each([
+    {},
+    { locks: { request: () => Promise.reject(new DOMException("denied", "SecurityError")) } },
+  ])("is one per tab where there are no locks", async (navigator) => {
+    vi.stubGlobal("navigator", navigator);
     tab();
     tab();
     await settled();

@@ -11,6 +11,7 @@ import { SCREEN_BYTES } from "@/lib/game/codec";
 import { behaviour, recording } from "../../support/data";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
+import { denyStorage } from "../../support/storage";
 
 /** The server's end of the stream, controlled by the test. */
 class FakeSocket extends EventTarget {
@@ -178,6 +179,16 @@ describe("the demonstrations to play", () => {
 });
 
 describe("playing", () => {
+  it("needs no storage", async () => {
+    const allow = denyStorage();
+    try {
+      await start();
+      expect(screen.getByRole("timer", { name: "Time left" })).toBeVisible();
+    } finally {
+      allow();
+    }
+  });
+
   it("counts down, then passes the held keys on", async () => {
     open();
     await userEvent.click(screen.getByRole("button", { name: "Start game" }));

@@ -1,19 +1,12 @@
 /** Whether this browser has shown the tour. */
+import { ofBrowser } from "@/lib/storage";
 
 const KEY = "tril.tour";
 
 export function hasSeenTour(): boolean {
-  try {
-    return localStorage.getItem(KEY) !== null;
-  } catch {
-    return false;
-  }
+  return ofBrowser.read(KEY) !== null;
 }
 
 export function noteTourSeen(): void {
-  try {
-    localStorage.setItem(KEY, "seen");
-  } catch {
-    // Without storage the tour is shown again.
-  }
+  ofBrowser.write(KEY, "seen");
 }

@@ -1,6 +1,8 @@
 /** Settings kept in this browser's local storage. */
 import { useCallback, useSyncExternalStore } from "react";
 
+import { ofBrowser } from "@/lib/storage";
+
 /** A setting with its storage key. */
 export interface Setting<T> {
   readonly key: string;
@@ -19,7 +21,7 @@ export function onOff(key: string, fallback: boolean): Setting<boolean> {
 }
 
 export function readSetting<T>({ key, fallback, read }: Setting<T>): T {
-  const stored = textAt(key);
+  const stored = ofBrowser.read(key);
   const before = cache.get(key);
   if (before?.stored === stored) return before.value as T;
   const value = (stored === null ? null : read(parsed(stored))) ?? fallback;
@@ -28,12 +30,9 @@ export function readSetting<T>({ key, fallback, read }: Setting<T>): T {
 }
 
 export function writeSetting<T>({ key }: Setting<T>, value: T): void {
-  try {
-    localStorage.setItem(key, JSON.stringify(value));
-  } catch {
-    // Without storage the setting lasts until the page is closed.
-  }
-  cache.set(key, { stored: textAt(key), value });
+  const stored = JSON.stringify(value);
+  ofBrowser.write(key, stored);
+  cache.set(key, { stored, value });
   listeners.forEach((listener) => listener());
 }
 
@@ -47,14 +46,6 @@ export function useSetting<T>(setting: Setting<T>): readonly [T, (value: T) => v
 function subscribe(listener: () => void): () => void {
   listeners.add(listener);
   return () => listeners.delete(listener);
-}
-
-function textAt(key: string): string | null {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null;
-  }
 }
 
 function parsed(text: string): unknown {

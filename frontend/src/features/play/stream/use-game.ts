@@ -3,6 +3,7 @@ import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from "
 
 import { isNotFound } from "@/api/client";
 import { FRAME_RATE_HZ } from "@/lib/format";
+import { ofTab } from "@/lib/storage";
 
 import type { GameState } from "./game-state";
 import { type GameScreen, GameStream } from "./game-stream";
@@ -13,7 +14,7 @@ import type { Ended } from "./text-messages";
 const TAB = newTabId();
 const NO_GAME = () => () => undefined;
 
-/** The session storage key of the tab's game, which a reload rejoins. */
+/** The storage key of the tab's game, which a reload rejoins. */
 function storageKey(behaviourId: number): string {
   return `tril.game.${behaviourId}`;
 }
@@ -56,7 +57,7 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
 
   // Rejoin the game that a reload interrupted.
   useEffect(() => {
-    const gameId = sessionStorage.getItem(storageKey(behaviourId));
+    const gameId = ofTab.read(storageKey(behaviourId));
     let stale = false;
     if (gameId) {
       getGame(gameId).then(
@@ -107,17 +108,9 @@ export function resumeFrameOf({ frame }: Pick<Ended, "frame">): number {
 
 /** Lets the play page of a behaviour join a game as soon as it is shown. */
 export function rememberGame(behaviourId: number, gameId: string): void {
-  try {
-    sessionStorage.setItem(storageKey(behaviourId), gameId);
-  } catch {
-    // Without storage a reload starts over; the interrupted game stays on the server.
-  }
+  ofTab.write(storageKey(behaviourId), gameId);
 }
 
 function forget(behaviourId: number): void {
-  try {
-    sessionStorage.removeItem(storageKey(behaviourId));
-  } catch {
-    // Without storage there is nothing to forget.
-  }
+  ofTab.remove(storageKey(behaviourId));
 }
