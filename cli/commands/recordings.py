@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from cli.output import JsonOption, console, errors, print_json
@@ -60,7 +61,7 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
             row.end or "",
             row.verification,
             "yes" if row.perfect else "",
-            row.notes,
+            escape(row.notes),
             str(result.targets) if result else "",
             str(result.strays) if result else "",
             f"{row.n_frames / 60:.1f}",
@@ -94,7 +95,7 @@ def import_files(
                 outcome = recording_transfer.import_recordings(
                     workspace.database, of, content, rank=rank, perfect=perfect, player_id=player
                 )
-            refused += len(outcome.refusals)
+            refused += outcome.n_refused
             _report(path, outcome, as_json)
     if refused:
         raise typer.Exit(1)
@@ -132,7 +133,7 @@ def verify_all(behaviour: BehaviourOption) -> None:
                 verify(recordings.as_recording(row), hits)
             except RecordingRefused as refusal:
                 wrong += 1
-                errors.print(f"Recording {row.id}: {refusal}")
+                errors.print(f"Recording {row.id}: {escape(str(refusal))}")
         console.print(f"{len(rows) - wrong} of {len(rows)} recordings verify.")
     if wrong:
         raise typer.Exit(1)
@@ -147,12 +148,18 @@ def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_js
                 "already_there": outcome.already_there,
                 "notices": [asdict(message) for message in outcome.notices],
                 "refusals": [asdict(message) for message in outcome.refusals],
+                "n_notices": outcome.n_notices,
+                "n_refused": outcome.n_refused,
             }
         )
         return
     there = f", {len(outcome.already_there)} already there" if outcome.already_there else ""
-    console.print(f"{path}: {len(outcome.recording_ids)} imported{there}")
+    console.print(f"{escape(str(path))}: {len(outcome.recording_ids)} imported{there}")
     for message in outcome.notices:
-        console.print(f"  line {message.line}: {message.reason}")
+        console.print(f"  line {message.line}: {escape(message.reason)}")
+    if more := outcome.n_notices - len(outcome.notices):
+        console.print(f"  and {more:,} more notices")
     for message in outcome.refusals:
-        errors.print(f"  [red]line {message.line} refused:[/] {message.reason}")
+        errors.print(f"  [red]line {message.line} refused:[/] {escape(message.reason)}")
+    if more := outcome.n_refused - len(outcome.refusals):
+        errors.print(f"  [red]and {more:,} more lines refused[/]")

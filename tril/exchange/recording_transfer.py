@@ -24,6 +24,9 @@ from tril.store import audit, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, Source
 
+MAX_EXAMPLES = 20
+"""Most messages that are kept of a file, of each kind; the others are counted."""
+
 
 @dataclass(frozen=True)
 class LineMessage:
@@ -40,14 +43,18 @@ class RecordingImportResult:
     Attributes:
         recording_ids: The recordings added, in the file's order.
         already_there: Recordings of the library that the file contains; they are not added again.
-        notices: What was changed or ignored.
-        refusals: Lines that were refused, with the reason.
+        notices: What was changed or ignored; at most MAX_EXAMPLES of them.
+        refusals: Lines that were refused, with the reason; at most MAX_EXAMPLES of them.
+        n_notices: Number of notices.
+        n_refused: Number of lines that were refused.
     """
 
     recording_ids: list[int] = field(default_factory=list)
     already_there: list[int] = field(default_factory=list)
     notices: list[LineMessage] = field(default_factory=list)
     refusals: list[LineMessage] = field(default_factory=list)
+    n_notices: int = 0
+    n_refused: int = 0
 
 
 def import_recordings(
@@ -64,7 +71,8 @@ def import_recordings(
 ) -> RecordingImportResult:
     """Add the recordings of a file, each verified by a replay, in one transaction.
 
-    Those that the library has already are not added again, nor ranked.
+    Games that the library has already are not added again, nor ranked, nor is one that is in the
+    file twice.
 
     Args:
         database: The database of the library.
@@ -89,6 +97,7 @@ def import_recordings(
         file, outcome, max_recordings, load or partial(load_recording, console=Console())
     )
     if not accepted:
+        outcome.n_notices = len(outcome.notices)
         return outcome
     with database.writing() as session:
         library = {
@@ -123,6 +132,9 @@ def import_recordings(
             )
         if rank and accepted:
             _rank(session, behaviour_id, [given for _, given in accepted], outcome, player_id)
+    outcome.n_notices = len(outcome.notices)
+    # Notices about the whole file come last.
+    del outcome.notices[MAX_EXAMPLES - 1 : -1]
     return outcome
 
 
@@ -160,19 +172,26 @@ def _read(
     max_recordings: int,
     load: Callable[[object], ImportedRecording],
 ) -> list[tuple[int, ImportedRecording]]:
-    accepted = []
+    accepted: dict[tuple[Start, bytes, str], tuple[int, ImportedRecording]] = {}
+    refusals = outcome.refusals
     for line in read_lines(file, max_objects=max_recordings):
-        if line.refusal is not None:
-            outcome.refusals.append(LineMessage(line.number, line.refusal))
-            continue
         try:
+            if line.refusal is not None:
+                raise Invalid(line.refusal)
             given = load(line.content)
         except Invalid as error:
-            outcome.refusals.append(LineMessage(line.number, str(error)))
+            refusals.append(LineMessage(line.number, str(error)))
+            continue
+        first, _ = accepted.setdefault(_identity(given.recording), (line.number, given))
+        if first != line.number:
+            notice = f"It is the same game as in line {first}, so it was not imported again."
+            outcome.notices.append(LineMessage(line.number, notice))
             continue
         outcome.notices += [LineMessage(line.number, notice) for notice in given.notices]
-        accepted.append((line.number, given))
-    return accepted
+    outcome.n_refused = len(refusals)
+    # The last one may say that the file is too long.
+    del refusals[MAX_EXAMPLES - 1 : -1]
+    return [*accepted.values()]
 
 
 def _rank(

@@ -1665,12 +1665,17 @@ export interface components {
          * @description The outcome of an upload.
          *
          *     ``imported`` are the new recordings, ``already_there`` those that the library had before.
+         *     ``n_notices`` and ``n_refused`` count all messages; at most 20 of each kind are listed.
          */
         ImportResult: {
             /** Already There */
             already_there: number[];
             /** Imported */
             imported: number[];
+            /** N Notices */
+            n_notices: number;
+            /** N Refused */
+            n_refused: number;
             /** Notices */
             notices: components["schemas"]["Refusal"][];
             /** Refusals */
@@ -2626,7 +2631,7 @@ export interface components {
          * Source
          * @description Who played a recording.
          *
-         *     VARIED: a game made for a ranking that lacks variety, see tril.demonstrators.space_invaders.varied_play.
+         *     VARIED: a game made for a ranking that lacks variety.
          * @enum {string}
          */
         Source: "person" | "scripted" | "policy" | "varied";

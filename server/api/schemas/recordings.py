@@ -151,9 +151,12 @@ class ImportResult(Schema):
     """The outcome of an upload.
 
     ``imported`` are the new recordings, ``already_there`` those that the library had before.
+    ``n_notices`` and ``n_refused`` count all messages; at most 20 of each kind are listed.
     """
 
     imported: list[int]
     already_there: list[int]
     notices: list[Refusal]
     refusals: list[Refusal]
+    n_notices: int
+    n_refused: int

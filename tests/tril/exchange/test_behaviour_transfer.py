@@ -251,13 +251,18 @@ def _refused(other: Workplace, content: bytes) -> str:
     ("content", "reason"),
     [
         (b"", "is not JSON"),
-        (b"\x89PNG\r\n", "is not JSON"),
-        (b"[1]", "got [1]"),
+        (b"\x89PNG\r\n", "The file is a PNG picture."),
+        (b"PK\x03\x04", "tril runs import"),
+        (b"[1]", "a JSON list"),
         (b'{"format": "zip"}', "got 'zip'"),
         (b'{"format":"tril-recording","version":1}\n{}', "tril recordings import"),
         (b'{"format":"tril-behaviour","version":2}', "newer version"),
         (b'{"format":"tril-behaviour","version":1}', "recordings is missing"),
-        (b"[" * 100_000, "is not JSON"),
+        (b"[" * 100_000, "a JSON list"),
+        (b'{"a":' * 100_000, "nested too deeply"),
+        (b'{"format":"tril-behaviour","version":1,"version":1}', "'version' is repeated"),
+        (b'{"format":"tril-behaviour","version":' + b"9" * 5000 + b"}", "too large"),
+        (b'{"format":"tril-behaviour","recordings":[' + b"[]," * 2_000_000, "values"),
     ],
 )
 def test_foreign_files_are_refused_with_what_they_are(

@@ -11,12 +11,13 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import AwareDatetime, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
 
 from tril.errors import Invalid
+from tril.exchange.formats.json_text import decode_json, describe_foreign, parse_json
 from tril.exchange.formats.recording_object import (
-    FORMAT,
     CellArray,
+    Moment,
     RecordingObject,
     StrictModel,
     describe_errors,
@@ -34,7 +35,7 @@ MAX_RECORDINGS = 10_000
 MAX_REVISIONS = 100_000
 
 _Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
-_Time = Annotated[AwareDatetime, Field(strict=False)]
+_Time = Annotated[Moment, Field(strict=False)]
 
 
 class BehaviourRefused(Invalid):
@@ -145,18 +146,18 @@ def parse_behaviour(content: bytes) -> BehaviourObject:
 
 def _object(content: bytes) -> dict[str, Any]:
     """Return the object in a file; refuse other formats and newer versions."""
-    first = content.lstrip().partition(b"\n")[0]
-    if f'"{FORMAT}"'.encode() in first and f'"{BEHAVIOUR_FORMAT}"'.encode() not in first:
+    if (foreign := describe_foreign(content, BEHAVIOUR_FORMAT)) is not None:
         raise BehaviourRefused(
-            "The file holds recordings, not a behaviour. Import them into a behaviour with `tril"
-            " recordings import`."
+            f"The file is {foreign}. Expected a file of `tril behaviours export`."
         )
     try:
-        given = json.loads(content.decode("utf-8-sig"))
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        given = parse_json(decode_json(content))
+    except json.JSONDecodeError as error:
         raise BehaviourRefused(
             f"The file was not written by `tril behaviours export`: it is not JSON ({error})."
         ) from None
+    except ValueError as error:
+        raise BehaviourRefused(f"The file can't be read: {error}.") from None
     if not isinstance(given, dict) or given.get("format") != BEHAVIOUR_FORMAT:
         found = given.get("format") if isinstance(given, dict) else given
         raise BehaviourRefused(

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from typing import BinaryIO
 
-from tril.exchange.formats.recording_object import truncated
+from tril.exchange.formats.json_text import decode_json, describe_foreign, parse_json
+from tril.exchange.formats.recording_object import FORMAT, truncated
 
 MAX_OBJECT_BYTES = 64 * 1024
 """Maximum size of a recording in the exchange format, as UTF-8."""
 MAX_OBJECTS = 10_000
 """Maximum number of recordings in a file."""
+EXPECTED = "Tril imports recordings as JSON, one object or one per line (docs/exchange-format.md)."
 
 
 @dataclass(frozen=True)
@@ -44,17 +47,33 @@ def read_lines(
         max_objects: Further recordings are refused unread.
 
     Yields:
-        Each object or refused line; blank lines are skipped.
+        Each object or refused line; blank lines are skipped. A file of another kind is one refusal.
     """
     if isinstance(file, str):
         file = file.encode()
     stream = BytesIO(file) if isinstance(file, bytes) else file
     head = stream.read(max_object_bytes + 1)
+    if (foreign := describe_foreign(head, FORMAT)) is not None:
+        yield JsonLine(1, None, f"The file is {foreign}. {EXPECTED}")
+        return
+    try:
+        yield from _read(head, stream, max_object_bytes, max_objects)
+    except UnicodeError as error:
+        yield JsonLine(1, None, f"The file is damaged: {error}.")
+
+
+def _read(
+    head: bytes, stream: BinaryIO, max_object_bytes: int, max_objects: int
+) -> Iterator[JsonLine]:
+    pieces = _pieces(head, stream, max_object_bytes + 1)
+    head = b""
+    while len(head) <= max_object_bytes and (piece := next(pieces, b"")):
+        head += piece
     if len(head) <= max_object_bytes and (whole := _one_object(head)):
         yield whole
         return
     found = 0
-    for number, text in _lines(head, stream, max_object_bytes):
+    for number, text in _lines(head, pieces, max_object_bytes):
         if text is not None and not text.strip():
             continue
         if found == max_objects:
@@ -84,7 +103,21 @@ def _one_object(head: bytes) -> JsonLine | None:
     return None
 
 
-def _lines(head: bytes, stream: BinaryIO, limit: int) -> Iterator[tuple[int, bytes | None]]:
+def _pieces(head: bytes, stream: BinaryIO, size: int) -> Iterator[bytes]:
+    """Yield a stream in pieces of UTF-8, whatever its encoding; raises UnicodeError."""
+    encoding = json.detect_encoding(head)
+    # A mark of UTF-8 may stand before any line: files are joined.
+    is_utf8 = encoding.startswith("utf-8")
+    decoder = None if is_utf8 else codecs.getincrementaldecoder(encoding)()
+    while head:
+        if piece := head if decoder is None else decoder.decode(head).encode():
+            yield piece
+        head = stream.read(size)
+    if decoder is not None:
+        decoder.decode(b"", final=True)
+
+
+def _lines(head: bytes, pieces: Iterator[bytes], limit: int) -> Iterator[tuple[int, bytes | None]]:
     """Yield the number and content of each line; None for a line that is too long."""
     number, rest, too_long = 1, head, False
     while True:
@@ -94,7 +127,7 @@ def _lines(head: bytes, stream: BinaryIO, limit: int) -> Iterator[tuple[int, byt
             number, too_long = number + 1, False
         if len(rest) > limit:
             too_long, rest = True, b""
-        more = stream.read(limit + 1)
+        more = next(pieces, b"")
         if not more:
             if rest or too_long:
                 yield number, None if too_long else rest
@@ -104,21 +137,13 @@ def _lines(head: bytes, stream: BinaryIO, limit: int) -> Iterator[tuple[int, byt
 
 def _parsed(number: int, text: bytes) -> JsonLine:
     try:
-        content = json.loads(text.decode("utf-8-sig"), parse_constant=_refuse_constant)
-    except UnicodeDecodeError as error:
-        return JsonLine(number, None, f"Not UTF-8: {error.reason} at byte {error.start}.")
+        content = parse_json(decode_json(text))
     except json.JSONDecodeError as error:
         line = number + error.lineno - 1
         return JsonLine(line, None, f"Not JSON: {error.msg} at character {error.colno}.")
-    except RecursionError:
-        return JsonLine(number, None, "The recording is nested too deeply.")
     except ValueError as error:
-        return JsonLine(number, None, f"Not JSON: {error}.")
+        return JsonLine(number, None, f"The recording can't be read: {error}.")
     if not isinstance(content, dict):
         got = truncated(repr(content))
         return JsonLine(number, None, f"Expected one JSON object per line, got {got}.")
     return JsonLine(number, content)
-
-
-def _refuse_constant(name: str) -> object:
-    raise ValueError(f"{name} is not a JSON number")

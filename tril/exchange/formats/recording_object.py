@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import (
+    AfterValidator,
+    AwareDatetime,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+)
 
 from tril.games.space_invaders.memory import COLUMNS, MAX_IDLE_FRAMES, ROWS
 from tril.recording import RecordingRefused
@@ -14,6 +23,7 @@ from tril.recording import RecordingRefused
 FORMAT = "tril-recording"
 VERSION = 1
 MAX_NOTES_LENGTH = 4000
+FIRST_YEAR, LAST_YEAR = 1970, 9998
 MAX_DEPTH = 16
 """Maximum nesting of conditions and parent."""
 
@@ -21,6 +31,18 @@ Source = Literal["person", "scripted", "policy", "varied"]
 """Who played a recording; random: nobody, its actions were drawn at random."""
 
 CellArray = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]
+
+
+def _in_utc(moment: datetime) -> datetime:
+    # Not the first and the last year, which other time zones put out of all calendars.
+    if not FIRST_YEAR <= moment.year <= LAST_YEAR:
+        raise ValueError(f"expected a time from {FIRST_YEAR} to {LAST_YEAR}")
+    return moment.astimezone(UTC)
+
+
+Moment = Annotated[AwareDatetime, AfterValidator(_in_utc)]
+"""A time in UTC."""
+
 # Base64 of one or more bytes from 0 to 5; tested against the decoder.
 _BYTE = "(?:A[AQgw]|B[AQ])"
 _ACTIONS = f"^(?:{_BYTE}[AEIMQU][A-F])*(?:{_BYTE}[AEIMQU][A-F]|{_BYTE}[AEIMQU]=|{_BYTE}==)$"

@@ -10,14 +10,15 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Annotated, Any, Final, Literal, get_args
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
-from pydantic_core import from_json
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tril.analysis.outcome import AttentionDetails, RewardState, RunOutcome
 from tril.analysis.summary import Policy
 from tril.errors import Invalid
+from tril.exchange.formats.json_text import decode_json, parse_json
 from tril.exchange.formats.recording_object import (
     CellArray,
+    Moment,
     describe_errors,
     normalise_json,
     truncated,
@@ -67,7 +68,7 @@ class PlayedGame(_ClosedModel):
     number: _Number
     shots: int = Field(ge=0, le=MAX_FRAMES)
     hit_frames: list[Annotated[int, Field(ge=0, le=MAX_FRAMES)]] = Field(max_length=ROWS * COLUMNS)
-    played_at: AwareDatetime
+    played_at: Moment
 
 
 class EvaluationGame(PlayedGame):
@@ -108,9 +109,9 @@ class RunObject(_ClosedModel):
     example_kind: str = Field(max_length=24)
     versions: dict[_Text, _Text] = Field(max_length=64)
     finished_stages: dict[Stage, Annotated[float, Field(ge=0)]]
-    created_at: AwareDatetime
-    started_at: AwareDatetime | None
-    finished_at: AwareDatetime
+    created_at: Moment
+    started_at: Moment | None
+    finished_at: Moment
     tiers: list[Annotated[list[_Number], Field(min_length=1)]] = Field(min_length=2)
     perfect: list[_Number] = Field(min_length=1)
     outcome: RunOutcome
@@ -129,7 +130,7 @@ def parse_run(content: bytes) -> RunObject:
         RunRefused: It is invalid, contradicts itself, or is of a newer version.
     """
     try:
-        given = from_json(content, allow_inf_nan=False)
+        given = parse_json(decode_json(content))
         if not isinstance(given, dict) or given.get("format") != RUN_FORMAT:
             raise RunRefused("This is not a run that Tril exported.")
         if isinstance(version := given.get("version"), int) and version > RUN_VERSION:

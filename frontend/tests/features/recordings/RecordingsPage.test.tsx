@@ -329,6 +329,8 @@ describe("importing", () => {
       already_there: [9],
       notices: [{ line: 1, reason: "Cut after the hit." }],
       refusals: [{ line: 3, reason: "Another ROM." }],
+      n_notices: 1,
+      n_refused: 10_000,
     }));
     expect(await dialog.findByText("1 recording imported")).toBeVisible();
     const rows = dialog.getAllByRole("row").map((row) => row.textContent);
@@ -337,6 +339,8 @@ describe("importing", () => {
       "1Imported, but: Cut after the hit.",
       "3Refused: Another ROM.",
     ]);
+    expect(dialog.getByText("And 9,999 more lines.")).toBeVisible();
+    expect(dialog.getByRole("status")).toHaveTextContent("10000 refused");
     const query = asked.find(({ method }) => method === "POST")?.query;
     expect(dialog.getByRole("status")).toHaveTextContent("1 already there and not imported again");
     expect(query?.get("rank")).toBe("true");

@@ -126,6 +126,7 @@ function Report({ result }: { result: ImportResult }) {
     ...result.refusals.map((one) => ({ ...one, refused: true })),
     ...result.notices.map((one) => ({ ...one, refused: false })),
   ].sort((a, b) => a.line - b.line);
+  const hidden = result.n_refused + result.n_notices - lines.length;
   return (
     <div className={styles.report} role="status">
       <p>
@@ -140,9 +141,9 @@ function Report({ result }: { result: ImportResult }) {
             , <Trans>{result.already_there.length} already there and not imported again</Trans>
           </>
         )}
-        {result.refusals.length > 0 && (
+        {result.n_refused > 0 && (
           <>
-            , <Trans>{result.refusals.length} refused</Trans>
+            , <Trans>{result.n_refused} refused</Trans>
           </>
         )}
         .
@@ -168,6 +169,11 @@ function Report({ result }: { result: ImportResult }) {
             ))}
           </tbody>
         </table>
+      )}
+      {hidden > 0 && (
+        <p>
+          <Plural value={hidden} one="And # more line." other="And # more lines." />
+        </p>
       )}
     </div>
   );
