@@ -14,6 +14,9 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LEVEL = 5
+MAX_CODINGS_CHARACTERS = 256
+"""As much of Accept-Encoding is looked at; browsers send 30."""
+
 MIN_BYTES = 1024
 """Below this the headers weigh more than what is saved."""
 
@@ -33,8 +36,8 @@ _COMPRESSIBLE = frozenset(
 
 def accepts_gzip(headers: Headers) -> bool:
     """Whether the sender of a request takes a compressed answer."""
-    codings = headers.get("accept-encoding", "").lower().replace(" ", "").split(",")
-    return "gzip" in codings
+    codings = headers.get("accept-encoding", "")[:MAX_CODINGS_CHARACTERS].lower()
+    return "gzip" in codings.replace(" ", "").split(",")
 
 
 def is_compressible(media_type: str) -> bool:

@@ -7,6 +7,7 @@ Neither uvicorn nor Starlette checks the Origin of a WebSocket, and browsers sen
 from __future__ import annotations
 
 import asyncio
+import re
 from urllib.parse import urlsplit
 
 from fastapi import HTTPException
@@ -18,16 +19,29 @@ from server.dependencies import services_of
 from server.web.problems import problem
 from server.web.security_headers import SECURITY_HEADERS
 from tril.errors import Unavailable
+from tril.store.access.credentials import Identity
+
+RawHeaders = list[tuple[bytes, bytes]]
 
 PUBLIC_PATHS = frozenset({"/api/health"})
 CLOSE_UNAUTHORISED = 4401
 CLOSE_TRY_AGAIN_LATER = 1013
 
-MAX_BODY_BYTES = 1024 * 1024
+MAX_BODY_BYTES = 64 * 1024
+MAX_RANKING_BYTES = 256 * 1024
+"""Twenty thousand recordings, each in a tier of its own."""
+MAX_PARTICIPANTS_BODY_BYTES = 16 * 1024
+"""What participants send are names, frames and choices."""
+MAX_STRANGERS_BODY_BYTES = 8 * 1024
+"""A name and what a link contains."""
 MAX_UPLOAD_BYTES = 16 * 1024 * 1024
 BODY_TIMEOUT_S = 20.0
 """How long a body may take to arrive; an upload has more time, in its turn."""
 _UPLOAD_END = "/recordings/import"
+_RANKING_END = "/ranking"
+
+MAX_HOST_CHARACTERS = 300
+"""A host name has at most 255, and there is a scheme and a port beside it."""
 
 _DEFAULT_PORTS = {"http": 80, "https": 443, "ws": 80, "wss": 443}
 
@@ -61,7 +75,7 @@ class SameOrigin:
             )
         origin = headers.get("origin")
         if origin is not None:
-            scheme = urlsplit(origin).scheme if "://" in origin else ""
+            scheme = origin.partition("://")[0].lower()
             own = _host_and_port(f"{scheme}://{headers['host']}")
             # A page that came without encryption may be anybody's.
             allowed = {"https"} if scope["scheme"] in {"https", "wss"} else {"http", "https"}
@@ -83,11 +97,16 @@ class Authentication:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on or refuse it."""
-        if (
-            scope["type"] not in {"http", "websocket"}
-            or not _is_api(scope)
-            or scope["path"] in PUBLIC_PATHS
-        ):
+        if scope["type"] not in {"http", "websocket"}:
+            await self._app(scope, receive, send)
+            return
+        connection = HTTPConnection(scope)
+        name = services_of(connection).access.cookie_name
+        scope["headers"] = _with_own_cookie(scope["headers"], name.encode())
+        if scope["path"] in PUBLIC_PATHS:
+            # They have no parameters, and FastAPI parses whatever is there.
+            scope["query_string"] = b""
+        if not _is_api(scope) or scope["path"] in PUBLIC_PATHS:
             await self._app(scope, receive, send)
             return
         connection = HTTPConnection(scope)
@@ -148,41 +167,41 @@ async def _refuse_stranger(scope: Scope, receive: Receive, send: Send) -> None:
 
 
 class BodyLimit:
-    """Refuses bodies that are too large, declared or not (413), and those that never come (408)."""
+    """Refuses bodies that are too large (413), and those that never come (408).
+
+    JSON and forms are parsed and validated in the event loop, so that how much they may have hangs
+    on who sends them. All bodies declare their length: see ``HttpProtocol``.
+    """
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and count the bytes of its body."""
+        """Pass a request on and time its body."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
         is_upload = scope["path"].endswith(_UPLOAD_END)
-        limit = MAX_UPLOAD_BYTES if is_upload else MAX_BODY_BYTES
-        too_large = f"The body is too large: at most {limit // 1024} KiB are accepted."
+        limit = _limit_of(scope.get("identity"), scope["path"])
         declared = Headers(scope=scope).get("content-length", "0")
         if not declared.isdecimal() or int(declared) > limit:
-            await _refuse(scope, receive, send, 413, too_large)
+            why = f"The body is too large: at most {limit // 1024} KiB are accepted."
+            await _refuse(scope, receive, send, 413, why)
             return
-        received = 0
         is_awaited = not is_upload
         until = asyncio.get_running_loop().time() + BODY_TIMEOUT_S
 
-        async def receive_counted() -> Message:
-            nonlocal received, is_awaited
+        async def receive_in_time() -> Message:
+            nonlocal is_awaited
             try:
                 async with asyncio.timeout_at(until if is_awaited else None):
                     message = await receive()
             except TimeoutError:
                 raise HTTPException(408, "The request took too long to arrive.") from None
             is_awaited = is_awaited and message.get("more_body", False)
-            received += len(message.get("body", b""))
-            if received > limit:
-                raise HTTPException(413, too_large)
             return message
 
-        await self._app(scope, receive_counted, send)
+        await self._app(scope, receive_in_time, send)
 
 
 class SecurityHeaders:
@@ -206,12 +225,36 @@ class SecurityHeaders:
         await self._app(scope, receive, send_completed)
 
 
+def _limit_of(identity: Identity | None, path: str) -> int:
+    if identity is None:
+        return MAX_STRANGERS_BODY_BYTES
+    if identity.is_participant:
+        return MAX_PARTICIPANTS_BODY_BYTES
+    if path.endswith(_UPLOAD_END):
+        return MAX_UPLOAD_BYTES
+    return MAX_RANKING_BYTES if path.endswith(_RANKING_END) else MAX_BODY_BYTES
+
+
+def _with_own_cookie(headers: RawHeaders, name: bytes) -> RawHeaders:
+    """Return headers in which of all cookies only this server's is left.
+
+    Starlette and FastAPI parse all cookies of every request by Python's ``http.cookies``, which
+    before 3.11.10 takes minutes for 60 kB of backslashes between quotes (CVE-2024-7592).
+    """
+    own = re.compile(rb"(?:^|;)[ \t]*%b=\"?([A-Za-z0-9._-]{1,128})\"?[ \t]*(?=;|$)" % name)
+    kept = [(key, value) for key, value in headers if key != b"cookie"]
+    found = [value for key, value in headers if key == b"cookie" for value in own.findall(value)]
+    return [*kept, (b"cookie", name + b"=" + found[-1])] if found else kept
+
+
 def _is_api(scope: Scope) -> bool:
     path: str = scope["path"]
     return path == "/api" or path.startswith("/api/")
 
 
 def _host_and_port(url: str) -> tuple[str, int] | None:
+    if len(url) > MAX_HOST_CHARACTERS:
+        return None
     try:
         parts = urlsplit(url)
         port = parts.port or _DEFAULT_PORTS.get(parts.scheme)

@@ -119,7 +119,7 @@ class Pages:
         return SmallPages(request, self._frontend.stylesheets)
 
     async def _page(self, request: Request, path: str) -> Response:
-        if path == "/" and "token" in request.query_params:
+        if path == "/" and b"token=" in request.scope["query_string"]:
             return await sign_in(request, self._small(request))
         file = self._frontend.find(path)
         if file is not None and file != self._frontend.index:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from itertools import islice
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -25,6 +26,9 @@ _STATUS: Mapping[type[TrilError], int] = {
     Invalid: 422,
     Unavailable: 503,
 }
+
+MAX_ERRORS = 20
+"""Most errors of a request that are listed."""
 
 DISK_FULL = (
     "The disk is full, so nothing more can be saved. What was saved is safe. Free some space and "
@@ -134,7 +138,7 @@ async def _on_validation_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     found: list[dict[str, Any]] = [
         {"where": [str(part) for part in item["loc"]], "what": in_plain_words(item)}
-        for item in error.errors()
+        for item in islice(error.errors(), MAX_ERRORS)
     ]
     first = found[0]["what"] if found else "The request can't be read."
     return problem(422, first, found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from urllib.parse import parse_qs, unquote
+from urllib.parse import parse_qsl, unquote
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -16,6 +16,9 @@ from tril.errors import NotFound, TrilError
 from tril.store import behaviours, players
 from tril.store.access import credentials, invitations
 from tril.store.models import Role
+
+MAX_FIELDS = 8
+"""Most fields of a form or a query of somebody who is not signed in."""
 
 _BROWSERS = (("Edg", "Edge"), ("OPR/", "Opera"), ("Firefox/", "Firefox"), ("Chrome/", "Chrome"))
 _SYSTEMS = (
@@ -32,7 +35,8 @@ _SYSTEMS = (
 async def sign_in(request: Request, pages: SmallPages) -> Response:
     """Sign a browser in as the owner, by the key in its address."""
     services = services_of(request)
-    if not services.access.is_token(_token_in(request.query_params["token"])):
+    token = _token_in(_query_of(request).get("token", ""))
+    if not await run_in_threadpool(services.access.is_token, token):
         return pages.key_page(pages.texts.wrong_key, pages.texts.wrong_key_why)
     identity = await services.access.identify(request)
     if identity is not None and identity.role is Role.OWNER:
@@ -49,14 +53,14 @@ async def sign_in(request: Request, pages: SmallPages) -> Response:
 async def join(request: Request, pages: SmallPages) -> Response:
     """Ask somebody who was invited for a name, and sign their browser in."""
     if request.method in {"GET", "HEAD"}:
-        return await _ask_for_name(request, pages, request.query_params.get("invitation", ""))
+        return await _ask_for_name(request, pages, _query_of(request).get("invitation", ""))
     if request.method != "POST":
         return problem(405, "Open the link of an invitation.")
-    given = parse_qs((await request.body()).decode(errors="replace"))
+    given = _fields_of(await request.body())
     services = services_of(request)
-    signed = given.get("invitation", [""])[0]
+    signed = given.get("invitation", "")
     secret = services.access.secrets.secret_in(signed)
-    name, browser = given.get("name", [""])[0], _browser_of(request)
+    name, browser = given.get("name", ""), _browser_of(request)
 
     def accept(secret: str) -> tuple[str, int | None]:
         with services.database.writing() as session:
@@ -64,7 +68,8 @@ async def join(request: Request, pages: SmallPages) -> Response:
 
     if secret is not None:
         try:
-            secret_of_browser, behaviour_id = await run_in_threadpool(accept, secret)
+            async with services.write_limit.slot(request.client and request.client.host):
+                secret_of_browser, behaviour_id = await run_in_threadpool(accept, secret)
             # Somebody who may play one behaviour has nothing to choose from on the first page.
             path = "/" if behaviour_id is None else f"/behaviours/{behaviour_id}/play"
             return _with_cookie(request, secret_of_browser, path)
@@ -80,12 +85,14 @@ async def _ask_for_name(
     services = services_of(request)
     secret = services.access.secrets.secret_in(signed)
     present = await services.access.identify(request)
+    if secret is None:
+        return pages.no_invitation(was_revoked=False, is_signed_in=present is not None)
 
     def answer() -> Response:
         with services.database.reading() as session:
-            row = None if secret is None else invitations.find(session, secret)
+            row = invitations.find(session, secret)
             if row is None:
-                was_revoked = secret is not None and invitations.was_revoked(session, secret)
+                was_revoked = invitations.was_revoked(session, secret)
                 return pages.no_invitation(was_revoked, present is not None)
             behaviour = player = None
             if row.behaviour_id is not None:
@@ -95,7 +102,8 @@ async def _ask_for_name(
             return pages.name_page(invitations.PATH, signed, behaviour, player, lacks)
 
     try:
-        return await run_in_threadpool(answer)
+        async with services.read_limit.slot(request.client and request.client.host):
+            return await run_in_threadpool(answer)
     except NotFound:
         # The behaviour was deleted, so the invitation leads nowhere.
         return pages.no_invitation(was_revoked=True, is_signed_in=present is not None)
@@ -118,6 +126,18 @@ def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:
 
 def _to_the_page(path: str = "/") -> Response:
     return Response(status_code=303, headers={"Location": path, "Cache-Control": "no-store"})
+
+
+def _query_of(request: Request) -> dict[str, str]:
+    return _fields_of(request.scope["query_string"])
+
+
+def _fields_of(encoded: bytes) -> dict[str, str]:
+    """Return the fields of a form or a query, none if there are too many."""
+    try:
+        return dict(parse_qsl(encoded.decode(errors="replace"), max_num_fields=MAX_FIELDS))
+    except ValueError:
+        return {}
 
 
 def _browser_of(request: Request) -> str:

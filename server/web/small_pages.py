@@ -9,6 +9,9 @@ from html import escape
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 
+MAX_LANGUAGES = 32
+"""Most languages of a request that are looked at; browsers name few."""
+
 
 @dataclass(frozen=True)
 class Texts:
@@ -208,7 +211,7 @@ class SmallPages:
 def language_of(accepted: str) -> str:
     """Return the language that a browser's Accept-Language prefers of those there are."""
     wanted = []
-    for part in accepted.split(","):
+    for part in accepted.split(",", MAX_LANGUAGES)[:MAX_LANGUAGES]:
         name, _, quality = part.partition(";")
         language = name.strip().lower().partition("-")[0]
         try:

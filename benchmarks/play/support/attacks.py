@@ -397,7 +397,90 @@ async def event_streams(attacker: Attacker) -> None:
     await asyncio.gather(*map(listen, range(400)), change())
 
 
+def _repeated(name: str, what: str, request_of: Callable[[Attacker], bytes]) -> Attack:
+    """Return an attack that sends a request again and again, from four connections at a time."""
+
+    async def attack(attacker: Attacker) -> None:
+        request = request_of(attacker)
+
+        async def go_on(_number: int) -> None:
+            while attacker.goes_on():
+                async with attacker.connected() as (reader, writer):
+                    writer.write(request)
+                    answer = await asyncio.wait_for(reader.read(4096), 60)
+                    attacker.counts[_status(answer)] += 1
+
+        await asyncio.gather(*map(go_on, range(4)))
+
+    attack.__name__, attack.__doc__ = name, what
+    return attack
+
+
+def _with_lines(head: bytes, *lines: bytes) -> bytes:
+    return head.removesuffix(b"\r\n") + b"".join(line + b"\r\n" for line in lines) + b"\r\n"
+
+
+def _stranger(attacker: Attacker, method: str, path: str, length: int | None = None) -> bytes:
+    return attacker.head(method, path, length, signed_in=False)
+
+
 Attack = Callable[[Attacker], Awaitable[None]]
+
+_FIELDS = b"a=1&" * 250_000
+_KEYS = b"{" + b",".join(b'"%d":1' % number for number in range(90_000)) + b"}"
+
+PARSED: tuple[Attack, ...] = (
+    _repeated(
+        "forms",
+        "Send a megabyte of fields as the form of an invitation.",
+        lambda a: _stranger(a, "POST", "/join", len(_FIELDS)) + _FIELDS,
+    ),
+    _repeated(
+        "queries",
+        "Ask with a query of 15,000 fields.",
+        lambda a: _stranger(a, "GET", "/?" + "a=1&" * 15_000),
+    ),
+    _repeated(
+        "many_lines",
+        "Send a head of 15,000 lines.",
+        lambda a: _with_lines(_stranger(a, "GET", "/"), *[b"a:"] * 15_000),
+    ),
+    _repeated(
+        "cookies",
+        "Send 4,000 backslashes between quotes as a cookie, of 60,000 that are possible.",
+        lambda a: _with_lines(_stranger(a, "GET", "/"), b'Cookie: a="' + b"\\" * 4000 + b'"'),
+    ),
+    _repeated(
+        "chunks",
+        "Send a quarter of a megabyte in chunks of a byte.",
+        lambda a: (
+            _with_lines(_stranger(a, "POST", "/join"), b"Transfer-Encoding: chunked")
+            + b"1\r\na\r\n" * 43_000
+        ),
+    ),
+    _repeated(
+        "without_waiting",
+        "Send 1,000 requests without waiting for answers.",
+        lambda a: _stranger(a, "GET", "/").replace(b"Connection: close\r\n", b"") * 1000,
+    ),
+    _repeated(
+        "handshakes",
+        "Offer 4,000 subprotocols for a stream.",
+        lambda a: _with_lines(
+            _stranger(a, "GET", "/api/games/x/stream").replace(b": close", b": Upgrade"),
+            b"Upgrade: websocket",
+            b"Sec-WebSocket-Version: 13",
+            b"Sec-WebSocket-Key: YWFhYWFhYWFhYWFhYWFhYQ==",
+            b"Sec-WebSocket-Protocol: " + b"a," * 3900 + b"a",
+        ),
+    ),
+    _repeated(
+        "wrong_fields",
+        "Send JSON with 90,000 fields that are not known, signed in.",
+        lambda a: a.head("POST", "/api/games", len(_KEYS)) + _KEYS,
+    ),
+)
+"""What takes a server that parses it in its event loop long."""
 
 ATTACKS: dict[str, Attack] = {
     attack.__name__: attack
@@ -415,6 +498,7 @@ ATTACKS: dict[str, Attack] = {
         unknown_games,
         bad_frames,
         event_streams,
+        *PARSED,
     )
 }
 

@@ -70,6 +70,10 @@ class Fleet:
         """Return whether every process has loaded at least so many consoles."""
         return all(written["consoles"] >= n_each for written in self._ask())
 
+    def memory(self) -> list[dict[str, Any]]:
+        """Return what each process holds, see ``memory_use``."""
+        return [written["memory"] for written in self._ask()]
+
     def _ask(self) -> list[dict[str, Any]]:
         for path, process in zip(self.measures, self.processes, strict=True):
             path.unlink(missing_ok=True)
@@ -81,7 +85,7 @@ class Fleet:
 
 @contextmanager
 def running_fleet(
-    data: Path, n_processes: int, games_each: int, niceness: int = 0
+    data: Path, n_processes: int, games_each: int, niceness: int = 0, trace_memory: bool = False
 ) -> Iterator[Fleet]:
     """Run server processes for the block, with all their consoles loaded.
 
@@ -90,6 +94,7 @@ def running_fleet(
         n_processes: Number of processes.
         games_each: Most games in each.
         niceness: Their niceness; only root may choose a negative one.
+        trace_memory: Whether they are to say which lines allocate, which makes them slower.
     """
     with ExitStack() as stack:
         held = stack.enter_context(take_port(Settings(data=data, port=0), shares_port=True))
@@ -107,6 +112,7 @@ def running_fleet(
                 "--niceness": niceness,
             }
             command = [sys.executable, "-m", "benchmarks.play.support.measured_server"]
+            command += ["--trace-memory"] * trace_memory
             words = [str(word) for pair in arguments.items() for word in pair]
             started = subprocess.Popen([*command, *words], stderr=log)
             stack.callback(_stop, started)

@@ -13,11 +13,13 @@ import os
 import signal
 import socket
 import sys
+import tracemalloc
 from pathlib import Path
 
 from fastapi import FastAPI
 
 from benchmarks.play.support import jpeg
+from benchmarks.play.support.memory import memory_use
 from server.app import create_app
 from server.main import LOGGING, SWITCH_INTERVAL_S, Server, bind, server_config
 from server.play.rules import PlayRules
@@ -48,6 +50,7 @@ class MeasuredServer(Server):
             "late": services.games.lateness.counts,
             "watched_late": services.watching.lateness.counts,
             "consoles": services.consoles.n_loaded,
+            "memory": memory_use(),
         }
         write_whole(self._measures, json.dumps(content).encode())
 
@@ -60,7 +63,10 @@ def main() -> None:
     parser.add_argument("--measures", type=Path, required=True)
     parser.add_argument("--games", type=int, required=True, help="most games in this process")
     parser.add_argument("--niceness", type=int, default=0)
+    parser.add_argument("--trace-memory", action="store_true", help="say which lines allocate")
     arguments = parser.parse_args()
+    if arguments.trace_memory:
+        tracemalloc.start()
     os.setpriority(os.PRIO_PROCESS, 0, arguments.niceness)
     logging.config.dictConfig(LOGGING)
     sys.setswitchinterval(SWITCH_INTERVAL_S)

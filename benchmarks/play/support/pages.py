@@ -289,7 +289,11 @@ async def play_on_and_on(
     """
     async with client_of(settings) as http:
         while True:
-            path = await new_game(http, counts)
+            try:
+                path = await new_game(http, counts)
+            except httpx2.TransportError:
+                counts.broken += 1
+                path = None
             if path is None:
                 await asyncio.sleep(1.0)
                 continue
