@@ -17,7 +17,8 @@ from tril.store.database import Database
 _LOG = logging.getLogger(__name__)
 
 POLL_S = 0.5
-PING_S = 15.0
+PING_S = 5.0
+"""Longest silence. A page that hears nothing for longer listens again."""
 PRUNE_EVERY_POLLS = 1200
 
 Change = tuple[str, str]
@@ -112,7 +113,7 @@ class ChangeStream:
                 try:
                     await asyncio.wait_for(listener.woken.wait(), PING_S)
                 except TimeoutError:
-                    yield ": ping\n\n"
+                    yield "event: ping\ndata\n\n"
                     continue
                 listener.woken.clear()
                 pending, listener.pending = listener.pending, {}

@@ -34,6 +34,10 @@ GRACEFUL_SHUTDOWN_S = 5
 TLS_HANDSHAKE_S = 10.0
 """Until it is over a connection has no place yet."""
 
+UNACKNOWLEDGED_MS = 30_000
+"""How long what was sent may stay unacknowledged. Without this, connections to machines that are
+asleep or unplugged would keep their places for a quarter of an hour."""
+
 BACKLOG = 512
 
 SWITCH_INTERVAL_S = 0.0005
@@ -187,6 +191,8 @@ def take_port(settings: Settings, shares_port: bool = False) -> socket.socket:
     if os.name == "posix":
         taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
+        if hasattr(socket, "TCP_USER_TIMEOUT"):  # connections inherit it
+            taken.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNACKNOWLEDGED_MS)
         if shares_port:
             taken.setsockopt(socket.SOL_SOCKET, _reuse_port(), 1)
         taken.bind((settings.host, settings.port))

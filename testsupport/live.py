@@ -22,6 +22,7 @@ from server.play.rules import PlayRules
 from server.play.wire.codec import FrameDecoder, Screen
 from server.play.wire.protocol import (
     AckMessage,
+    Alive,
     Ended,
     FrameMessage,
     Hello,
@@ -154,16 +155,17 @@ class GameClient:
     _inputs: int = 0
 
     def next(self, timeout_s: float = TIMEOUT_S) -> FrameMessage | ServerMessage:
-        """Wait for the next message."""
+        """Wait for the next message that says more than that the server is alive."""
         data = self.socket.recv(timeout=timeout_s)
         if isinstance(data, str):
-            return parse_server(data)
-        message = parse_frame(data)
-        self.frames.append(message)
-        self.screens[message.frame] = self._decoder.decode(message.encoded)
+            message = parse_server(data)
+            return self.next(timeout_s) if isinstance(message, Alive) else message
+        frame = parse_frame(data)
+        self.frames.append(frame)
+        self.screens[frame.frame] = self._decoder.decode(frame.encoded)
         if self.acknowledges:
-            self.acknowledge(message.sequence)
-        return message
+            self.acknowledge(frame.sequence)
+        return frame
 
     def until(
         self, kind: type[Message], accept: Callable[[Message], bool] = lambda _message: True

@@ -106,6 +106,8 @@ class Watcher:
         data = self.socket.recv(timeout=timeout_s)
         if isinstance(data, str):
             message: dict[str, Any] = json.loads(data)
+            if message["type"] == "alive":
+                return self.next(timeout_s)
             self.said.append(message)
             return message
         lane, frame = data[0], parse_frame(data[1:])

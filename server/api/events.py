@@ -21,7 +21,7 @@ router = APIRouter(tags=["events"])
         200: {
             "content": {"text/event-stream": {"schema": {"type": "string"}}},
             "description": 'Events named "change" with data {"topic", "key"}: what to load again. '
-            "A comment every 15 s keeps the connection open.",
+            'An event named "ping" follows 5 s of silence: without it the connection is lost.',
         }
     },
 )

@@ -12,6 +12,7 @@ from starlette.websockets import WebSocket
 from server.dependencies import services_of
 from server.play.session.session import PlaySession
 from server.play.wire.connection import Connection
+from server.play.wire.heartbeat import heartbeat
 from server.play.wire.protocol import BadMessage, Close, Command, SetSpeed, parse_client
 from tril.errors import NotFound, Unavailable
 from tril.store.games import GameOver
@@ -34,7 +35,11 @@ async def play_over(
 ) -> None:
     """Play a game over a WebSocket and a connection on top of it, until it closes."""
     await websocket.accept()
-    tab = tab or str(uuid4())
+    async with heartbeat(connection.send):
+        await _play(websocket, connection, game_id, tab or str(uuid4()))
+
+
+async def _play(websocket: WebSocket, connection: Connection, game_id: str, tab: str) -> None:
     if not _TAB.fullmatch(tab):
         await connection.close(Close.BAD_MESSAGE, "Expected the tab's UUID.")
         return

@@ -17,6 +17,7 @@ from server.play.watch.messages import (
 )
 from server.play.watch.session import WatchSession
 from server.play.watch.watch_socket import WatchSocket
+from server.play.wire.heartbeat import heartbeat
 from server.play.wire.protocol import BadMessage, Close, SetSpeed
 from tril.errors import Invalid, NotFound, Unavailable
 
@@ -38,18 +39,19 @@ async def watch(
     await websocket.accept()
     socket = WatchSocket(websocket)
     watching = services_of(websocket).watching
-    try:
-        request = parse_request(str(run_id), player, start, draw, take)
-        session = await watching.open(request, socket, identity_of(websocket).player_id)
-    except (Invalid, NotFound, Unavailable) as error:
-        await socket.close(_code_of(error), "", Refused(why=str(error)))
-        return
-    try:
-        await session.greet()
-        await _receive(websocket, session)
-    finally:
-        socket.is_open = False
-        await watching.close(session)
+    async with heartbeat(socket.say):
+        try:
+            request = parse_request(str(run_id), player, start, draw, take)
+            session = await watching.open(request, socket, identity_of(websocket).player_id)
+        except (Invalid, NotFound, Unavailable) as error:
+            await socket.close(_code_of(error), "", Refused(why=str(error)))
+            return
+        try:
+            await session.greet()
+            await _receive(websocket, session)
+        finally:
+            socket.is_open = False
+            await watching.close(session)
 
 
 def _code_of(error: Exception) -> Close:

@@ -289,7 +289,13 @@ class TakenOver(Message):
     type: Literal["taken_over"] = "taken_over"
 
 
-ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver
+class Alive(Message):
+    """Sent once a second: a page that receives nothing for longer has lost the connection."""
+
+    type: Literal["alive"] = "alive"
+
+
+ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver | Alive
 _SERVER_MESSAGES: TypeAdapter[ServerMessage] = TypeAdapter(
     Annotated[ServerMessage, Field(discriminator="type")]
 )

@@ -16,6 +16,7 @@ from server.play.wire.codec import FrameEncoder, palette_json
 from server.play.wire.messages import alien_geometry
 from server.play.wire.protocol import (
     AckMessage,
+    Alive,
     Countdown,
     Ended,
     FrameMessage,
@@ -141,6 +142,7 @@ def _server_messages() -> list[ServerMessage]:
             verification_note="",
         ),
         TakenOver(),
+        Alive(),
     ]
 
 
