@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from server.play.consoles import ConsolePool
-from server.play.session.clock import FRAME_S
+from server.play.session.clock import FRAME_S, JumpDetector
 from server.play.wire.scene import Scene
 from tril.games.atari.console import Console
 from tril.games.space_invaders import memory as game
@@ -83,6 +83,9 @@ async def play_backwards(
 
     Returns:
         The frame shown last.
+
+    Raises:
+        StoodStill: Time jumped.
     """
     loop = asyncio.get_running_loop()
     console = await asyncio.to_thread(consoles.take)
@@ -100,7 +103,9 @@ async def play_backwards(
                     await show(scenes[to])
                     frame = to
                 deadline = max(deadline + FRAME_S, loop.time())
+                jumps = JumpDetector()
                 await asyncio.sleep(deadline - loop.time())
+                jumps.check(FRAME_S)
     finally:
         consoles.give_back(console)
     return frame

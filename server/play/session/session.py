@@ -11,7 +11,7 @@ from server.play.consoles import ConsolePool
 from server.play.lateness import Lateness
 from server.play.rules import PlayRules
 from server.play.session.activity import Activity
-from server.play.session.clock import FrameClock, is_set_within
+from server.play.session.clock import FrameClock, JumpDetector, StoodStill, is_set_within
 from server.play.session.live_game import LiveGame
 from server.play.session.rewind import play_backwards
 from server.play.wire.byte_budget import TokenBucket
@@ -254,6 +254,7 @@ class PlaySession:
     async def _rewind(self, connection: Connection) -> None:
         """Play backwards until the player releases the button, and resume there."""
         released, stop = self._rewind_released, self._activity.stop_requested
+        why = ""
         try:
             self.phase = Phase.REWINDING
             frame = await play_backwards(
@@ -272,43 +273,59 @@ class PlaySession:
                 message, console = self.game.rewind(rewound.recorder, rewound.recording_id)
                 self._resources.consoles.give_back(console)
                 await connection.send(message)
+        except StoodStill as error:
+            why = str(error)
         finally:
             self._wait_for_player()
-        if not stop.is_set():
+        if why:
+            await self._show()
+            await self.send(Paused(why=why))
+        elif not stop.is_set():
             self._begin()
 
     async def _count_down_and_play(self) -> None:
         rules, stop = self._resources.rules, self._activity.stop_requested
+        why = ""
         try:
             self.phase = Phase.COUNTING
+            jumps = JumpDetector()
             for seconds in range(rules.countdown, 0, -1):
                 await self.send(Countdown(seconds=seconds))
                 if await is_set_within(stop, rules.countdown_second_s):
                     return
+                jumps.check(rules.countdown_second_s)
             await self.send(Countdown(seconds=0))
             self.phase = Phase.PLAYING
             with self._resources.consoles.loading_suspended():
-                await self._play()
+                why = await self._play()
+        except StoodStill as error:
+            why = str(error)
         finally:
             self._wait_for_player()
         if self.game.episode.end is not None:
             self._end()
-        elif self._is_stalled:
-            await self.send(Paused(why=WHY_STALLED))
+        elif why:
+            await self.send(Paused(why=why))
 
-    async def _play(self) -> None:
+    async def _play(self) -> str:
+        """Execute frames; returns why the game was paused, if its player has to be told.
+
+        Raises:
+            StoodStill: Time jumped.
+        """
         if self.connection is not None:
             self.connection.discard_taps()
         clock = FrameClock(self.game_id, self._resources.lateness)
         while not self.is_stopping and self.game.episode.end is None:
             connection = self.connection
             if connection is None or not connection.is_open:
-                return
+                break
             if connection.stalled_for_s > self._resources.rules.stalled_after_s:
                 self._is_stalled = True
-                return
+                return WHY_STALLED
             await self._tick(connection)
             await clock.wait(self.game.conditions.speed_percent)
+        return ""
 
     async def _tick(self, connection: Connection) -> None:
         """Execute and show one frame."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from server.play.conditions import FULL_SPEED_PERCENT
 from server.play.session.activity import Activity
-from server.play.session.clock import FrameClock
+from server.play.session.clock import FrameClock, JumpDetector
 from server.play.session.session import WHY_STALLED, Phase, SessionResources
 from server.play.watch.attention_feed import AttentionFeed
 from server.play.watch.lane import Lane
@@ -219,7 +219,7 @@ class WatchSession:
         """Wait until the next frame's actions are decided, or the games are to stop.
 
         Raises:
-            TrilError: They can't be decided.
+            TrilError: They can't be decided, or time jumped meanwhile.
         """
         if not any(lane.game.needs_action for lane in self.lanes):
             return
@@ -228,11 +228,20 @@ class WatchSession:
             asking = self._ask()
         stopped = asyncio.create_task(self._activity.stop_requested.wait())
         both: set[asyncio.Task[Any]] = {asking, stopped}
+        jumps = JumpDetector()
+        is_said = False
         try:
-            done, _ = await asyncio.wait(both, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
-            if not done:
-                await self.socket.say(Waiting())
-                await asyncio.wait(both, return_when="FIRST_COMPLETED")
+            while True:
+                done, _ = await asyncio.wait(
+                    both, timeout=PATIENCE_S, return_when="FIRST_COMPLETED"
+                )
+                jumps.check(PATIENCE_S)
+                if done:
+                    break
+                if not is_said:
+                    await self.socket.say(Waiting())
+                    is_said = True
+            if is_said:
                 await self.socket.say(Playing())
         finally:
             stopped.cancel()

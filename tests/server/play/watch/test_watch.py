@@ -15,6 +15,7 @@ import pytest
 from sqlalchemy import func, select
 
 from server.play.rules import PlayRules
+from server.play.session import clock
 from server.play.wire.protocol import MAX_UNACKNOWLEDGED, Close
 from testsupport.live import QUICK, LiveServer, live_server
 from testsupport.waiting import wait_until
@@ -124,6 +125,21 @@ def test_a_watched_game_is_the_one_of_the_evaluation(
     assert all(
         sum(one["probabilities"]) == pytest.approx(1, abs=1e-3) for one in page.of("decision")
     )
+
+
+def test_watched_games_are_paused_after_the_machine_slept(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with watching(scene.live.settings, scene.run_id, "imitator.greedy", start=START) as page:
+        first = page.until("hello")["frame"]
+        page.say("play")
+        page.until_frame(first + 8)
+        elapsed_s = clock._elapsed_s
+        monkeypatch.setattr(clock, "_elapsed_s", lambda: elapsed_s() + 60)
+        assert "stood still for 60 s" in page.until("paused")["why"]
+        standing = page.frames[0][-1].frame
+        page.say("play")
+        page.until_frame(standing + 8)
 
 
 def test_the_screens_are_those_of_the_evaluations_recording(scene: Scene) -> None:
