@@ -14,6 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from tril.errors import Unavailable
 from tril.jobs.queue import QUEUES, VERSION, WORKFLOW, open_client
 from tril.settings import Settings
+from tril.store import processes
 from tril.store.database import Database
 from tril.store.models import RunDevice, RunRow, RunStatus
 from tril.store.training import leases, runs
@@ -23,7 +24,12 @@ log = logging.getLogger(__name__)
 LOST_AFTER_S = 30.0
 """A lease is revoked once its run did not change for this long, by the watcher's own clock."""
 
+MAX_PATIENCE_DOUBLINGS = 4
+"""Every two leases of a run double the time, since they tell of a slow machine."""
+
 RECONCILE_EVERY_S = 5.0
+MAX_WATCHED_S = 2 * RECONCILE_EVERY_S
+"""What one look counts for at most: a watcher that was suspended itself has watched nothing."""
 
 ACTIVE = frozenset({"ENQUEUED", "DELAYED", "PENDING"})
 GIVEN_UP = "MAX_RECOVERY_ATTEMPTS_EXCEEDED"
@@ -34,11 +40,12 @@ GIVEN_UP_MESSAGE = (
 
 
 @dataclass(frozen=True)
-class _LastChange:
-    """A run and its job as they are, and since when: seconds, monotonic."""
+class _Watch:
+    """A run and its job as they are, for how long they were seen so, and when last: seconds."""
 
     state: tuple[Any, ...]
-    since_s: float
+    unchanged_s: float
+    seen_at_s: float
 
 
 class Jobs:
@@ -51,9 +58,9 @@ class Jobs:
     Args:
         database: The application's database.
         settings: Says where the queue is.
-        lost_after_s: Seconds without a change after which a worker's lease is revoked. The time is
-            measured by watching heartbeats change, so clocks need not agree and a machine that
-            slept is not taken for dead.
+        lost_after_s: Seconds without a change after which a worker's lease is revoked, unless its
+            process is known to live. The time is measured by watching heartbeats change, so clocks
+            need not agree and a machine that slept is not taken for dead.
     """
 
     def __init__(
@@ -62,7 +69,7 @@ class Jobs:
         self._database = database
         self._client = open_client(settings)
         self._lost_after_s = lost_after_s
-        self._last_changes: dict[str, _LastChange] = {}
+        self._watched: dict[str, _Watch] = {}
         self._closing = threading.Event()
         self._reconciling: threading.Thread | None = None
 
@@ -114,7 +121,7 @@ class Jobs:
         jobs = self._jobs(candidates)
         with self._database.reading() as session:
             rows = [row for row in runs.not_over(session) if row.id in set(candidates)]
-        self._last_changes = {row.id: self._last_change(row, jobs.get(row.id)) for row in rows}
+        self._watched = {row.id: self._watch(row, jobs.get(row.id)) for row in rows}
         for row in rows:
             try:
                 self._repair(row, jobs.get(row.id))
@@ -147,29 +154,38 @@ class Jobs:
             self._reconciling.join()
         self._client.destroy()
 
-    def _last_change(self, row: RunRow, job: WorkflowStatus | None) -> _LastChange:
+    def _watch(self, row: RunRow, job: WorkflowStatus | None) -> _Watch:
         state = (row.status, row.epoch, row.heartbeat_at) + (
             (job.status, job.executor_id, job.updated_at) if job else ()
         )
-        earlier = self._last_changes.get(row.id)
-        if earlier is not None and earlier.state == state:
-            return earlier
-        return _LastChange(state, time.monotonic())
+        now_s, earlier = time.monotonic(), self._watched.get(row.id)
+        if earlier is None or earlier.state != state:
+            return _Watch(state, 0.0, now_s)
+        watched_s = min(now_s - earlier.seen_at_s, MAX_WATCHED_S)
+        return _Watch(state, earlier.unchanged_s + watched_s, now_s)
 
-    def _is_stuck(self, run_id: str) -> bool:
-        return time.monotonic() - self._last_changes[run_id].since_s >= self._lost_after_s
+    def _is_lost(self, row: RunRow, worker: str | None) -> bool:
+        """Whether nothing was heard of a run for long, and its worker is not known to live."""
+        if self._watched[row.id].unchanged_s < self._patience_s(row):
+            return False
+        with self._database.reading() as session:
+            return worker is None or not processes.is_at_work(session, worker, row.id)
+
+    def _patience_s(self, row: RunRow) -> float:
+        doublings = min((row.epoch - 1) // 2, MAX_PATIENCE_DOUBLINGS)
+        return float(self._lost_after_s * 2 ** max(0, doublings))
 
     def _repair(self, row: RunRow, job: WorkflowStatus | None) -> None:
         if row.status == RunStatus.QUEUED:
             if job is None or job.status not in ACTIVE:
                 log.info("Run %s waits without a job; it gets one.", row.id)
                 self._deliver(row.id, RunDevice(row.device))
-            elif job.status == "PENDING" and self._is_stuck(row.id):
+            elif job.status == "PENDING" and self._is_lost(row, job.executor_id):
                 self._deliver_again(row, job)
         elif job is not None and job.status == GIVEN_UP:
             with self._database.writing() as session:
                 leases.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
-        elif self._is_stuck(row.id):
+        elif self._is_lost(row, row.worker):
             with self._database.writing() as session:
                 is_queued = leases.revoke(session, row.id, row.epoch)
             if is_queued:
@@ -180,7 +196,7 @@ class Jobs:
             "Nothing was heard of run %s (%s) for %.0f s; another worker may go on with it.",
             row.id,
             job.executor_id if job else "no worker",
-            self._lost_after_s,
+            self._patience_s(row),
         )
         if job is not None and job.status == "PENDING":
             self._client.resume_workflow(row.id, queue_name=QUEUES[RunDevice(row.device)])

@@ -153,6 +153,11 @@ class RunStatus(StrEnum):
         """Whether nothing more happens unless the run is resumed."""
         return self not in NOT_OVER
 
+    @property
+    def is_leased(self) -> bool:
+        """Whether the run is a worker's."""
+        return self in {RunStatus.RUNNING, RunStatus.CANCELLING}
+
 
 NOT_OVER = frozenset({RunStatus.QUEUED, RunStatus.RUNNING, RunStatus.CANCELLING})
 

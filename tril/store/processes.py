@@ -50,7 +50,20 @@ class ProcessIdentity:
     @property
     def has_ended(self) -> bool:
         """Whether the process is known to have ended; of other machines nothing is known."""
-        return self.machine == _machine() and _started(self.pid) != self.started
+        if self.machine != _machine():
+            return False
+        started = _started(self.pid)
+        # Another user's process may hide when it started.
+        return started is None or (started != self.started and "" not in {started, self.started})
+
+    @property
+    def is_running(self) -> bool:
+        """Whether the process is known to live; of other machines and containers nothing is known.
+
+        Where the system does not tell when a process started, a later one may have its id.
+        """
+        is_told = self.machine == _machine() and self.started != ""
+        return is_told and _started(self.pid) == self.started
 
     @property
     def age_s(self) -> float | None:
@@ -93,13 +106,16 @@ class ProcessStatus:
     Attributes:
         name: Unique name, e.g. "worker-0-3f9a2c1d".
         kind: "server", "worker" or "inference".
-        alive: Whether its heartbeat is fresh and it is not known to have ended.
+        alive: Whether it is known to live, or its heartbeat is fresh and it is not known to have
+            ended.
+        busy: Whether it is alive without a fresh heartbeat, e.g. since the machine is overloaded.
         details: What it says about itself.
     """
 
     name: str
     kind: str
     alive: bool
+    busy: bool
     details: dict[str, Any]
 
 
@@ -159,8 +175,9 @@ def statuses(session: Session) -> list[ProcessStatus]:
         .where(ProcessRow.heartbeat_at > moment - FORGOTTEN_AFTER)
         .order_by(ProcessRow.name)
     ).all()
+    fresh = {row.name for row in rows if moment - row.heartbeat_at < ALIVE_FOR}
     alive = {
-        row.name for row in rows if moment - row.heartbeat_at < ALIVE_FOR and not _has_ended(row)
+        row.name for row in rows if (row.name in fresh and not _has_ended(row)) or _is_running(row)
     }
     youngest: dict[tuple[str, str | None], timedelta] = {}
     for row in rows:
@@ -175,7 +192,7 @@ def statuses(session: Session) -> list[ProcessStatus]:
         return silent_for >= REPLACED_AFTER and age is not None and age < silent_for
 
     return [
-        ProcessStatus(row.name, row.kind, row.name in alive, row.details)
+        ProcessStatus(row.name, row.kind, row.name in alive, row.name in alive - fresh, row.details)
         for row in rows
         if row.name in alive or not is_replaced(row)
     ]
@@ -196,6 +213,23 @@ def has_ended(session: Session, name: str) -> bool:
     """Whether a process is known to have ended; one that was never heard of is not."""
     row = session.get(ProcessRow, name, populate_existing=True)
     return row is not None and _has_ended(row)
+
+
+def is_at_work(session: Session, name: str, run_id: str) -> bool:
+    """Whether a worker is known to live and may be at a run, however long it was silent.
+
+    On an overloaded machine heartbeats are late. One in time that does not name the run tells that
+    the worker has left it.
+    """
+    row = session.get(ProcessRow, name, populate_existing=True)
+    if row is None or not _is_running(row):
+        return False
+    return run_id in row.details.get("runs", ()) or not is_fresh(session, row.heartbeat_at)
+
+
+def _is_running(row: ProcessRow) -> bool:
+    identity = _identity(row)
+    return identity is not None and identity.is_running
 
 
 def _has_ended(row: ProcessRow) -> bool:

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
+from types import SimpleNamespace
 
 import pytest
 from dbos import DBOSClient
-from sqlalchemy import text
+from sqlalchemy import text, update
 
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.errors import Conflict
-from tril.jobs import Jobs
-from tril.jobs.delivery import GIVEN_UP
+from tril.jobs import Jobs, delivery
+from tril.jobs.delivery import GIVEN_UP, RECONCILE_EVERY_S
 from tril.jobs.queue import QUEUES, open_client
 from tril.settings import Settings
 from tril.store.database import create_database
-from tril.store.models import RunDevice, RunStatus
+from tril.store.models import ProcessRow, RunDevice, RunRow, RunStatus
 from tril.store.training import leases, runs
 
 LOST_AFTER_S = 1.0
@@ -181,6 +184,127 @@ def test_a_worker_that_lives_keeps_its_run(workplace: Workplace, jobs: Jobs) -> 
             jobs.reconcile()
             time.sleep(0.1)
         assert workplace.run(run_id).epoch == lease.epoch
+
+
+def silence(workplace: Workplace, worker: str, **identity: str) -> None:
+    """Let the last heartbeat of a worker be long ago; say who it is."""
+    with workplace.database.writing() as session:
+        row = session.get_one(ProcessRow, worker)
+        long_ago = row.heartbeat_at - timedelta(minutes=10)
+        session.execute(
+            update(ProcessRow)
+            .where(ProcessRow.name == worker)
+            .values(heartbeat_at=long_ago, **identity)
+        )
+
+
+def reconcile_for(jobs: Jobs, seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        jobs.reconcile()
+        time.sleep(0.1)
+
+
+def test_a_worker_that_is_starved_but_lives_on_this_machine_keeps_its_run(
+    workplace: Workplace, jobs: Jobs
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with idle_worker(workplace, "worker-0") as process:
+        assert said(process) == f"leased {run_id}"
+        process.send_signal(signal.SIGSTOP)
+        silence(workplace, "worker-0")
+        reconcile_for(jobs, 2.5 * LOST_AFTER_S)
+        row = workplace.run(run_id)
+        assert (row.status, row.worker, row.epoch) == (RunStatus.RUNNING, "worker-0", 1)
+        # However patient, a person may end it; what the worker still writes is refused.
+        with workplace.database.writing() as session:
+            session.get_one(RunRow, run_id).heartbeat_at = None
+        jobs.cancel(run_id)
+        assert workplace.run(run_id).status == RunStatus.CANCELLED
+        process.kill()
+
+
+@pytest.mark.parametrize("identity", [{"machine": "another"}, {"started": "1"}])
+def test_a_silent_worker_elsewhere_or_whose_id_is_anothers_by_now_loses_its_run(
+    workplace: Workplace, jobs: Jobs, identity: dict[str, str]
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with idle_worker(workplace, "worker-0") as process:
+        assert said(process) == f"leased {run_id}"
+        process.send_signal(signal.SIGSTOP)
+        silence(workplace, "worker-0", **identity)
+        until(jobs, lambda: workplace.run(run_id).status == RunStatus.QUEUED)
+        process.kill()
+
+
+def test_a_worker_that_lives_and_no_longer_names_the_run_loses_it(
+    workplace: Workplace, jobs: Jobs
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with idle_worker(workplace, "worker-0") as process:
+        assert said(process) == f"leased {run_id}"
+        # Its heartbeat is fresh.
+        until(jobs, lambda: workplace.run(run_id).status == RunStatus.QUEUED)
+        process.kill()
+
+
+def test_a_job_that_a_starved_worker_has_not_begun_yet_stays_its(
+    workplace: Workplace, jobs: Jobs, queue: DBOSClient
+) -> None:
+    run_id = workplace.make_run()
+    jobs.enqueue(run_id)
+    with idle_worker(workplace, "worker-0") as process:
+        assert said(process) == f"leased {run_id}"
+        process.send_signal(signal.SIGSTOP)
+        silence(workplace, "worker-0")
+        with workplace.database.writing() as session:
+            session.get_one(RunRow, run_id).status = RunStatus.QUEUED
+        reconcile_for(jobs, 2.5 * LOST_AFTER_S)
+        assert job_status(queue, run_id) == "PENDING"
+        process.kill()
+
+
+def test_a_watcher_that_was_suspended_itself_revokes_nothing(
+    workplace: Workplace, jobs: Jobs, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    patient = Jobs(workplace.database, workplace.settings)
+    clock_s = 0.0
+    monkeypatch.setattr(delivery, "time", SimpleNamespace(monotonic=lambda: clock_s))
+    run_id = workplace.make_run()
+    workplace.lease(run_id)
+    patient.reconcile()
+    # Two looks, ten minutes apart.
+    clock_s += 600.0
+    patient.reconcile()
+    assert workplace.run(run_id).status == RunStatus.RUNNING
+    while workplace.run(run_id).status == RunStatus.RUNNING:
+        clock_s += RECONCILE_EVERY_S
+        patient.reconcile()
+    assert clock_s == pytest.approx(600.0 + delivery.LOST_AFTER_S - delivery.MAX_WATCHED_S)
+    patient.close()
+
+
+def test_patience_grows_with_every_lease_that_was_lost(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    patient = Jobs(workplace.database, workplace.settings)
+    clock_s = 0.0
+    monkeypatch.setattr(delivery, "time", SimpleNamespace(monotonic=lambda: clock_s))
+    run_id = workplace.make_run()
+    took_s = []
+    for _ in range(7):
+        workplace.lease(run_id)
+        patient.reconcile()
+        leased_at_s = clock_s
+        while workplace.run(run_id).status == RunStatus.RUNNING:
+            clock_s += RECONCILE_EVERY_S
+            patient.reconcile()
+        took_s.append(clock_s - leased_at_s)
+    assert took_s == [30.0, 60.0, 120.0, 240.0, 480.0, 480.0, 480.0]
+    patient.close()
 
 
 def test_cancelling_the_run_of_a_worker_that_is_gone_ends_it(

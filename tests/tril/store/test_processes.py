@@ -69,6 +69,37 @@ def test_a_process_of_another_machine_is_alive_while_its_heartbeat_is_fresh(
     assert alive(workplace) == set()
 
 
+def test_a_process_of_this_machine_is_busy_while_it_lives_without_a_heartbeat(
+    workplace: Workplace,
+) -> None:
+    with subprocess.Popen(["sleep", "600"]) as starved:
+        identity = ProcessIdentity.of(starved.pid)
+        with workplace.database.writing() as session:
+            processes.beat(session, "starved", "worker", {}, identity)
+            processes.beat(session, "later", "worker", {}, replace(identity, started="1"))
+            processes.beat(
+                session, "inside", "worker", {}, replace(identity, machine="a container")
+            )
+            old = session.get_one(ProcessRow, "starved").heartbeat_at - processes.ALIVE_FOR
+            session.execute(update(ProcessRow).values(heartbeat_at=old))
+        with workplace.database.reading() as session:
+            found = {one.name: (one.alive, one.busy) for one in processes.statuses(session)}
+        assert found == {
+            "starved": (True, True), "later": (False, False), "inside": (False, False),
+        }  # fmt: skip
+        starved.kill()
+
+
+def test_a_process_that_hides_when_it_started_is_not_taken_for_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    identity = ProcessIdentity.of(os.getpid())
+    # As /proc with the option hidepid does for the processes of other users.
+    monkeypatch.setattr(processes, "_started", lambda pid: "")
+    assert not identity.has_ended
+    assert not identity.is_running
+
+
 def test_a_process_that_was_replaced_is_listed_for_a_few_minutes_only(
     workplace: Workplace,
 ) -> None:

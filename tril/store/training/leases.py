@@ -14,6 +14,7 @@ from sqlalchemy.engine import CursorResult
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict
+from tril.store import processes
 from tril.store.changes import note_change
 from tril.store.database import database_now
 from tril.store.models import RunRow, RunStatus
@@ -63,7 +64,10 @@ def acquire(
     row = _locked(session, run_id)
     if row is None or row.deleted_at is not None or RunStatus(row.status).is_over:
         return None
-    if row.worker != worker and runs.has_worker(session, row):
+    if row.worker != worker and (
+        runs.has_worker(session, row)
+        or (RunStatus(row.status).is_leased and processes.is_at_work(session, row.worker, run_id))
+    ):
         return None
     row.epoch += 1
     note_change(session, "run", run_id)
@@ -177,13 +181,15 @@ def say_why_it_waits(session: Session, run_id: str, message: str) -> None:
 def revoke(session: Session, run_id: str, epoch: int) -> bool:
     """Give a run back to the queue whose worker is gone, if the lease is still of that epoch.
 
+    A worker that is known to live keeps its run, however long it has been silent.
+
     Returns:
         Whether the run is queued again; one that was being cancelled is over instead.
     """
     row = _locked(session, run_id)
-    if row is None or row.epoch != epoch:
+    if row is None or row.epoch != epoch or not RunStatus(row.status).is_leased:
         return False
-    if row.status not in {RunStatus.RUNNING, RunStatus.CANCELLING}:
+    if processes.is_at_work(session, row.worker, run_id):
         return False
     _give_back(session, row, LOST_MESSAGE)
     note_change(session, "run", run_id)

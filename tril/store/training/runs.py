@@ -273,7 +273,7 @@ def latest_done(
 def has_worker(session: Session, row: RunRow) -> bool:
     """Whether a living worker has the run, as far as can be told."""
     return (
-        row.status in {RunStatus.RUNNING, RunStatus.CANCELLING}
+        RunStatus(row.status).is_leased
         and processes.is_fresh(session, row.heartbeat_at)
         and not processes.has_ended(session, row.worker)
     )
