@@ -121,7 +121,7 @@ def status(as_json: JsonOption = False) -> None:
             if cores := one.details.get("cores"):
                 known.append(f"{cores} cores")
             known += [f"run {run_id}" for run_id in one.details.get("runs", ())]
-            state = "running" if one.alive else "not responding"
+            state = "busy" if one.busy else "running" if one.alive else "not responding"
             console.print(escape(f"{one.name}: {', '.join([state, *known])}"))
 
 

@@ -2006,13 +2006,17 @@ export interface components {
         };
         /**
          * ProcessStatus
-         * @description ``alive`` is false after 15 s without a heartbeat.
+         * @description ``busy`` is true after 15 s without a heartbeat if the process is known to live.
+         *
+         *     ``alive`` is false if it is not.
          *
          *     ``host``, ``cores`` and ``gpu`` say where a worker learns; ``gpu`` is null if not on one.
          */
         ProcessStatus: {
             /** Alive */
             alive: boolean;
+            /** Busy */
+            busy: boolean;
             /** Cores */
             cores: number | null;
             /** Details */

@@ -190,6 +190,7 @@ export function system(workerAlive: boolean): System {
         name: "w1",
         kind: "worker",
         alive: workerAlive,
+        busy: false,
         details: {},
         host: "lab-3",
         cores: 8,

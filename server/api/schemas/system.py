@@ -17,7 +17,9 @@ class Health(Schema):
 
 
 class ProcessStatus(Schema):
-    """``alive`` is false after 15 s without a heartbeat.
+    """``busy`` is true after 15 s without a heartbeat if the process is known to live.
+
+    ``alive`` is false if it is not.
 
     ``host``, ``cores`` and ``gpu`` say where a worker learns; ``gpu`` is null if not on one.
     """
@@ -25,6 +27,7 @@ class ProcessStatus(Schema):
     name: str
     kind: Literal["server", "worker", "inference"]
     alive: bool
+    busy: bool
     details: dict[str, Any]
     host: str | None
     cores: int | None

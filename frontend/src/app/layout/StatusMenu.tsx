@@ -19,7 +19,7 @@ export function StatusMenu() {
   const [open, setOpen] = useState(false);
   const worker = isAlive(system, "worker");
   if (!system || worker === null) return null;
-  const status = worker ? t`Worker ready` : t`Worker not running`;
+  const status = workerStatus(system, worker);
   return (
     <>
       <Button
@@ -43,6 +43,15 @@ export function StatusMenu() {
   );
 }
 
+/** What people read of the workers; a busy one lives, but its machine leaves it no time. */
+function workerStatus(system: System, alive: boolean): string {
+  if (!alive) return t`Worker not running`;
+  const isReady = system.processes.some(
+    (process) => process.kind === "worker" && process.alive && !process.busy,
+  );
+  return isReady ? t`Worker ready` : t`Worker busy`;
+}
+
 const kindNames = () =>
   ({ server: t`Server`, worker: t`Worker`, inference: t`Inference` }) as const;
 
@@ -60,13 +69,18 @@ function Processes({ system }: { system: System }) {
                 {kindNames()[process.kind]}
                 <small className={styles.device}>{deviceOf(process)}</small>
               </th>
-              <td>{process.alive ? t`running` : t`not responding`}</td>
+              <td>{stateOf(process)}</td>
             </tr>
           ))}
         </tbody>
       </table>
     </section>
   );
+}
+
+function stateOf({ alive, busy }: System["processes"][number]): string {
+  if (busy) return t`busy`;
+  return alive ? t`running` : t`not responding`;
 }
 
 /** Where a worker learns: its machine, and its GPU or how many cores it has. */

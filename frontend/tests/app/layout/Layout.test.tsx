@@ -122,6 +122,27 @@ describe("every page", () => {
     ]);
   });
 
+  it("says that a worker is busy which lives without a heartbeat", async () => {
+    const { processes, ...rest } = system(true);
+    const starved = processes.map((process) => ({ ...process, busy: true }));
+    const queued = run({ id: "r1", status: "running", worker_alive: false });
+    serve({
+      ...CALM,
+      "GET /api/system": () => ({ ...rest, processes: starved }),
+      "GET /api/runs/r1": () => queued,
+      "GET /api/runs/r1/metrics": () => ({ last: 0, series: {} }),
+      "GET /api/runs/r1/results": () => results(queued),
+    });
+    open("/runs/r1");
+    await userEvent.click(
+      await screen.findByRole("button", { name: "Worker busy. Processes and disk" }),
+    );
+    const dialog = within(screen.getByRole("dialog", { name: "Processes and disk" }));
+    expect(dialog.getAllByRole("row")[0]?.textContent).toBe("Workerlab-3, 8 coresbusy");
+    expect(await screen.findByRole("button", { name: "Cancel run" })).toBeEnabled();
+    expect(screen.queryByText(/The worker isn’t running/)).toBeNull();
+  });
+
   it("lets the player change the name", async () => {
     const asked = serve({
       ...CALM,
