@@ -13,7 +13,7 @@ import threading
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 import torch
 from dbos import DBOS
@@ -45,8 +45,15 @@ MAX_WORKERS = 64
 
 EMPTY_POLL_S = 2.0
 
+WRITE_PATIENCE_S = 600.0
+"""How long a worker waits for other writers: on an overloaded machine each may take long."""
+
 SWEEP_EVERY_S = 60.0
 """A run that passed to another machine and is done there leaves its scratch folder on this one."""
+
+
+class Superseded(BaseException):
+    """Ends an execution whose job is another's by now; its outcome is not recorded."""
 
 
 def run_worker(
@@ -67,7 +74,7 @@ def run_worker(
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())
-    database = create_database(settings.application_url)
+    database = create_database(settings.application_url, WRITE_PATIENCE_S)
     try:
         check_schema(database)
         with worker_name(settings.data) as name:
@@ -177,6 +184,13 @@ def _take_from_queue(
 
     DBOS.listen_queues([QUEUES[device] for device in devices])
     DBOS.launch()
+    # An execution that lost its job would poll for the outcome of the one that has it, for hours.
+    dbos._sys_db.await_workflow_result = _end_superseded  # type: ignore[method-assign]
+
+
+def _end_superseded(run_id: str, **_options: object) -> NoReturn:
+    log.info("Run %s: its job was delivered again; this execution ends.", run_id)
+    raise Superseded
 
 
 @contextmanager

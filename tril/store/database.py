@@ -27,8 +27,8 @@ _SQLITE_NOW = text("SELECT strftime('%Y-%m-%d %H:%M:%f000', 'now') AS moment").c
 # Not now(), which is when the transaction began, perhaps before it waited for a lock.
 _POSTGRESQL_NOW = text("SELECT clock_timestamp() AS moment").columns(moment=UTCDateTime())
 
-BUSY_TIMEOUT_MS = 15_000
-"""Longest that a writer waits for another one."""
+WRITE_PATIENCE_S = 15.0
+"""Longest that a writer waits for others, unless it is patient."""
 SILENT_WRITER_MS = 60_000
 """PostgreSQL ends a writer's transaction that does nothing for so long: its machine may be gone."""
 WAL_RETRY_S = 0.01
@@ -50,16 +50,21 @@ WRITE_LOCK = 8_411_105_108
 """Key of the advisory lock that a PostgreSQL transaction which writes holds until its end."""
 
 
-def create_database(url: str) -> Database:
-    """Open the database at an SQLAlchemy URL; creates nothing but SQLite's folder."""
+def create_database(url: str, write_patience_s: float = WRITE_PATIENCE_S) -> Database:
+    """Open the database at an SQLAlchemy URL; creates nothing but SQLite's folder.
+
+    Args:
+        url: The URL.
+        write_patience_s: Longest that a transaction which writes waits for others that do.
+    """
     parsed = with_keepalives(url)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
     engine = create_engine(parsed, pool_pre_ping=parsed.get_backend_name() != "sqlite")
     if parsed.get_backend_name() == "sqlite":
-        _set_up_sqlite(engine)
+        _set_up_sqlite(engine, write_patience_s)
     elif parsed.get_backend_name() == "postgresql":
-        _set_up_postgresql(engine)
+        _set_up_postgresql(engine, write_patience_s)
     return Database(engine)
 
 
@@ -168,7 +173,7 @@ def use_wal(cursor: sqlite3.Cursor) -> None:
     Raises:
         sqlite3.OperationalError: The file stayed locked, or can't be written.
     """
-    give_up_at = time.monotonic() + BUSY_TIMEOUT_MS / 1000
+    give_up_at = time.monotonic() + WRITE_PATIENCE_S
     while True:
         try:
             cursor.execute("PRAGMA journal_mode=WAL")
@@ -187,14 +192,14 @@ _READING: dict[str, dict[str, Any]] = {
 }
 
 
-def _set_up_sqlite(engine: Engine) -> None:
+def _set_up_sqlite(engine: Engine, write_patience_s: float) -> None:
     """Turn on durable WAL, foreign keys and waiting writers; SQLAlchemy begins transactions."""
 
     @event.listens_for(engine, "connect")
     def _on_connect(connection: Any, _record: Any) -> None:
         connection.isolation_level = None
         cursor = connection.cursor()
-        cursor.execute(f"PRAGMA busy_timeout={BUSY_TIMEOUT_MS}")
+        cursor.execute(f"PRAGMA busy_timeout={round(write_patience_s * 1000)}")
         use_wal(cursor)
         cursor.execute("PRAGMA synchronous=FULL")
         cursor.execute("PRAGMA foreign_keys=ON")
@@ -206,13 +211,13 @@ def _set_up_sqlite(engine: Engine) -> None:
         connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
 
-def _set_up_postgresql(engine: Engine) -> None:
+def _set_up_postgresql(engine: Engine, write_patience_s: float) -> None:
     """Let writers wait for each other, as SQLite's do, and none wait for ever."""
 
     @event.listens_for(engine, "connect")
     def _on_connect(connection: Any, _record: Any) -> None:
         # Not by the connection's options, which poolers between here and the server may refuse.
-        connection.execute(f"SET lock_timeout = {BUSY_TIMEOUT_MS}")
+        connection.execute(f"SET lock_timeout = {round(write_patience_s * 1000)}")
         connection.execute(f"SET idle_in_transaction_session_timeout = {SILENT_WRITER_MS}")
         connection.commit()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from trainer.runtime.pipeline import GIVEN_BACK, Pipeline
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages import STAGE_WORK
 from tril.stages import Stage
-from tril.store import database as databases
+from tril.store.database import create_database
 from tril.store.models import RunStatus
 
 
@@ -51,8 +52,9 @@ def test_a_run_goes_on_after_another_writer_took_too_long(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(CHOICE, "sqlite")
-    monkeypatch.setattr(databases, "BUSY_TIMEOUT_MS", 50)
     workplace = make_workplace(tmp_path / "data")
+    impatient = create_database(workplace.settings.application_url, write_patience_s=0.05)
+    workplace = replace(workplace, database=impatient)
     other = sqlite3.connect(workplace.settings.data / "tril.sqlite", isolation_level=None)
 
     def wait_in_vain(data: RunData, _progress: Progress) -> None:

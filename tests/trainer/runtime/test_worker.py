@@ -17,7 +17,7 @@ from typing import Any
 
 import psutil
 import pytest
-from sqlalchemy import select, text
+from sqlalchemy import select, text, update
 from sqlalchemy.exc import OperationalError
 from stable_baselines3 import PPO
 
@@ -36,7 +36,7 @@ from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
 from tril.stages import stages_of
 from tril.store import processes, recordings
-from tril.store.models import MetricRow, RunDevice, RunRow, RunStatus
+from tril.store.models import MetricRow, ProcessRow, RunDevice, RunRow, RunStatus
 from tril.store.training import artifacts, evaluations, metrics, runs
 
 SOON_S = 3.0
@@ -213,7 +213,34 @@ def put_to_sleep(workplace: Workplace, worker: WorkerProcess) -> None:
             os.kill(worker.pid, signal.SIGCONT)
 
 
-def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
+def test_a_worker_that_slept_goes_on_with_its_run_which_nobody_took(
+    workplace: Workplace, jobs: Jobs, zygote: Zygote
+) -> None:
+    run_id = workplace.make_run(steps=ENDLESS)
+    jobs.enqueue(run_id)
+
+    def names_run() -> bool:
+        with workplace.database.reading() as session:
+            (status,) = processes.statuses(session)
+        return run_id in status.details["runs"]
+
+    watcher = Jobs(workplace.database, workplace.settings, lost_after_s=1.0)
+    with closing(watcher), zygote.running(workplace.settings.data) as sleeper:
+        until(lambda: is_in(workplace, run_id, "imitator") and names_run(), sleeper)
+        put_to_sleep(workplace, sleeper)
+        watcher.reconcile()
+        asleep_from = time.monotonic()
+        while time.monotonic() < asleep_from + 3.0:
+            watcher.reconcile()
+        assert workplace.run(run_id).epoch == 1
+        heartbeat_at = workplace.run(run_id).heartbeat_at
+        os.kill(sleeper.pid, signal.SIGCONT)
+        until(lambda: workplace.run(run_id).heartbeat_at != heartbeat_at, sleeper)
+        assert workplace.run(run_id).epoch == 1
+        assert sleeper.log.read_text().count("stage imitator begins") == 1
+
+
+def test_a_worker_elsewhere_that_slept_finds_its_run_taken_and_leaves_it_and_its_job(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
     run_id = workplace.make_run(steps=ENDLESS)
@@ -222,11 +249,14 @@ def test_a_worker_that_slept_finds_its_run_taken_and_leaves_it(
     with zygote.running(data) as sleeper:
         until(lambda: is_in(workplace, run_id, "imitator"), sleeper)
         put_to_sleep(workplace, sleeper)
+        with workplace.database.writing() as session:
+            session.execute(update(ProcessRow).values(machine="another"))
         with zygote.running(data, lost_after_s=SOON_S) as other:
             # Until it is leased the run waits in the queue, from which anybody may take it.
             until(lambda: workplace.run(run_id).worker.startswith("worker-1"), other)
             os.kill(sleeper.pid, signal.SIGCONT)
             until(lambda: LEASE_LOST in sleeper.log.read_text(), sleeper)
+            until(lambda: "this execution ends" in sleeper.log.read_text(), sleeper)
             until(lambda: is_in(workplace, run_id, "imitator"), other)
             assert workplace.run(run_id).worker.startswith("worker-1")
             assert "Traceback" not in sleeper.log.read_text()

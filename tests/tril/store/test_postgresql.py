@@ -142,11 +142,8 @@ def test_a_reader_can_not_write(database: Database) -> None:
         session.execute(text("DELETE FROM changes"))
 
 
-def test_a_writer_waits_for_another_one_but_not_for_ever(
-    url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tril.store.database.BUSY_TIMEOUT_MS", 100)
-    database = create_database(url)
+def test_a_writer_waits_for_another_one_but_not_for_ever(url: str) -> None:
+    database = create_database(url, write_patience_s=0.1)
     with database.writing() as session:
         players.rename(session, players.owner(session), "Ada")
         with pytest.raises(OperationalError, match="lock timeout"), database.writing() as second:
