@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import sqlite3
 from collections.abc import Iterator
@@ -36,6 +37,37 @@ def readable_errors() -> Iterator[None]:
     except (TrilError, DatabaseError, sqlite3.DatabaseError) as error:
         errors.print(f"[bold red]Error:[/] {escape(_message(error))}")
         raise typer.Exit(1) from error
+    except OSError as error:
+        advice = _ADVICE.get(error.errno or 0)
+        if advice is None:
+            raise
+        errors.print(f"[bold red]Error:[/] {escape(f'{_what_failed(error)}. {advice}')}")
+        raise typer.Exit(1) from error
+
+
+_FOLDER = "Let this user write there, or choose another data folder with TRIL_DATA."
+_DISK = "Free some space on the disk, or choose another data folder with TRIL_DATA."
+_FILES = "Let this process open more files (ulimit -n 1024), and start again."
+_MEMORY = "Close other programs, or allow more memory, and start again."
+_LOCKS = "Choose a data folder on a disk of this machine with TRIL_DATA."
+_ADVICE = {
+    errno.EROFS: _FOLDER,
+    errno.EACCES: _FOLDER,
+    errno.EPERM: _FOLDER,
+    errno.ENOSPC: _DISK,
+    errno.EDQUOT: _DISK,
+    errno.EMFILE: _FILES,
+    errno.ENFILE: _FILES,
+    errno.ENOMEM: _MEMORY,
+    errno.ENOLCK: _LOCKS,
+    errno.EOPNOTSUPP: _LOCKS,
+    errno.ENOSYS: _LOCKS,
+}
+"""What to do about what the operating system refuses."""
+
+
+def _what_failed(error: OSError) -> str:
+    return f"{error.strerror}: {error.filename}" if error.filename else str(error.strerror)
 
 
 def _message(error: TrilError | DatabaseError | sqlite3.DatabaseError) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -37,18 +39,37 @@ class Workspace:
 
 
 def create_data_folder(settings: Settings) -> None:
-    """Create the data folder if it is missing.
+    """Create the data folder if it is missing, and check that files can be written and locked.
 
     Raises:
-        Unavailable: It can't be created.
+        Unavailable: It can't be created, or not be used.
     """
+    folder = settings.data
     try:
-        settings.data.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Unavailable(
-            f"The data folder {settings.data} can't be created: {error.strerror}. Choose another"
+            f"The data folder {folder} can't be created: {error.strerror}. Choose another"
             " with TRIL_DATA."
         ) from error
+    try:
+        probe = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115
+    except OSError as error:
+        raise Unavailable(
+            f"Nothing can be written in the data folder {folder}: {error.strerror}. Let this user"
+            " write there, or choose another folder with TRIL_DATA."
+        ) from error
+    with probe:
+        try:
+            # Of both kinds: SQLite and the workers use one, `tril up` the other.
+            fcntl.lockf(probe, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(probe, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise Unavailable(
+                f"The file system of the data folder {folder} has no locks ({error.strerror}), and"
+                " without them databases are damaged. Choose a folder on a disk of this machine"
+                " with TRIL_DATA."
+            ) from error
 
 
 def migrate_databases(settings: Settings, *, keep_copy: bool = True) -> None:

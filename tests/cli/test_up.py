@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from cli.main import app
+from cli.output import readable_errors
 from cli.supervision.lock import lock_data_folder
 from cli.workspace import migrate_databases
 from testsupport.databases import on_postgresql
+from trainer.runtime.worker import worker_name
 from tril.errors import Unavailable
 from tril.settings import Settings
 
@@ -90,3 +95,38 @@ def test_damaged_secrets_are_refused_before_anything_starts(data_folder: Path) -
 def test_a_setting_that_makes_no_sense_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TRIL_PORT", "eighty")
     assert "TRIL_PORT=eighty" in _refusal("health", "server")
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "said"),
+    [
+        ("tempfile.TemporaryFile", errno.EROFS, "Nothing can be written"),
+        ("tempfile.TemporaryFile", errno.ENOSPC, "No space left on device"),
+        ("fcntl.lockf", errno.ENOLCK, "has no locks"),
+        ("fcntl.flock", errno.EOPNOTSUPP, "has no locks"),
+    ],
+)
+def test_a_data_folder_that_can_not_be_used_is_refused_with_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str, code: int, said: str
+) -> None:
+    def refuse(*_arguments: object, **_options: object) -> None:
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setenv("TRIL_DATA", str(tmp_path))
+    monkeypatch.setattr(f"cli.workspace.{call}", refuse)
+    refusal = _refusal("status")
+    assert said in refusal
+    assert "TRIL_DATA" in refusal
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_worker_says_that_there_are_no_locks_and_not_that_there_are_too_many_workers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_arguments: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("trainer.runtime.worker.fcntl.lockf", refuse)
+    with pytest.raises(typer.Exit), readable_errors(), worker_name(tmp_path):
+        pass
+    assert "No locks available. Choose a data folder" in " ".join(capsys.readouterr().err.split())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import logging
 import os
@@ -114,6 +115,8 @@ class LocalServer(socketserver.ThreadingUnixStreamServer):
             fcntl.lockf(self._lock_file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as problem:
             self._lock_file.close()
+            if problem.errno not in {errno.EAGAIN, errno.EACCES}:
+                raise
             raise Unavailable("Another inference process serves this data folder.") from problem
         path.unlink(missing_ok=True)
         earlier = os.umask(0o777 & ~SOCKET_MODE)

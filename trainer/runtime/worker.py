@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import gc
 import logging
@@ -221,8 +222,10 @@ def _first_free(folder: Path) -> tuple[int, TextIO]:
         try:
             # Not flock: its lock would pass on to processes that inherit the descriptor.
             fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        except OSError as problem:
             lock.close()
+            if problem.errno not in {errno.EAGAIN, errno.EACCES}:
+                raise
         else:
             return number, lock
     raise Unavailable(f"{MAX_WORKERS} workers run in this data folder already.")
