@@ -4,16 +4,22 @@ import { ProblemError } from "@/api/client";
 
 const RETRIES = 2;
 
-/** Creates a query client; the change stream invalidates its data. */
+/**
+ * Creates a query client; the change stream invalidates its data. Requests are made also where the
+ * browser says that it is offline: Tril may run on this machine, or the browser be wrong.
+ */
 export function createQueryClient(): QueryClient {
   return new QueryClient({
     defaultOptions: {
       queries: {
         staleTime: 30_000,
+        networkMode: "always",
+        refetchOnReconnect: true,
         // A client error stays one; only network and server errors are worth a retry.
         retry: (failures, error) =>
           failures < RETRIES && !(error instanceof ProblemError && error.status < 500),
       },
+      mutations: { networkMode: "always" },
     },
   });
 }
