@@ -19,6 +19,7 @@ MIN_BACKOFF_S = 1.0
 MAX_BACKOFF_S = 30.0
 STABLE_AFTER_S = 60.0
 POLL_S = 0.1
+INHERITED_TIMEOUT_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,6 @@ class Supervisor:
             except subprocess.TimeoutExpired:
                 self._print_line("tril", f"{running.child.name} did not stop in time; killing it.")
             self._kill_group(running.process)
-            running.process.wait()
             for reader in running.readers:
                 reader.join(timeout=1.0)
 
@@ -163,16 +163,26 @@ class Supervisor:
 
     @staticmethod
     def _kill_group(process: subprocess.Popen[str]) -> None:
-        """Kill what is left of a child's process group."""
+        """Kill what is left of a child's process group, and wait for what this process inherits.
+
+        It inherits what a child leaves where it is the first process of a container.
+        """
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        deadline = time.monotonic() + INHERITED_TIMEOUT_S
+        with contextlib.suppress(ChildProcessError):
+            while time.monotonic() < deadline:
+                if os.waitpid(-process.pid, os.WNOHANG)[0] == 0:
+                    time.sleep(POLL_S)
 
 
 @contextlib.contextmanager
 def running(supervisor: Supervisor) -> Iterator[None]:
     """Run a supervisor's children for the duration of a block.
 
-    SIGINT and SIGTERM make its ``watch`` return.
+    SIGINT, SIGTERM and the end of the terminal (SIGHUP, unless it is ignored) make its ``watch``
+    return.
     """
 
     def _on_signal(_number: int, _frame: Any) -> None:
@@ -180,6 +190,9 @@ def running(supervisor: Supervisor) -> Iterator[None]:
 
     signal.signal(signal.SIGINT, _on_signal)
     signal.signal(signal.SIGTERM, _on_signal)
+    # Not under nohup.
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, _on_signal)
     try:
         supervisor.start()
         yield

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import queue
 import signal
@@ -14,11 +15,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
+import pytest
 
-from cli.supervision.supervisor import Child, Supervisor
+from cli.supervision.supervisor import Child, Supervisor, running
 from cli.workspace import migrate_databases
 from testsupport.waiting import PATIENCE_S, wait_until
 from tril.settings import Settings
+
+PR_SET_CHILD_SUBREAPER = 36
 
 Lines = queue.Queue[tuple[str, str]]
 
@@ -42,6 +46,41 @@ def _supervised(*children: Child, stop_timeout_s: float = 10.0) -> Iterator[tupl
         supervisor.request_stop()
         watcher.join()
         supervisor.stop()
+
+
+def test_the_first_process_of_a_container_waits_for_what_a_child_leaves() -> None:
+    # A process that inherits orphans, as the first of a container does.
+    libc = ctypes.CDLL(None)
+    assert libc.prctl(PR_SET_CHILD_SUBREAPER, 1) == 0
+    try:
+        code = (
+            "import subprocess, sys; orphan = subprocess.Popen(['sleep', '600']);"
+            "print(orphan.pid, flush=True); sys.stdin.read()"
+        )
+        with _supervised(Child("child", _python(code))) as (lines, _):
+            orphan = int(_next(lines, "child"))
+            wait_until(lambda: not psutil.pid_exists(orphan))
+    finally:
+        libc.prctl(PR_SET_CHILD_SUBREAPER, 0)
+
+
+@pytest.mark.parametrize("handler", [signal.SIG_DFL, signal.SIG_IGN])
+def test_the_end_of_the_terminal_stops_everything_unless_it_is_ignored(
+    handler: signal.Handlers,
+) -> None:
+    before = {
+        number: signal.getsignal(number)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    }
+    signal.signal(signal.SIGHUP, handler)
+    supervisor = Supervisor([Child("child", _python("import time; time.sleep(600)"))], print)
+    try:
+        with running(supervisor):
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert supervisor.stop_requested == (handler is signal.SIG_DFL)
+    finally:
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
 def _next(lines: Lines, name: str) -> str:
