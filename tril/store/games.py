@@ -356,8 +356,12 @@ def count_open(session: Session, player_id: int | None = None) -> int:
 
 
 def _open(session: Session) -> Select[int]:
+    moment = database_now(session)
+    # A lease that ends later than any can was written before the clock was set back.
     return select(func.count(GameRow.id)).where(
-        GameRow.ended_at.is_(None), GameRow.lease_expires_at > database_now(session) - OPEN_FOR
+        GameRow.ended_at.is_(None),
+        GameRow.lease_expires_at > moment - OPEN_FOR,
+        GameRow.lease_expires_at < moment + LEASE + OPEN_FOR,
     )
 
 

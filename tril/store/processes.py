@@ -121,7 +121,15 @@ class ProcessStatus:
 
 def is_fresh(session: Session, heartbeat_at: datetime | None) -> bool:
     """Whether a heartbeat, written by the database's clock, is recent enough to count."""
-    return heartbeat_at is not None and database_now(session) - heartbeat_at < ALIVE_FOR
+    return heartbeat_at is not None and _is_recent(heartbeat_at, database_now(session))
+
+
+def _is_recent(heartbeat_at: datetime, moment: datetime) -> bool:
+    """Whether a heartbeat is at most as old as one that counts; none is of a later moment.
+
+    Otherwise a process that ended before the clock was set back would live on until then.
+    """
+    return -ALIVE_FOR < moment - heartbeat_at < ALIVE_FOR
 
 
 def beat(
@@ -175,7 +183,7 @@ def statuses(session: Session) -> list[ProcessStatus]:
         .where(ProcessRow.heartbeat_at > moment - FORGOTTEN_AFTER)
         .order_by(ProcessRow.name)
     ).all()
-    fresh = {row.name for row in rows if moment - row.heartbeat_at < ALIVE_FOR}
+    fresh = {row.name for row in rows if _is_recent(row.heartbeat_at, moment)}
     alive = {
         row.name for row in rows if (row.name in fresh and not _has_ended(row)) or _is_running(row)
     }

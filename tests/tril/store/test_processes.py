@@ -100,6 +100,15 @@ def test_a_process_that_hides_when_it_started_is_not_taken_for_ended(
     assert not identity.is_running
 
 
+def test_a_heartbeat_of_before_the_clock_was_set_back_does_not_count(workplace: Workplace) -> None:
+    elsewhere = ProcessIdentity("another machine", 2**22, "5")
+    with workplace.database.writing() as session:
+        processes.beat(session, "worker-0", "worker", {}, elsewhere)
+        later = session.get_one(ProcessRow, "worker-0").heartbeat_at + timedelta(hours=1)
+        session.execute(update(ProcessRow).values(heartbeat_at=later))
+    assert alive(workplace) == set()
+
+
 def test_a_process_that_was_replaced_is_listed_for_a_few_minutes_only(
     workplace: Workplace,
 ) -> None:
