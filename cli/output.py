@@ -34,17 +34,19 @@ def readable_errors() -> Iterator[None]:
     """Print errors that the user can act on as one message; exit with status 1."""
     try:
         yield
-    except (TrilError, DatabaseError, sqlite3.DatabaseError) as error:
+    except (TrilError, DatabaseError, sqlite3.DatabaseError, OverflowError) as error:
         errors.print(f"[bold red]Error:[/] {escape(_message(error))}")
         raise typer.Exit(1) from error
     except OSError as error:
-        advice = _ADVICE.get(error.errno or 0)
+        # What names no file failed within a command, and has to be known.
+        advice = _ADVICE.get(error.errno or 0, _PLACE if error.filename else None)
         if advice is None:
             raise
         errors.print(f"[bold red]Error:[/] {escape(f'{_what_failed(error)}. {advice}')}")
         raise typer.Exit(1) from error
 
 
+_PLACE = "Choose another place."
 _FOLDER = "Let this user write there, or choose another data folder with TRIL_DATA."
 _DISK = "Free some space on the disk, or choose another data folder with TRIL_DATA."
 _FILES = "Let this process open more files (ulimit -n 1024), and start again."
@@ -70,9 +72,11 @@ def _what_failed(error: OSError) -> str:
     return f"{error.strerror}: {error.filename}" if error.filename else str(error.strerror)
 
 
-def _message(error: TrilError | DatabaseError | sqlite3.DatabaseError) -> str:
+def _message(error: TrilError | DatabaseError | sqlite3.DatabaseError | OverflowError) -> str:
     if isinstance(error, TrilError):
         return str(error)
+    if isinstance(error, OverflowError):
+        return "A number is too large."
     reason = error.orig if isinstance(error, DatabaseError) else error
     return (
         f"The database can't be used: {reason}. Check the disk and the data folder (TRIL_DATA)."

@@ -112,6 +112,6 @@ def open_workspace() -> Iterator[Workspace]:
 
 def find_behaviour(session: Session, name: str) -> BehaviourRow:
     """Find a behaviour by its short name or id; raises NotFound."""
-    if name.isdigit():
+    if name.isdecimal() and len(name) < 10:
         return behaviours.get(session, int(name))
     return behaviours.by_slug(session, name)

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from cli.output import JsonOption, console, print_json
@@ -15,6 +16,7 @@ from tril.analysis.summary import GameFigures, summarise
 from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
+from tril.games.space_invaders.starts import EVALUATION_START_COUNT
 from tril.play.episode import DEATHS
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
@@ -52,7 +54,9 @@ def evaluate(
             " selection is sticky.",
         ),
     ] = None,
-    sampling_seed: Annotated[int, typer.Option(min=0, help="Seed of all random draws.")] = 0,
+    sampling_seed: Annotated[
+        int, typer.Option(min=0, max=2**31 - 1, help="Seed of all random draws.")
+    ] = 0,
     as_json: JsonOption = False,
 ) -> None:
     """Play one game from each evaluation start with a trained policy; store nothing."""
@@ -66,7 +70,7 @@ def evaluate(
             for number, game in zip(numbers, figures, strict=True):
                 print_json({"start_number": number} | vars(game))
             return
-        table = Table("start", "end", box=None, title=behaviour.name, title_justify="left")
+        table = Table("start", "end", box=None, title=escape(behaviour.name), title_justify="left")
         for title in ("targets", "strays", "order errors", "steps", "predicted return"):
             table.add_column(title, justify="right")
         for number, game, one in zip(numbers, games, figures, strict=True):
@@ -148,9 +152,11 @@ def _numbers(text: str) -> list[int]:
     try:
         for part in text.split(","):
             first, dash, last = part.partition("-")
+            if int(last or first) >= EVALUATION_START_COUNT:
+                raise ValueError
             numbers += range(int(first), int(last) + 1) if dash else [int(first)]
     except ValueError:
-        raise Invalid(f"Expected starts such as 0,1,2 or 0-31, got {text!r}.") from None
+        raise Invalid(f"Expected starts such as 0,1,2 or 0-31, got {text[:60]!r}.") from None
     if not numbers or len(set(numbers)) != len(numbers):
-        raise Invalid(f"Expected each start once and at least one, got {text!r}.")
+        raise Invalid(f"Expected each start once and at least one, got {text[:60]!r}.")
     return numbers

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +18,7 @@ from cli.workspace import find_behaviour, open_workspace
 from tril.behaviours import score
 from tril.errors import Invalid
 from tril.exchange import recording_transfer
+from tril.files.artifact_store import whole_file
 from tril.recording import RecordingRefused, verify
 from tril.store import behaviours, players, recordings
 
@@ -109,15 +111,13 @@ def export(
     """Export a behaviour's recordings as JSON Lines, ranked ones first, best to worst."""
     with open_workspace() as workspace, workspace.database.reading() as session:
         of = find_behaviour(session, behaviour)
-        lines = [
-            json.dumps(entry) for entry in recording_transfer.export_recordings(session, of.id)
-        ]
-    text = "".join(f"{line}\n" for line in lines)
-    if output is None:
-        sys.stdout.write(text)
-        return
-    output.write_text(text)
-    errors.print(f"Wrote {len(lines)} recordings to {output}.")
+        with whole_file(output) if output else nullcontext(sys.stdout.buffer) as file:
+            n_written = 0
+            for entry in recording_transfer.export_recordings(session, of.id):
+                file.write(f"{json.dumps(entry)}\n".encode())
+                n_written += 1
+    if output is not None:
+        errors.print(f"Wrote {n_written} recordings to {escape(str(output))}.")
 
 
 @app.command("verify")

@@ -30,9 +30,10 @@ app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
 RecipeOption = Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")]
 StepsOption = Annotated[
-    int | None, typer.Option(min=1, help="Steps. Default: what the recipe proposes.")
+    int | None,
+    typer.Option(min=1, max=100_000_000, help="Steps. Default: what the recipe proposes."),
 ]
-SeedOption = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]
+SeedOption = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of every random choice.")]
 SetOption = Annotated[
     list[str] | None, typer.Option("--set", help="Change a value of the recipe: NAME=VALUE.")
 ]
@@ -146,10 +147,10 @@ def list_runs(
         table.add_row(
             entry["id"],
             escape(entry["name"]),
-            entry["recipe"],
+            escape(entry["recipe"]),
             entry["status"],
             entry["stage"],
-            entry["message"],
+            escape(entry["message"]),
             f"{entry['steps']:,}",
             str(entry["training_seed"]),
             f"{entry['progress']:.0%}",
@@ -175,7 +176,9 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
             return
         if row.name:
             console.print(row.name, markup=False)
-        console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
+        console.print(
+            f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}", markup=False
+        )
         if row.notes:
             console.print(row.notes, markup=False)
         if row.parent_run_id is not None:
@@ -264,7 +267,7 @@ def import_file(
         with workspace.database.reading() as session:
             of = behaviours.get(session, added.behaviour_id)
         said = "is here already" if added.was_there else "was imported"
-        errors.print(f"The run {said}; it teaches {of.name} ({of.slug}).")
+        errors.print(f"The run {said}; it teaches {of.name} ({of.slug}).", markup=False)
         console.print(added.run_id)
 
 
@@ -296,7 +299,7 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
         games = evaluations.listing(session, row.id)
         n_targets = behaviours.n_targets(session, row.behaviour_id)
     table = Table(
-        "start", "policy", "actions", "end", title=of.name, box=None, title_justify="left"
+        "start", "policy", "actions", "end", title=escape(of.name), box=None, title_justify="left"
     )
     for title in ("targets", "strays", "predicted return"):
         table.add_column(title, justify="right")

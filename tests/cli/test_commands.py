@@ -214,3 +214,51 @@ def test_a_run_is_exported_and_imported_where_it_is_not(
     assert "not a run that Tril exported" in " ".join(
         _run("runs", "import", str(DATA), status=1).split()
     )
+
+
+@pytest.mark.usefixtures("data_folder")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("behaviours", "delete", "²"),
+        ("behaviours", "delete", "9" * 5_000),
+        ("behaviours", "add", "A", "--target", "9" * 5_000 + ",1"),
+        ("behaviours", "add", "A", "--target", "1,1e9"),
+        ("recordings", "list", "-b", "9" * 30),
+        ("recordings", "import", "nothing.jsonl", "-b", "column-1"),
+        ("recordings", "import", "/", "-b", "column-1"),
+        ("behaviours", "import", "/"),
+        ("runs", "import", "/"),
+        ("runs", "import", "/dev/null"),
+        ("train", "column-1", "--steps", "9" * 30),
+        ("train", "column-1", "--training-seed", "9" * 30),
+        ("train", "column-1", "--set", "evaluation.start_numbers=" + "1," * 100_000),
+        ("train", "column-1", "--set", "policy.n_steps=" + "9" * 5_000),
+        ("evaluate", "x", "--starts", "0-99999999999"),
+        ("evaluate", "x", "--starts", "9" * 5_000),
+        ("people", "role", "9" * 30, "researcher"),
+        ("backup", "--check", "/"),
+        ("backup", "/proc/nowhere/backup"),
+        ("behaviours", "export", "column-1", "-o", "/proc/nowhere/a.json"),
+        ("recordings", "export", "-b", "column-1", "-o", "/proc/nowhere/a.jsonl"),
+    ],
+    ids=lambda arguments: " ".join(arguments)[:40],
+)
+def test_arguments_that_make_no_sense_are_refused_with_a_sentence(
+    arguments: tuple[str, ...],
+) -> None:
+    done = runner.invoke(app, list(arguments))
+    assert done.exit_code in {1, 2}, done.output
+    assert isinstance(done.exception, SystemExit), done.exception
+    assert "Error" in done.output
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_names_are_no_markup_of_the_terminal(tmp_path: Path) -> None:
+    _run("behaviours", "add", "A [/bold] name")
+    assert "A [/bold] name" in _run("behaviours", "list")
+    lines = DATA.read_text().splitlines()
+    file = tmp_path / "one.jsonl"
+    file.write_text(json.dumps({**json.loads(lines[0]), "notes": "[/red]", "[/x]": 1}) + "\n")
+    assert "[/x]" in _run("recordings", "import", str(file), "-b", "column-1")
+    assert "[/red]" in _run("recordings", "list", "-b", "column-1")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import timedelta
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, BinaryIO
 
 import fsspec
 from fsspec.implementations.local import LocalFileSystem
@@ -182,11 +182,23 @@ def _opened(root: str) -> tuple[Any, str]:
 
 def write_whole(place: Path, content: bytes, mode: int = 0o644) -> None:
     """Write a file atomically and durably: temporary file, fsync, rename."""
+    with whole_file(place, mode) as file:
+        file.write(content)
+
+
+@contextmanager
+def whole_file(place: Path, mode: int = 0o644) -> Iterator[BinaryIO]:
+    """Open a file for writing that appears at the end of the block, or not at all if that fails."""
     place.parent.mkdir(parents=True, exist_ok=True)
+    if place.exists() and not place.is_file():
+        # A device or a pipe is written to; a folder is an error.
+        with place.open("wb") as file:
+            yield file
+        return
     descriptor, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name[:40]}-")
     try:
         with os.fdopen(descriptor, "wb") as file:
-            file.write(content)
+            yield file
             file.flush()
             os.fchmod(file.fileno(), mode)
             os.fsync(file.fileno())

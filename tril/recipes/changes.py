@@ -17,6 +17,9 @@ from tril.recipes.values import EvaluationRecipe, Recipe
 
 T = TypeVar("T")
 
+MAX_PROBLEMS = 4
+"""Most refused values that a refusal names."""
+
 FORMER_REWARD_METHODS = ("fast",)
 """Of recipes of earlier versions, which can no longer be trained."""
 
@@ -81,7 +84,10 @@ def with_values(recipe: Recipe, values: Mapping[str, Any]) -> Recipe:
     try:
         return _validator().validate_python(data)
     except ValidationError as error:
-        raise Invalid(" ".join(_problem(one) for one in error.errors())) from error
+        problems = [_problem(one) for one in error.errors()[:MAX_PROBLEMS]]
+        if error.error_count() > MAX_PROBLEMS:
+            problems.append(f"And {error.error_count() - MAX_PROBLEMS:,} more.")
+        raise Invalid(" ".join(problems)) from error
 
 
 def checked(recipe: Recipe) -> Recipe:
@@ -121,11 +127,13 @@ def recipe_from_dict(data: Mapping[str, Any]) -> Recipe:
     """
     try:
         return _rebuilt(Recipe, data)
-    except TypeError as error:
+    except (TypeError, AttributeError) as error:
         raise Invalid(f"This is not a recipe of this version of Tril: {error}.") from error
 
 
 def _rebuilt(kind: type[T], data: Mapping[str, Any]) -> T:
+    if not isinstance(data, Mapping):
+        raise TypeError(f"expected values by name, got {_shortened(data)}")
     values = {}
     for field in fields(kind):  # type: ignore[arg-type]
         if field.name in data:
@@ -166,5 +174,10 @@ def _problem(error: ErrorDetails) -> str:
     for name in path:
         hint = get_type_hints(hint, include_extras=True)[name]
     described = [one.description for one in get_args(hint) if isinstance(one, FieldInfo)]
-    expected = context.get("expected") or described[0]
-    return f"{'.'.join(path)} must be {expected}, got {error['input']!r}."
+    expected = context.get("expected") or next(iter(described), "text")
+    return f"{'.'.join(path)} must be {expected}, got {_shortened(error['input'])}."
+
+
+def _shortened(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:59]}…"

@@ -12,6 +12,9 @@ from tril.games.space_invaders.starts import EVALUATION_START_COUNT
 MAX_DAGGER_STEPS = 60_000
 """DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""
 
+MAX_COUNT = 1_000_000_000
+MAX_STEP_NUMBERS = 10_000
+
 
 def _split(value: object) -> object:
     """Split text at its commas."""
@@ -19,8 +22,12 @@ def _split(value: object) -> object:
 
 
 # The descriptions complete the sentence "policy.n_epochs must be ...".
-Count = Annotated[int, Field(ge=1, description="a whole number, at least 1")]
-CountOrNone = Annotated[int, Field(ge=0, description="a whole number, at least 0")]
+Count = Annotated[
+    int, Field(ge=1, le=MAX_COUNT, description=f"a whole number from 1 to {MAX_COUNT:,}")
+]
+CountOrNone = Annotated[
+    int, Field(ge=0, le=MAX_COUNT, description=f"a whole number from 0 to {MAX_COUNT:,}")
+]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, description="a number above 0")]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, description="a number, at least 0")]
 Share = Annotated[float, Field(ge=0, le=1, description="a number from 0 to 1")]
@@ -28,12 +35,19 @@ Flag = Annotated[bool, Field(description="true or false")]
 StepNumbers = Annotated[
     tuple[Count, ...],
     BeforeValidator(_split),
-    Field(description="whole numbers with commas between, each at least 1"),
+    Field(
+        max_length=MAX_STEP_NUMBERS,
+        description="whole numbers with commas between, each at least 1, at most"
+        f" {MAX_STEP_NUMBERS:,} of them",
+    ),
 ]
 StartNumbers = Annotated[
     tuple[Annotated[int, Field(ge=0, lt=EVALUATION_START_COUNT)], ...],
     BeforeValidator(_split),
-    Field(description=f"numbers from 0 to {EVALUATION_START_COUNT - 1} with commas between"),
+    Field(
+        max_length=EVALUATION_START_COUNT,
+        description=f"numbers from 0 to {EVALUATION_START_COUNT - 1} with commas between",
+    ),
 ]
 Network = Literal["nature", "small"]
 Method = Literal["ppo", "dagger", "gail"]

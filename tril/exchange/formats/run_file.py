@@ -130,14 +130,15 @@ def parse_run(content: bytes) -> RunObject:
         RunRefused: It is invalid, contradicts itself, or is of a newer version.
     """
     try:
-        given = parse_json(decode_json(content))
+        text = decode_json(content)
+        given = parse_json(text)
         if not isinstance(given, dict) or given.get("format") != RUN_FORMAT:
             raise RunRefused("This is not a run that Tril exported.")
         if isinstance(version := given.get("version"), int) and version > RUN_VERSION:
             raise RunRefused("The run was exported by a newer version of Tril. Update Tril.")
         # Refuses what a database can't store.
         normalise_json(given)
-        run = RunObject.model_validate_json(content)
+        run = RunObject.model_validate_json(text)
     except ValidationError as error:
         raise RunRefused(" ".join(describe_errors(error))) from None
     except (RecordingRefused, ValueError, RecursionError) as error:
