@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -229,7 +230,8 @@ def export(
             lambda recording: render(recording, ClipKind.WEBP),
             compact=compact,
         )
-    errors.print(f"Wrote {output} ({output.stat().st_size / 1e6:.1f} MB).")
+    size = output.stat().st_size
+    errors.print(f"Wrote {output} ({size / 1e6:.1f} MB).", markup=False)
 
 
 @app.command("tensorboard")
@@ -246,7 +248,8 @@ def tensorboard(
     with open_workspace() as workspace:
         folder = output or Path("tensorboard") / run_id
         file = write_tensorboard(workspace.database, run_id, folder)
-    errors.print(f"Wrote {file}. Show it with: tensorboard --logdir {folder}")
+    command = shlex.join(["tensorboard", "--logdir", str(folder)])
+    errors.print(f"Wrote {file}. Show it with: {command}", markup=False)
 
 
 @app.command("import")

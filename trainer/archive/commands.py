@@ -44,7 +44,8 @@ def _addition(behaviour: Behaviour) -> str:
     cells = [f"{row + 1},{column + 1}" for row, column in behaviour.target or ()]
     target = [word for cell in cells for word in ("--target", cell)]
     ordered = ["--ordered"] if behaviour.ordered else []
-    return _line("tril", "behaviours", "add", behaviour.name, *target, *ordered)
+    # Behind "--" a name that begins with a dash is no option.
+    return _line("tril", "behaviours", "add", *target, *ordered, "--", behaviour.name)
 
 
 def _set(changes: Mapping[str, Any]) -> list[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
@@ -165,10 +166,13 @@ def _pages(
         (title, game, _data_url(make_clip(recordings.as_recording(game.recording)), "image/webp"))
         for title, game in best_and_worst(exported.evaluation)
     ]
+    lines = commands(exported.run, report.view["behaviour"])
     view = report.view | {
         "run": exported.run,
         "recipe_values": _flat(exported.run.recipe),
-        "commands": commands(exported.run, report.view["behaviour"]),
+        "commands": lines,
+        # Longer than any fence that a name may hold.
+        "fence": "`" * max(3, 1 + max(map(len, re.findall("`+", "".join(lines))), default=0)),
         "tril": __version__,
         "rom_md5": rom_md5(),
     }

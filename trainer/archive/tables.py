@@ -33,7 +33,7 @@ def curves_table(series: Series) -> str:
     return _table(
         ("stage", "step", "name", "value"),
         (
-            (stage, step, name, repr(value))
+            (stage, step, name, value)
             for stage, curves in series.items()
             for name, curve in curves.items()
             for step, value in curve
@@ -74,5 +74,11 @@ def _table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(rows)
+    writer.writerows([_plain(cell) for cell in row] for row in rows)
     return text.getvalue()
+
+
+def _plain(cell: object) -> object:
+    """Return a cell that spreadsheets take for text if it is one, not for a formula (OWASP)."""
+    is_formula = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r", "\n"))
+    return f"'{cell}" if is_formula else cell

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageDraw
 
@@ -354,7 +355,12 @@ def _rendered(figure: Figure, form: PictureForm) -> bytes:
     # Without the time at which it was drawn.
     metadata = {"Date": None} if form is VECTOR else None
     # The same figure gives the same file, whatever fonts its reader has.
-    with matplotlib.rc_context({"svg.hashsalt": "tril", "svg.fonttype": "path"}):
+    # Names are text, not mathematics: $\\frac$ would be an error.
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)
+    with matplotlib.rc_context(
+        {"svg.hashsalt": "tril", "svg.fonttype": "path", "text.parse_math": False}
+    ):
         figure.savefig(
             target, format=form.format, dpi=form.dpi, facecolor="white", metadata=metadata
         )

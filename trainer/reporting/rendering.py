@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -29,8 +30,26 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"number": _number, "interval": _interval, "counting": _counting}
+    environment.filters |= {
+        "number": _number,
+        "interval": _interval,
+        "counting": _counting,
+        "plain": _plain,
+        "code": _code,
+    }
     return environment
+
+
+def _plain(text: object) -> str:
+    """Return text as Markdown shows it: on one line, no markup, HTML, role or mathematics."""
+    escaped = re.sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", " ".join(str(text).split()))
+    # At the beginning of a line these make lists and headings.
+    return re.sub(r"^(\d+(?=[.)](?:\s|$))|(?=[-+=:]))", r"\1\\", escaped)
+
+
+def _code(text: object) -> str:
+    """Return text for a span of code in Markdown: on one line, without backticks."""
+    return " ".join(str(text).split()).replace("`", "'")
 
 
 def _number(value: float | None, form: str) -> str:

@@ -44,7 +44,7 @@ def test_a_persons_run_is_its_recordings_and_a_training(shipped: RunObject) -> N
     ]
     own = Behaviour("two", "Two of them", "", ((0, 0), (1, 5)), ordered=True)
     assert commands(run, own)[0] == (
-        "tril behaviours add 'Two of them' --target 1,1 --target 2,6 --ordered"
+        "tril behaviours add --target 1,1 --target 2,6 --ordered -- 'Two of them'"
     )
 
 
