@@ -29,7 +29,7 @@ from server.play import stream
 from server.play.rules import DEFAULT_RULES, PlayRules
 from server.play.watch import stream as watch_stream
 from server.services import running_services
-from server.web import permissions, problems
+from server.web import permissions, problems, submissions
 from server.web.compression import Compression
 from server.web.exposure import TrustedProxies
 from server.web.middleware import (
@@ -40,6 +40,7 @@ from server.web.middleware import (
 )
 from server.web.pages import FRONTEND, Frontend, Pages, check_frontend
 from server.web.security_headers import SECURITY_HEADERS
+from server.web.submissions import Submissions
 from tril import __version__
 from tril.settings import Settings
 from tril.store.rankings import RankingConflict
@@ -79,9 +80,11 @@ def create_app(
             Middleware(SameOrigin, host_names=settings.host_names),
             Middleware(Authentication),
             Middleware(BodyLimit),
+            Middleware(Submissions),
         ],
     )
     problems.install(app, SECURITY_HEADERS)
+    submissions.install(app)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
     app.include_router(_api(), dependencies=[Depends(permissions.check_permission)])
     # The pages get only what no route matches, so that a wrong method answers 405.

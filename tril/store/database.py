@@ -11,9 +11,10 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.exc import DBAPIError, OperationalError
@@ -48,6 +49,20 @@ _AWAY = ("08", "57P0")
 
 WRITE_LOCK = 8_411_105_108
 """Key of the advisory lock that a PostgreSQL transaction which writes holds until its end."""
+
+
+class WriteGuard(Protocol):
+    """Judges the transactions of a request, see tril.store.submissions."""
+
+    def check(self, session: Session) -> None:
+        """Raise unless the transaction may write."""
+
+    def note(self, session: Session) -> None:
+        """Add what is committed with the transaction's changes."""
+
+
+WRITE_GUARD: ContextVar[WriteGuard | None] = ContextVar("write_guard", default=None)
+"""What judges the transactions of this thread or task."""
 
 
 def create_database(url: str, write_patience_s: float = WRITE_PATIENCE_S) -> Database:
@@ -112,9 +127,17 @@ class Database:
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
-        """Open a session for one transaction; commits at the end, rolls back on an error."""
+        """Open a session for one transaction; commits at the end, rolls back on an error.
+
+        ``WRITE_GUARD`` judges it first, and adds to it last.
+        """
+        guard = WRITE_GUARD.get()
         with self._writing.begin() as session:
+            if guard is not None:
+                guard.check(session)
             yield session
+            if guard is not None:
+                guard.note(session)
 
     @contextmanager
     def upgrading(self) -> Iterator[Connection]:

@@ -494,6 +494,25 @@ class CredentialRow(Base):
     ended_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
 
+class SubmissionRow(Base):
+    """A request that changed something and carried a key, see tril.store.submissions.
+
+    ``content`` is a digest of the request. ``status`` is None until its response is known;
+    ``response`` is None if it is not kept.
+    """
+
+    __tablename__ = "submissions"
+    __table_args__ = (UniqueConstraint("player_id", "key"),)
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    player_id: Mapped[int] = mapped_column(ForeignKey("players.id"))
+    key: Mapped[str] = mapped_column(String(64))
+    content: Mapped[str] = mapped_column(String(64))
+    status: Mapped[int | None] = mapped_column(Integer)
+    response: Mapped[bytes | None] = mapped_column(LargeBinary)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now, index=True)
+
+
 class AuditRow(Base):
     """Something that somebody did; rows are only ever added.
 

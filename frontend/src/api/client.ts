@@ -4,6 +4,7 @@ import createClient from "openapi-fetch";
 
 import { connection } from "./connection";
 import type { paths } from "./schema";
+import { submit } from "./submissions";
 
 /** An error response; its message says what is wrong and what to do. */
 export class ProblemError extends Error {
@@ -31,11 +32,19 @@ class UnreachableError extends Error {
 const GATEWAY_FAILURES = new Set([502, 504]);
 
 /**
- * Fetches and records in `connection` whether the server is reachable and accepts this browser.
+ * Fetches and records in `connection` whether the server is reachable and accepts this browser. A
+ * POST that is repeated before its outcome is known is done once.
  *
  * @throws {UnreachableError} The server did not answer.
  */
-export async function trackedFetch(input: Request | string, init?: RequestInit): Promise<Response> {
+export function trackedFetch(input: Request | string, init?: RequestInit): Promise<Response> {
+  const method = typeof input === "string" ? init?.method : input.method;
+  if (method !== "POST") return fetchOnce(input, init);
+  const url = typeof input === "string" ? new URL(input, location.href) : input;
+  return submit(new Request(url, init), fetchOnce);
+}
+
+async function fetchOnce(input: Request | string, init?: RequestInit): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(input, init);

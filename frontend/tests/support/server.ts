@@ -6,6 +6,7 @@ export interface Asked {
   readonly path: string;
   readonly query: URLSearchParams;
   readonly body: unknown;
+  readonly headers: Headers;
   readonly signal: AbortSignal;
 }
 
@@ -38,6 +39,7 @@ export function serve(answers: Readonly<Record<string, Answer>>): Asked[] {
       path: url.pathname,
       query: url.searchParams,
       body: parsed(text),
+      headers: request.headers,
       signal: request.signal,
     };
     all.push(asked);

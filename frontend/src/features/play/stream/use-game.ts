@@ -2,16 +2,17 @@ import { useMutation } from "@tanstack/react-query";
 import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
 
 import { isNotFound } from "@/api/client";
+import { newUuid } from "@/lib/browser/uuid";
 import { FRAME_RATE_HZ } from "@/lib/format";
 import { ofTab } from "@/lib/storage";
 
 import type { GameState } from "./game-state";
 import { type GameScreen, GameStream } from "./game-stream";
 import { createGame, createGameFrom, getGame } from "./games";
-import { newTabId, streamUrl } from "./tab";
+import { streamUrl } from "./tab";
 import type { Ended } from "./text-messages";
 
-const TAB = newTabId();
+const TAB = newUuid();
 const NO_GAME = () => () => undefined;
 
 /** The storage key of the tab's game, which a reload rejoins. */
