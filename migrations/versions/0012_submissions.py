@@ -23,7 +23,7 @@ def upgrade() -> None:
             ["player_id"], ["players.id"], name="fk_submissions_player_id_players"
         ),
         sa.PrimaryKeyConstraint("id", name="pk_submissions"),
-        sa.UniqueConstraint("player_id", "key", name="uq_submissions_player_id"),
+        sa.UniqueConstraint("player_id", "key", name="uq_submissions_player_id_key"),
     )
     op.create_index("ix_submissions_created_at", "submissions", ["created_at"])
 

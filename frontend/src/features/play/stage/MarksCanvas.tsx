@@ -1,7 +1,7 @@
 import { useEffect, useRef } from "react";
 
 import type { GameStream } from "@/features/play/stream/game-stream";
-import { resolveColour } from "@/lib/css-colour";
+import { resolveColour } from "@/lib/browser/css-colour";
 import type { ScreenSize } from "@/lib/game/use-screen-size";
 import { playedBy, thingColour } from "@/lib/things";
 

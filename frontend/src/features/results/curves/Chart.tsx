@@ -14,7 +14,7 @@ import {
 import uPlot from "uplot";
 
 import { classes } from "@/lib/classes";
-import { onThemeChange } from "@/lib/css-colour";
+import { onThemeChange } from "@/lib/browser/css-colour";
 import { measured, stepLabels, whole } from "@/lib/format";
 
 import styles from "./Chart.module.css";

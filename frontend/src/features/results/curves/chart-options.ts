@@ -1,7 +1,7 @@
 /** How uPlot draws a chart. */
 import type uPlot from "uplot";
 
-import { resolveColour } from "@/lib/css-colour";
+import { resolveColour } from "@/lib/browser/css-colour";
 import { percentLabels, tickLabels } from "@/lib/format";
 
 import type { XRange } from "./chart-data";
