@@ -19,6 +19,7 @@ from tril.addresses import (
     parse_tcp_address,
 )
 from tril.errors import Invalid
+from tril.text import clean_line
 
 PREFIX = "TRIL_"
 _INTERNAL = frozenset({"TRIL_PARENT_PID"})
@@ -115,6 +116,21 @@ class Settings(BaseSettings):
     @classmethod
     def _none_if_empty(cls, value: Any) -> Any:
         return None if value == "" else value
+
+    @field_validator(
+        "host",
+        "allowed_hosts",
+        "trusted_proxies",
+        "database_url",
+        "jobs_database_url",
+        "artifacts_url",
+        "inference_address",
+    )
+    @classmethod
+    def _is_a_line(cls, value: str) -> str:
+        clean_line(value)
+        # As it was given: spaces belong to the name of a folder.
+        return value
 
     @field_validator("trusted_proxies")
     @classmethod

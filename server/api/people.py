@@ -25,6 +25,7 @@ from server.web.problems import CONFLICT, NOT_FOUND
 from tril.store import audit, players
 from tril.store.access import credentials, invitations, roles
 from tril.store.models import CredentialKind
+from tril.text import shown_json
 
 router = APIRouter(tags=["people"])
 
@@ -140,6 +141,6 @@ def list_audit(
     """Return who did what, the newest first, only what is older than the entry ``before``."""
     names = players.names(session)
     return [
-        AuditEntry.of(row, player=names.get(row.player_id or 0))
+        AuditEntry.of(row, player=names.get(row.player_id or 0), details=shown_json(row.details))
         for row in audit.page(session, before, limit)
     ]

@@ -26,6 +26,7 @@ from tril.exchange import recording_transfer
 from tril.games.space_invaders.memory import RAM_NAMES
 from tril.store import behaviours, recordings
 from tril.store.models import RecordingRow
+from tril.text import shown_json
 
 router = APIRouter(tags=["recordings"])
 
@@ -157,7 +158,7 @@ def get_recording_course(
             for branch in recordings.branches(session, row.id, who.sees_only)
             if branch.parent_frame is not None
         ],
-        conditions=row.conditions,
+        conditions=shown_json(row.conditions),
         memory_url=f"/api/recordings/{row.id}/memory?v={version_of(recordings.as_recording(row))}",
         memory_names=[MemoryCell(address=at, name=name) for at, name in sorted(RAM_NAMES.items())],
     )

@@ -16,6 +16,7 @@ from starlette.responses import JSONResponse, Response
 
 from tril.errors import Conflict, Forbidden, Invalid, NotFound, TrilError, Unavailable
 from tril.store.database import is_away, is_busy
+from tril.text import TextRefused, printable
 
 _LOG = logging.getLogger(__name__)
 
@@ -74,8 +75,17 @@ CONFLICT: dict[int | str, dict[str, Any]] = {
 
 def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None) -> JSONResponse:
     """Build an error response."""
-    body = Problem(detail=detail, errors=errors).model_dump()
+    # They quote what was sent, which need not be text that UTF-8 can hold.
+    shown = None if errors is None else _printable_errors(errors)
+    body = Problem(detail=printable(detail, keep="\n"), errors=shown).model_dump()
     return JSONResponse(body, status_code=status)
+
+
+def _printable_errors(errors: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [
+        {"where": [printable(part) for part in one["where"]], "what": printable(one["what"])}
+        for one in errors
+    ]
 
 
 def explain_database_error(error: DBAPIError) -> Unavailable | None:
@@ -180,6 +190,8 @@ def in_plain_words(error: Mapping[str, Any]) -> str:
         return "The request is not valid JSON."
     names = [part for part in error["loc"][1:] if isinstance(part, str)]
     field = names[-1].replace("_", " ").capitalize() if names else "The request"
+    if isinstance(reason := error.get("ctx", {}).get("error"), TextRefused):
+        return f"{field}: {str(reason)[:1].lower()}{str(reason)[1:]}"
     wrong = _WRONG.get(error["type"])
     if wrong is None:
         return f"{field} can't be accepted: {error['msg']}."

@@ -16,6 +16,7 @@ from tril.errors import NotFound, TrilError
 from tril.store import behaviours, players
 from tril.store.access import credentials, invitations
 from tril.store.models import Role
+from tril.text import TextRefused
 
 MAX_FIELDS = 8
 """Most fields of a form or a query of somebody who is not signed in."""
@@ -73,14 +74,19 @@ async def join(request: Request, pages: SmallPages) -> Response:
             # Somebody who may play one behaviour has nothing to choose from on the first page.
             path = "/" if behaviour_id is None else f"/behaviours/{behaviour_id}/play"
             return _with_cookie(request, secret_of_browser, path)
+        except TextRefused as refusal:
+            wrong = pages.texts.name_too_long
+            if refusal.character is not None:
+                wrong = pages.texts.name_refused.format(character=refusal.character)
+            return await _ask_for_name(request, pages, signed, wrong)
         except TrilError:
             # The name is missing, or the invitation was revoked since; the page says which.
             pass
-    return await _ask_for_name(request, pages, signed, lacks=True)
+    return await _ask_for_name(request, pages, signed, pages.texts.name_missing)
 
 
 async def _ask_for_name(
-    request: Request, pages: SmallPages, signed: str, lacks: bool = False
+    request: Request, pages: SmallPages, signed: str, wrong: str | None = None
 ) -> Response:
     services = services_of(request)
     secret = services.access.secrets.secret_in(signed)
@@ -99,7 +105,7 @@ async def _ask_for_name(
                 behaviour = behaviours.get(session, row.behaviour_id).name
             if present is not None:
                 player = players.get(session, present.player_id).name
-            return pages.name_page(invitations.PATH, signed, behaviour, player, lacks)
+            return pages.name_page(invitations.PATH, signed, behaviour, player, wrong)
 
     try:
         async with services.read_limit.slot(request.client and request.client.host):

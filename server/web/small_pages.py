@@ -43,6 +43,11 @@ class Texts:
     )
     name: str = "What is your name?"
     name_missing: str = "Give a name, so that your games can be told from those of others."
+    name_refused: str = (
+        "The name has a character that can't be seen or changes how others are seen ({character}). "
+        "Type the name instead of pasting it."
+    )
+    name_too_long: str = "A name can have at most 80 characters."
     begin: str = "Begin"
     revoked: str = "This invitation was revoked"
     revoked_why: str = (
@@ -77,6 +82,9 @@ _GERMAN = Texts(
     "du angemeldet.",
     name="Wie heißt du?",
     name_missing="Gib einen Namen an, damit man deine Spiele von denen anderer unterscheiden kann.",
+    name_refused="Der Name hat ein Zeichen, das man nicht sieht oder das andere anders aussehen "
+    "lässt ({character}). Tippe den Namen, statt ihn einzufügen.",
+    name_too_long="Ein Name kann höchstens 80 Zeichen haben.",
     begin="Los",
     revoked="Diese Einladung wurde zurückgezogen",
     revoked_why="Sie lässt niemanden mehr herein. Bitte die Person, die sie dir geschickt hat, um "
@@ -150,7 +158,12 @@ class SmallPages:
         return self.page(401, title, f"<p>{text}</p>{form}", head)
 
     def name_page(
-        self, path: str, invitation: str, behaviour: str | None, player: str | None, lacks: bool
+        self,
+        path: str,
+        invitation: str,
+        behaviour: str | None,
+        player: str | None,
+        wrong: str | None,
     ) -> Response:
         """Return the page that asks somebody who is invited for a name.
 
@@ -159,7 +172,7 @@ class SmallPages:
             invitation: What the link contains.
             behaviour: What they are to play; None for a researcher.
             player: Who is signed in with this browser; None for nobody.
-            lacks: Whether no name was given before.
+            wrong: What is wrong with the name that was given before, as HTML; None if none was.
         """
         said = self.texts
         invited = said.invited_researcher
@@ -168,9 +181,9 @@ class SmallPages:
         if player is not None:
             invited += f"</p><p>{said.present.format(player=escape(player))}"
         described, why = ("", "")
-        if lacks:
+        if wrong is not None:
             described = 'aria-invalid="true" aria-describedby="why"'
-            why = f'\n<p class="wrong" id="why">{said.name_missing}</p>'
+            why = f'\n<p class="wrong" id="why">{wrong}</p>'
         return self.page(
             200,
             said.welcome,

@@ -23,6 +23,7 @@ from tril.recording import Recording
 from tril.store import audit, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, Source
+from tril.text import shown_json
 
 MAX_EXAMPLES = 20
 """Most messages that are kept of a file, of each kind; the others are counted."""
@@ -229,6 +230,6 @@ def dump_row(row: RecordingRow, tier: int | None = None) -> dict[str, Any]:
         tier=tier,
         perfect=row.perfect,
         source=Source(row.source).value,
-        conditions=row.conditions,
+        conditions=shown_json(row.conditions),
         notes=row.notes,
     )

@@ -11,7 +11,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from tril.behaviours import BUILT_IN, Behaviour, Cell
-from tril.errors import Conflict, Invalid, NameTaken, NotFound
+from tril.errors import Conflict, NameTaken, NotFound
 from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import (
@@ -25,6 +25,7 @@ from tril.store.models import (
     Verification,
     now,
 )
+from tril.text import clean_line, folded, shown_line
 
 MAX_BEHAVIOURS = 500
 """Most behaviours that can exist at the same time."""
@@ -138,6 +139,7 @@ def create(
 
     Raises:
         Invalid: The name is empty or the target is not valid.
+        TextRefused: The name or the description can't be accepted.
         NameTaken: There is one of this name.
         Conflict: There are MAX_BEHAVIOURS already.
     """
@@ -146,7 +148,8 @@ def create(
     )
     if (n or 0) >= MAX_BEHAVIOURS:
         raise Conflict(f"There are {n} behaviours already; delete some first.")
-    behaviour = Behaviour(_free_slug(session, name), name.strip(), description, target, ordered)
+    name = clean_line(name, MAX_NAME_LENGTH)
+    behaviour = Behaviour(_free_slug(session, name), name, description, target, ordered)
     _refuse_taken_name(session, behaviour.name)
     return _add(session, behaviour, built_in=False)
 
@@ -167,9 +170,10 @@ def update(
         Conflict: The target would change although the behaviour is built-in or has recordings or
             runs, which were ranked and judged by it.
     """
-    changed = Behaviour(row.slug, name.strip(), description, target, ordered)
-    _refuse_taken_name(session, changed.name, besides=row.id)
+    changed = Behaviour(row.slug, clean_line(name), description, target, ordered)
     before = as_behaviour(row)
+    if changed.name != before.name:
+        _refuse_taken_name(session, changed.name, besides=row.id)
     if (changed.target, changed.ordered) != (before.target, before.ordered):
         if row.built_in:
             raise Conflict(
@@ -225,11 +229,11 @@ def restore(session: Session, behaviour_id: int, player_id: int | None = None) -
 
 def free_name(session: Session, name: str) -> str:
     """Return a name, followed by a number if behaviours have it already: "Column 1 (2)"."""
-    taken = {_compared(other.name) for other in listing(session)}
-    free, number = name.strip(), 1
-    while _compared(free) in taken:
+    taken = {folded(other.name) for other in listing(session)}
+    free, number = name, 1
+    while folded(free) in taken:
         number += 1
-        free = f"{name.strip()[: MAX_NAME_LENGTH - 6]} ({number})"
+        free = f"{shown_line(name, MAX_NAME_LENGTH - 6)} ({number})"
     return free
 
 
@@ -269,21 +273,15 @@ def _in_use(session: Session, behaviour_id: int) -> bool:
 
 def _refuse_taken_name(session: Session, name: str, besides: int | None = None) -> None:
     for other in listing(session):
-        if other.id != besides and _compared(other.name) == _compared(name):
+        if other.id != besides and folded(other.name) == folded(name):
             raise NameTaken(
                 f"There is a behaviour named {other.name} already. Choose another name."
             )
 
 
-def _compared(name: str) -> str:
-    return unicodedata.normalize("NFKC", name).strip().casefold()
-
-
 def _free_slug(session: Session, name: str) -> str:
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
     base = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:60] or "behaviour"
-    if not any(character.isprintable() for character in name.strip()):
-        raise Invalid("A behaviour needs a name that can be read.")
     taken = set(
         session.scalars(select(BehaviourRow.slug).where(BehaviourRow.slug.like(f"{base}%")))
     )

@@ -20,14 +20,25 @@ from sqlalchemy import (
     String,
     Text,
     UniqueConstraint,
+    event,
     text,
 )
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+from sqlalchemy.orm import (
+    DeclarativeBase,
+    InstrumentedAttribute,
+    Mapped,
+    mapped_column,
+    relationship,
+)
 from sqlalchemy.types import TypeDecorator
 
 from tril.analysis.outcome import RunOutcome, RunSnapshot
+from tril.text import TextRefused, clean_line, clean_lines, shown_line, shown_lines
 
 Model = TypeVar("Model", bound=BaseModel)
+
+UNNAMED = "\ufffd"
+"""Name of what has one that can't be seen; earlier versions accepted such names."""
 
 
 class ModelJSON(TypeDecorator[Model], Generic[Model]):
@@ -71,6 +82,52 @@ class UTCDateTime(TypeDecorator[datetime]):
         return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
 
 
+class LineText(TypeDecorator[str]):
+    """What people write on one line, such as a name: cleaned where it is set, see tril.text.
+
+    What earlier versions stored is read such that it would be accepted today.
+
+    Args:
+        max_length: How many characters are accepted.
+        default: What is read where nothing of a stored text could be seen.
+    """
+
+    impl = String
+    cache_ok = True
+
+    def __init__(self, max_length: int, default: str = "") -> None:
+        super().__init__(max_length)
+        self.max_length = max_length
+        self.default = default
+
+    def clean(self, value: str) -> str:
+        """Return a text as it is stored; raises TextRefused."""
+        return clean_line(value, self.max_length)
+
+    def process_result_value(self, value: str | None, dialect: Any) -> str | None:
+        """Return a stored text such that it would be accepted."""
+        return None if value is None else shown_line(value, self.max_length) or self.default
+
+
+class LinesText(TypeDecorator[str]):
+    """What people write on any number of lines, such as notes; otherwise as LineText."""
+
+    impl = Text
+    cache_ok = True
+
+    def __init__(self, max_length: int) -> None:
+        super().__init__()
+        self.max_length = max_length
+
+    def clean(self, value: str) -> str:
+        """Return a text as it is stored; raises TextRefused."""
+        return clean_lines(value, self.max_length)
+
+    def process_result_value(self, value: str | None, dialect: Any) -> str | None:
+        """Return a stored text such that it would be accepted."""
+        return None if value is None else shown_lines(value, self.max_length)
+
+
 def now() -> datetime:
     """The present moment, in UTC."""
     return datetime.now(UTC)
@@ -88,6 +145,26 @@ class Base(DeclarativeBase):
             "pk": "pk_%(table_name)s",
         }
     )
+
+
+@event.listens_for(Base, "attribute_instrument", propagate=True)
+def _clean_what_is_set(
+    _class: type[Base], name: str, attribute: InstrumentedAttribute[Any]
+) -> None:
+    """Have a column's text cleaned when it is set, whoever sets it."""
+    column = getattr(attribute.property, "columns", (None,))[0]
+    if column is None or not isinstance(column.type, LineText | LinesText):
+        return
+    kind = column.type
+
+    def clean(_row: Base, value: str, _before: object, _initiator: object) -> str:
+        try:
+            return kind.clean(value)
+        except TextRefused as refusal:
+            refusal.field = name
+            raise
+
+    event.listen(attribute, "set", clean, retval=True)
 
 
 class Role(StrEnum):
@@ -168,7 +245,7 @@ class PlayerRow(Base):
     __tablename__ = "players"
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
-    name: Mapped[str] = mapped_column(String(80))
+    name: Mapped[str] = mapped_column(LineText(80, UNNAMED))
     role: Mapped[str] = mapped_column(String(16))
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
 
@@ -180,8 +257,8 @@ class BehaviourRow(Base):
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
     slug: Mapped[str] = mapped_column(String(80), unique=True)
-    name: Mapped[str] = mapped_column(String(120))
-    description: Mapped[str] = mapped_column(Text, default="")
+    name: Mapped[str] = mapped_column(LineText(120, UNNAMED))
+    description: Mapped[str] = mapped_column(LinesText(2000), default="")
     target: Mapped[list[list[int]] | None] = mapped_column(JSON(none_as_null=True))
     ordered: Mapped[bool] = mapped_column(Boolean, default=False)
     built_in: Mapped[bool] = mapped_column(Boolean, default=False)
@@ -221,7 +298,7 @@ class RecordingRow(Base):
     verification: Mapped[str] = mapped_column(String(16), default=Verification.PENDING)
     verification_note: Mapped[str] = mapped_column(Text, default="")
     perfect: Mapped[bool] = mapped_column(Boolean, default=False)
-    notes: Mapped[str] = mapped_column(Text, default="")
+    notes: Mapped[str] = mapped_column(LinesText(4000), default="")
     conditions: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
@@ -306,8 +383,8 @@ class RunRow(Base):
     behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), index=True)
     player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
     parent_run_id: Mapped[str | None] = mapped_column(ForeignKey("runs.id"))
-    name: Mapped[str] = mapped_column(String(80), default="", server_default=text("''"))
-    notes: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
+    name: Mapped[str] = mapped_column(LineText(80), default="", server_default=text("''"))
+    notes: Mapped[str] = mapped_column(LinesText(4000), default="", server_default=text("''"))
     example: Mapped[bool] = mapped_column(Boolean, default=False)
     example_kind: Mapped[str] = mapped_column(
         String(24), default="scripted", server_default="scripted"
@@ -444,7 +521,7 @@ class InvitationRow(Base):
     __tablename__ = "invitations"
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
-    name: Mapped[str] = mapped_column(String(80))
+    name: Mapped[str] = mapped_column(LineText(80, UNNAMED))
     role: Mapped[str] = mapped_column(String(16))
     behaviour_id: Mapped[int | None] = mapped_column(ForeignKey("behaviours.id"))
     secret_hash: Mapped[str] = mapped_column(String(64), unique=True)
@@ -487,7 +564,7 @@ class CredentialRow(Base):
     player_id: Mapped[int] = mapped_column(ForeignKey("players.id"), index=True)
     invitation_id: Mapped[int | None] = mapped_column(ForeignKey("invitations.id"))
     role: Mapped[str | None] = mapped_column(String(16))
-    name: Mapped[str] = mapped_column(String(80))
+    name: Mapped[str] = mapped_column(LineText(80, UNNAMED))
     secret_hash: Mapped[str] = mapped_column(String(64), unique=True)
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     seen_at: Mapped[datetime | None] = mapped_column(UTCDateTime)

@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 from tril.errors import Invalid, NotFound
 from tril.store.changes import note_change
 from tril.store.models import CredentialRow, PlayerRow, Role
+from tril.text import folded
 
 OWNER_NAME = "Player"
 """Name of the owner until it is changed."""
@@ -44,10 +45,14 @@ def get(session: Session, player_id: int) -> PlayerRow:
 
 
 def add(session: Session, name: str, role: Role) -> PlayerRow:
-    """Add a person; raises Invalid without a name."""
-    if not name.strip():
-        raise Invalid("A player needs a name.")
-    row = PlayerRow(name=name.strip()[:80], role=role)
+    """Add a person.
+
+    Raises:
+        Invalid: They have no name.
+        TextRefused: The name can't be accepted.
+    """
+    row = PlayerRow(name=name, role=role)
+    _refuse_unnamed(row)
     session.add(row)
     session.flush()
     note_change(session, "player", row.id)
@@ -55,10 +60,14 @@ def add(session: Session, name: str, role: Role) -> PlayerRow:
 
 
 def rename(session: Session, player: PlayerRow, name: str) -> None:
-    """Give a player another name."""
-    if not name.strip():
-        raise Invalid("A player needs a name.")
-    player.name = name.strip()
+    """Give a player another name.
+
+    Raises:
+        Invalid: It is empty.
+        TextRefused: It can't be accepted.
+    """
+    player.name = name
+    _refuse_unnamed(player)
     note_change(session, "player", player.id)
 
 
@@ -69,13 +78,13 @@ def named(session: Session, name: str) -> PlayerRow:
     namesake.
     """
     has_signed_in = exists().where(CredentialRow.player_id == PlayerRow.id)
-    row = session.scalar(
+    known = session.scalars(
         select(PlayerRow)
-        .where(PlayerRow.name == name, or_(PlayerRow.role == Role.OWNER, ~has_signed_in))
+        .where(or_(PlayerRow.role == Role.OWNER, ~has_signed_in))
         .order_by(PlayerRow.id)
-        .limit(1)
     )
-    return row or add(session, name, Role.PARTICIPANT)
+    namesakes = (row for row in known if folded(row.name) == folded(name))
+    return next(namesakes, None) or add(session, name, Role.PARTICIPANT)
 
 
 def by_id(session: Session) -> dict[int, PlayerRow]:
@@ -86,3 +95,8 @@ def by_id(session: Session) -> dict[int, PlayerRow]:
 def names(session: Session) -> dict[int, str]:
     """Return every player's name by id."""
     return {key: row.name for key, row in by_id(session).items()}
+
+
+def _refuse_unnamed(player: PlayerRow) -> None:
+    if not player.name:
+        raise Invalid("A player needs a name.")

@@ -282,7 +282,8 @@ def update(
     """Change whether a recording is perfect, or its notes; None leaves them as they are.
 
     Raises:
-        Invalid: It is to be perfect but is not verified, or the notes are too long.
+        Invalid: It is to be perfect but is not verified.
+        TextRefused: The notes can't be accepted.
         Conflict: It is to be perfect but is a result of a training, which nothing learns from.
     """
     if perfect and row.run_id is not None:
@@ -295,8 +296,6 @@ def update(
             "Only a verified recording can be marked as perfect, because learning replays it: "
             f"{row.verification_note or 'its replay is not done yet.'}"
         )
-    if notes is not None and len(notes) > MAX_NOTES_LENGTH:
-        raise Invalid(f"Notes can be {MAX_NOTES_LENGTH} characters long, got {len(notes)}.")
     row.perfect = row.perfect if perfect is None else perfect
     row.notes = row.notes if notes is None else notes
     note_change(session, "recording", row.id)

@@ -6,6 +6,7 @@ from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Cell, Schema
 from tril.store.models import Source
+from tril.text import Line, Lines
 
 
 class Behaviour(Schema):
@@ -28,8 +29,8 @@ class Behaviour(Schema):
 class BehaviourNew(Schema):
     """A behaviour to add."""
 
-    name: str = Field(min_length=1, max_length=120)
-    description: str = Field(default="", max_length=2000)
+    name: Line = Field(min_length=1, max_length=120)
+    description: Lines = Field(default="", max_length=2000)
     target: list[Cell] | None = Field(default=None, max_length=36)
     ordered: StrictBool = False
 
@@ -37,8 +38,8 @@ class BehaviourNew(Schema):
 class BehaviourUpdate(Schema):
     """Omitted fields stay. A target can't change once recordings or runs exist (409)."""
 
-    name: str | None = Field(default=None, min_length=1, max_length=120)
-    description: str | None = Field(default=None, max_length=2000)
+    name: Line | None = Field(default=None, min_length=1, max_length=120)
+    description: Lines | None = Field(default=None, max_length=2000)
     target: list[Cell] | None = Field(default=None, max_length=36)
     ordered: StrictBool | None = None
 

@@ -10,6 +10,7 @@ from pydantic import Field
 from server.api.schemas.base import Id, Schema
 from tril.store.audit import Action
 from tril.store.models import Role
+from tril.text import Line
 
 
 class Player(Schema):
@@ -23,7 +24,7 @@ class Player(Schema):
 class PlayerUpdate(Schema):
     """A player's new name."""
 
-    name: str = Field(min_length=1, max_length=80)
+    name: Line = Field(min_length=1, max_length=80)
 
 
 class Person(Player):
@@ -63,7 +64,7 @@ class Key(Credential):
 class KeyNew(Schema):
     """A key to make."""
 
-    name: str = Field(min_length=1, max_length=80)
+    name: Line = Field(min_length=1, max_length=80)
     role: Literal[Role.OWNER, Role.RESEARCHER, Role.WORKER] = Role.RESEARCHER
 
 
@@ -87,7 +88,7 @@ class Invitation(Schema):
 class InvitationNew(Schema):
     """An invitation to make; participants are invited to one behaviour."""
 
-    name: str = Field(min_length=1, max_length=80)
+    name: Line = Field(min_length=1, max_length=80)
     role: Literal[Role.RESEARCHER, Role.PARTICIPANT] = Role.PARTICIPANT
     behaviour_id: Id | None = None
 

@@ -11,6 +11,7 @@ from server.api.schemas.base import Column, Id, Row, Schema
 from tril.analysis.summary import Policy
 from tril.store.models import RecordingState, Source, Verification
 from tril.store.training.evaluations import ActionSelection
+from tril.text import Lines
 
 
 class Hit(Schema):
@@ -130,7 +131,7 @@ class RecordingUpdate(Schema):
     """Omitted fields stay."""
 
     perfect: StrictBool | None = None
-    notes: str | None = Field(default=None, max_length=4000)
+    notes: Lines | None = Field(default=None, max_length=4000)
 
 
 class RecordingsChange(Schema):

@@ -18,6 +18,7 @@ from tril.stages import Stage
 from tril.store.models import RunDevice, RunStatus
 from tril.store.training.evaluations import ActionSelection
 from tril.store.training.runs import MAX_NAME_LENGTH, MAX_NOTES_LENGTH
+from tril.text import Line, Lines
 
 
 class RunStage(Schema):
@@ -58,7 +59,7 @@ class RunNew(Schema):
     """
 
     behaviour_id: Id
-    recipe: str = "fast"
+    recipe: Line = "fast"
     steps: int | None = Field(default=None, strict=True, ge=1, le=100_000_000)
     learning_rate: float | None = Field(default=None, strict=True, gt=0, le=1)
     training_seed: int = Field(default=0, strict=True, ge=0, le=2**31 - 1)
@@ -72,8 +73,8 @@ class RunNew(Schema):
 class RunUpdate(Schema):
     """Omitted fields stay; an empty text removes what was there."""
 
-    name: str | None = Field(default=None, max_length=MAX_NAME_LENGTH)
-    notes: str | None = Field(default=None, max_length=MAX_NOTES_LENGTH)
+    name: Line | None = Field(default=None, max_length=MAX_NAME_LENGTH)
+    notes: Lines | None = Field(default=None, max_length=MAX_NOTES_LENGTH)
 
 
 class Run(Schema):

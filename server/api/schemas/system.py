@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from server.api.schemas.base import Schema
+from tril.text import Line
 
 
 class Health(Schema):
@@ -37,8 +38,8 @@ class ProcessStatus(Schema):
 class WorkerJoining(Schema):
     """A worker of another machine: its version of Tril and of the database's schema."""
 
-    version: str = Field(max_length=40)
-    revision: str = Field(max_length=40)
+    version: Line = Field(max_length=40)
+    revision: Line = Field(max_length=40)
 
 
 class SharedPlaces(Schema):

@@ -165,7 +165,11 @@ def test_a_run_is_named_and_annotated(client: TestClient) -> None:
     [
         ({"name": "x" * 81}, "Name can have at most 80 characters."),
         ({"notes": "x" * 4001}, "Notes can have at most 4000 characters."),
-        ({"name": "a\0b"}, "Name can't contain a NUL character."),
+        (
+            {"name": "a\0b"},
+            "Name: character 2 is U+0000: a control character. Remove it, or type the text instead"
+            " of pasting it.",
+        ),
         ({"name": 3}, "Name has to be text."),
         ({"steps": 3}, "Steps is not known here."),
     ],

@@ -342,8 +342,8 @@ def test_unknown_members_are_left_out_with_a_notice(
         ("ram_hashes", ["md5"], "ram_hashes.0"),
         ("conditions", [], "conditions: "),
         ("notes", "a" * 4001, "notes: "),
-        ("notes", "a\0b", "can't be stored: 'a\\x00b'"),
-        ("notes", "a\ud800b", "can't be stored: 'a\\ud800b'"),
+        ("notes", "a\0b", "The text 'a\\x00b' can't be accepted. Character 2 is U+0000"),
+        ("notes", "a\ud800b", "The text 'a\\ud800b' can't be accepted. Character 2 is U+D800"),
         ("conditions", {"a": [{"b": math.inf}]}, "A number is too large"),
     ],
 )

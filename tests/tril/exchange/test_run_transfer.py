@@ -312,10 +312,10 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
     "a newer version": (changed(lambda r: r.update(version=2)), "newer version"),
     "a path for an id": (changed(lambda r: r.update(id="../../etc/passwd")), "id"),
     "a name that is too long": (changed(lambda r: r.update(name="x" * 81)), "name"),
-    "notes with a NUL": (changed(lambda r: r.update(notes="\0")), "can't be stored"),
+    "notes with a NUL": (changed(lambda r: r.update(notes="\0")), "can't be accepted"),
     "an unknown member": (changed(lambda r: r.update(more=1)), "more"),
     "infinity": (lambda m: m.update({RUN_FILE: b'{"format": "tril-run", "a": NaN}'}), "can't be"),
-    "a NUL": (changed(lambda r: r["versions"].update(python="\0")), "can't be stored"),
+    "a NUL": (changed(lambda r: r["versions"].update(python="\0")), "can't be accepted"),
     "an unknown stage": (changed(lambda r: r["curves"][0].update(stage="x")), "stage"),
     "other tiers": (changed(lambda r: r["tiers"].pop()), "tiers are not"),
     "a foreign recording": (

@@ -27,6 +27,7 @@ from tril.exchange.formats.recording_object import (
 )
 from tril.games.space_invaders.memory import COLUMNS, MAX_FRAMES, ROWS
 from tril.recording import RecordingRefused
+from tril.text import Line
 
 BEHAVIOUR_FORMAT = "tril-behaviour"
 BEHAVIOUR_VERSION = 1
@@ -64,7 +65,9 @@ class NumberedRecording(_ClosedModel):
     recording: RecordingObject = Field(
         description="In the exchange format of recordings; tier and parent have no meaning here."
     )
-    player: str | None = Field(default=None, min_length=1, max_length=80, description="Who played.")
+    player: Line | None = Field(
+        default=None, min_length=1, max_length=80, description="Who played."
+    )
     played_at: _Time
     unfinished: bool = Field(default=False, description="Whether its game was abandoned.")
     deleted: bool = Field(
@@ -83,7 +86,7 @@ class RevisionObject(_ClosedModel):
         description="Numbers of recordings, best tier first."
     )
     change: Literal["edit", "undo", "redo", "import", "deletion", "example"]
-    player: str | None = Field(default=None, min_length=1, max_length=80)
+    player: Line | None = Field(default=None, min_length=1, max_length=80)
     saved_at: _Time
     undo_to: int | None = Field(default=None, ge=0, description="What an undo brings back.")
     redo_to: int | None = Field(default=None, ge=1, description="What a redo brings back.")
@@ -98,7 +101,7 @@ class BehaviourObject(_ClosedModel):
     version: Annotated[Literal[1], BeforeValidator(reject_bool)]
     game: Literal["space_invaders"]
     slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
-    name: str = Field(min_length=1, max_length=120)
+    name: Line = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)
     target: list[CellArray] | None = Field(
         default=None,

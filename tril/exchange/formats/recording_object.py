@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
@@ -19,6 +19,7 @@ from pydantic import (
 
 from tril.games.space_invaders.memory import COLUMNS, MAX_IDLE_FRAMES, ROWS
 from tril.recording import RecordingRefused
+from tril.text import TextRefused, clean_line, clean_lines
 
 FORMAT = "tril-recording"
 VERSION = 1
@@ -180,30 +181,40 @@ def recording_schema() -> dict[str, Any]:
 
 
 def normalise_json(content: Any, keep_numbers: bool = False) -> Any:
-    """Turn integral floats into ints, since JSON has one number type.
+    """Turn integral floats into ints, since JSON has one number type, and clean texts.
 
     Args:
         content: Parsed JSON.
         keep_numbers: Whether floats stay floats.
 
     Raises:
-        RecordingRefused: A number is infinite, or a text holds a lone surrogate or a NUL.
+        RecordingRefused: A number is infinite, or a text can't be accepted.
     """
     match content:
         case float() if not math.isfinite(content):
             raise RecordingRefused("A number is too large.")
         case float() if content.is_integer() and not keep_numbers:
             return int(content)
-        case str() if "\0" in content or any("\ud800" <= char <= "\udfff" for char in content):
-            raise RecordingRefused(f"This text can't be stored: {truncated(ascii(content))}.")
+        case str():
+            return _cleaned(content, clean_lines)
         case dict():
             return {
-                normalise_json(key): normalise_json(value, keep_numbers or key == "conditions")
+                _cleaned(key, clean_line): normalise_json(
+                    value, keep_numbers or key == "conditions"
+                )
                 for key, value in content.items()
             }
         case list():
             return [normalise_json(value, keep_numbers) for value in content]
     return content
+
+
+def _cleaned(text: str, clean: Callable[[str], str]) -> str:
+    try:
+        return clean(text)
+    except TextRefused as refusal:
+        quoted = truncated(ascii(truncated(text)))
+        raise RecordingRefused(f"The text {quoted} can't be accepted. {refusal}") from None
 
 
 def describe_errors(error: ValidationError) -> Iterator[str]:
@@ -212,6 +223,9 @@ def describe_errors(error: ValidationError) -> Iterator[str]:
     for problem in problems[:4]:
         place = ".".join(str(part) for part in problem["loc"])
         got = truncated(repr(problem["input"]))
+        if isinstance(refusal := problem.get("ctx", {}).get("error"), TextRefused):
+            yield f"{place}: {refusal}"
+            continue
         match problem["type"], place:
             case "missing", _:
                 yield f"{place} is missing."

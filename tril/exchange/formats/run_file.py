@@ -6,6 +6,7 @@ hold them in the order in which they are listed here.
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Annotated, Any, Final, Literal, get_args
@@ -29,6 +30,7 @@ from tril.recording import RecordingRefused
 from tril.stages import Stage
 from tril.store.training.evaluations import ActionSelection
 from tril.store.training.runs import MAX_NAME_LENGTH, MAX_NOTES_LENGTH
+from tril.text import Line
 
 RUN_FORMAT: Final = "tril-run"
 RUN_VERSION: Final = 1
@@ -38,7 +40,7 @@ MAX_GAMES = 2 * len(get_args(ActionSelection)) * EVALUATION_START_COUNT
 MAX_POINTS = 20_000
 
 _Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
-_Text = Annotated[str, Field(max_length=200)]
+_Text = Annotated[Line, Field(max_length=200)]
 
 
 class RunRefused(Invalid):
@@ -53,7 +55,7 @@ class TaughtBehaviour(_ClosedModel):
     """What the run teaches."""
 
     slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
-    name: str = Field(min_length=1, max_length=120)
+    name: Line = Field(min_length=1, max_length=120)
     description: str = Field(max_length=2000)
     target: list[CellArray] | None = Field(min_length=1, max_length=ROWS * COLUMNS)
     ordered: bool
@@ -98,7 +100,7 @@ class RunObject(_ClosedModel):
     game: Literal["space_invaders"]
     tril: _Text
     id: str = Field(pattern="^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
-    name: str = Field(default="", max_length=MAX_NAME_LENGTH)
+    name: Line = Field(default="", max_length=MAX_NAME_LENGTH)
     notes: str = Field(default="", max_length=MAX_NOTES_LENGTH)
     behaviour: TaughtBehaviour
     recipe: dict[str, Any]
@@ -106,7 +108,7 @@ class RunObject(_ClosedModel):
     training_seed: int = Field(ge=0, le=2**31 - 1)
     go_on_anyway: bool
     example: bool
-    example_kind: str = Field(max_length=24)
+    example_kind: Line = Field(max_length=24)
     versions: dict[_Text, _Text] = Field(max_length=64)
     finished_stages: dict[Stage, Annotated[float, Field(ge=0)]]
     created_at: Moment
@@ -136,9 +138,8 @@ def parse_run(content: bytes) -> RunObject:
             raise RunRefused("This is not a run that Tril exported.")
         if isinstance(version := given.get("version"), int) and version > RUN_VERSION:
             raise RunRefused("The run was exported by a newer version of Tril. Update Tril.")
-        # Refuses what a database can't store.
-        normalise_json(given)
-        run = RunObject.model_validate_json(text)
+        # In the mode of JSON, in which times and tuples may be texts and lists.
+        run = RunObject.model_validate_json(json.dumps(normalise_json(given, keep_numbers=True)))
     except ValidationError as error:
         raise RunRefused(" ".join(describe_errors(error))) from None
     except (RecordingRefused, ValueError, RecursionError) as error:

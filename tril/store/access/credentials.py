@@ -22,6 +22,7 @@ from tril.store.models import (
     Role,
     now,
 )
+from tril.text import clean_line, shown_line
 
 BROWSER_LIFETIME = timedelta(days=180)
 
@@ -82,7 +83,7 @@ def sign_in(
         kind=CredentialKind.BROWSER,
         player_id=player_id,
         invitation_id=invitation_id,
-        name=browser[:80],
+        name=shown_line(browser, 80) or "Unknown browser",
         secret_hash=hash_of(secret),
         seen_at=now(),
     )
@@ -99,7 +100,7 @@ def make_key(session: Session, player_id: int, name: str, role: Role) -> tuple[C
         Invalid: It has no name, or a participant's role.
         Conflict: There are MAX_KEYS already.
     """
-    if not name.strip():
+    if not (name := clean_line(name)):
         raise Invalid("Say what the key is for, so that you can tell it from others.")
     if role is Role.PARTICIPANT:
         raise Invalid("A key is an owner's or a researcher's; participants play in a browser.")
@@ -110,7 +111,7 @@ def make_key(session: Session, player_id: int, name: str, role: Role) -> tuple[C
         kind=CredentialKind.KEY,
         player_id=player_id,
         role=role,
-        name=name.strip(),
+        name=name,
         secret_hash=hash_of(secret),
     )
     session.add(row)

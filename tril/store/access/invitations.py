@@ -10,6 +10,7 @@ from tril.store import audit, behaviours, players
 from tril.store.access import credentials
 from tril.store.changes import note_change
 from tril.store.models import InvitationRow, MembershipRow, Role, now
+from tril.text import clean_line
 
 PATH = "/join"
 """Where links lead to on a server."""
@@ -24,7 +25,7 @@ def make(
         Invalid: It has no name, is for another owner, or lacks a participant's behaviour.
         NotFound: There is no such behaviour.
     """
-    if not name.strip():
+    if not (name := clean_line(name)):
         raise Invalid("Say whom the invitation is for, so that you can tell it from others.")
     if role is Role.OWNER:
         raise Invalid("There is one owner. Invite researchers or participants.")
@@ -36,7 +37,7 @@ def make(
         behaviours.get(session, behaviour_id)
     secret = credentials.new_secret()
     row = InvitationRow(
-        name=name.strip(),
+        name=name,
         role=role,
         behaviour_id=behaviour_id,
         secret_hash=credentials.hash_of(secret),
@@ -73,6 +74,7 @@ def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str,
     Raises:
         NotFound: The invitation was revoked or is unknown.
         Invalid: They gave no name.
+        TextRefused: The name can't be accepted.
     """
     row = find(session, secret)
     if row is None:

@@ -327,27 +327,18 @@ def describe(
 ) -> RunRow:
     """Change a run's name or notes; None leaves them as they are, "" removes them.
 
-    Runs of the same name are allowed. Spaces in a name are normalised.
+    Runs of the same name are allowed.
 
     Raises:
-        Invalid: The name or the notes are too long or contain a NUL.
+        TextRefused: The name or the notes can't be accepted.
     """
     row = get(session, run_id, for_update=True)
     if name is not None:
-        row.name = _checked("Name", " ".join(name.split()), MAX_NAME_LENGTH)
+        row.name = name
     if notes is not None:
-        row.notes = _checked("Notes", notes.strip(), MAX_NOTES_LENGTH)
+        row.notes = notes.strip()
     note_change(session, "run", run_id)
     return row
-
-
-def _checked(field: str, text: str, max_length: int) -> str:
-    """Return a text that fits its column; PostgreSQL stores no NUL."""
-    if len(text) > max_length:
-        raise Invalid(f"{field} can have at most {max_length} characters, not {len(text)}.")
-    if "\0" in text:
-        raise Invalid(f"{field} can't contain a NUL character.")
-    return text
 
 
 def delete(session: Session, run_id: str, player_id: int | None = None) -> None:
