@@ -130,7 +130,7 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
         Unavailable: No worker can be kept running.
     """
     columns = (
-        TextColumn("{task.description:<26}"),
+        TextColumn("{task.description:<26}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
@@ -167,7 +167,7 @@ def follow_to_end(workspace: Workspace, run_id: str) -> RunRow:
     with standby_worker(workspace) as worker:
         row = follow(workspace, run_id, worker)
     if row.status != RunStatus.DONE:
-        errors.print(f"[bold]The run is {row.status}.[/] {row.message}")
+        errors.print(Text.assemble((f"The run is {row.status}.", "bold"), f" {row.message}"))
         raise typer.Exit(1)
     return row
 

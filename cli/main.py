@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import typer
+from typer import rich_utils
 
 from cli.commands import behaviours, people, recordings, runs, services
 from cli.commands.backup import backup
@@ -12,6 +13,10 @@ from cli.commands.demo import demo
 from cli.commands.evaluate import evaluate
 from cli.commands.reproduce import reproduce
 from cli.commands.up import up
+from cli.output import PlainConsole
+
+# Typer's errors quote arguments, such as the names of files.
+setattr(rich_utils, "Console", PlainConsole)  # noqa: B010
 
 app = typer.Typer(
     name="tril",

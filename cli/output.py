@@ -5,21 +5,42 @@ from __future__ import annotations
 import errno
 import json
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
 from pydantic import ValidationError
-from rich.console import Console
-from rich.markup import escape
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
+from rich.text import Text
 from sqlalchemy.exc import DatabaseError
 
 from tril.errors import Invalid, TrilError
 from tril.settings import Settings
+from tril.text import printable
 
-console = Console(highlight=False, soft_wrap=True)
-errors = Console(stderr=True, highlight=False, soft_wrap=True)
+
+class PlainConsole(Console):
+    """A console on which no text acts: control sequences in what anybody wrote are escaped.
+
+    What is printed, in whatever form, becomes segments; those of the console itself, such as the
+    movements of a progress bar, are marked as such.
+    """
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterable[Segment]:
+        """Return a renderable as segments of text that is safe to print."""
+        for segment in super().render(renderable, options):
+            if segment.control:
+                yield segment
+            else:
+                yield Segment(printable(segment.text, keep="\n\t"), segment.style)
+
+
+console = PlainConsole(highlight=False, soft_wrap=True, markup=False, emoji=False)
+errors = PlainConsole(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
 
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
@@ -35,14 +56,14 @@ def readable_errors() -> Iterator[None]:
     try:
         yield
     except (TrilError, DatabaseError, sqlite3.DatabaseError, OverflowError) as error:
-        errors.print(f"[bold red]Error:[/] {escape(_message(error))}")
+        errors.print(Text.assemble(("Error:", "bold red"), f" {_message(error)}"))
         raise typer.Exit(1) from error
     except OSError as error:
         # What names no file failed within a command, and has to be known.
         advice = _ADVICE.get(error.errno or 0, _PLACE if error.filename else None)
         if advice is None:
             raise
-        errors.print(f"[bold red]Error:[/] {escape(f'{_what_failed(error)}. {advice}')}")
+        errors.print(Text.assemble(("Error:", "bold red"), f" {_what_failed(error)}. {advice}"))
         raise typer.Exit(1) from error
 
 
@@ -105,4 +126,4 @@ def read_settings() -> Settings:
 
 def print_process_line(name: str, line: str) -> None:
     """Print a line of a child process's output."""
-    console.print(f"[dim]{name:>9} │[/] {escape(line)}", soft_wrap=True)
+    console.print(Text.assemble((f"{name:>9} │", "dim"), f" {line}"))

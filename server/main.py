@@ -24,6 +24,7 @@ from server.web.exposure import check_exposure, is_proxy, may_connect
 from server.web.http_protocol import MAX_HEAD_BYTES, HttpProtocol, ServerConfig
 from server.web.security import MaskToken
 from tril.errors import Unavailable
+from tril.logs import PlainFormatter
 from tril.settings import Settings
 from tril.store.database import create_database
 from tril.store.schema import check_schema
@@ -48,7 +49,12 @@ LOGGING: dict[str, Any] = {
     "version": 1,
     "disable_existing_loggers": False,
     "filters": {"mask_token": {"()": MaskToken}},
-    "formatters": {"plain": {"format": "%(asctime)s %(levelname)s %(name)s: %(message)s"}},
+    "formatters": {
+        "plain": {
+            "()": PlainFormatter,
+            "format": "%(asctime)s %(levelname)s %(name)s: %(message)s",
+        }
+    },
     "handlers": {
         "console": {
             "class": "logging.StreamHandler",

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from cli.output import JsonOption, console, errors, print_json
@@ -59,7 +58,7 @@ def list_behaviours(as_json: JsonOption = False) -> None:
         cells = "none" if target is None else f"{len(target)} aliens"  # type: ignore[arg-type]
         order = ", in order" if entry["ordered"] else ""
         numbers = (str(entry[key]) for key in ("recordings", "ranked", "perfect", "runs"))
-        table.add_row(str(entry["slug"]), escape(str(entry["name"])), cells + order, *numbers)
+        table.add_row(str(entry["slug"]), str(entry["name"]), cells + order, *numbers)
     console.print(table)
 
 
@@ -147,7 +146,7 @@ def export_file(
         except OSError as error:
             raise Invalid(f"{place} can't be written: {error.strerror}.") from error
     for notice in notices:
-        errors.print(notice, style="yellow", markup=False)
+        errors.print(notice, style="yellow")
     console.print(
         f"Wrote {row.slug} to {place}: {len(content['recordings'])} recordings,"
         f" {len(content['rankings'])} revisions of the ranking."
@@ -178,7 +177,7 @@ def import_file(
         print_json(asdict(outcome))
         return
     for notice in outcome.notices:
-        console.print(notice, markup=False)
+        console.print(notice)
     where = "which was empty" if outcome.was_there else "a new behaviour"
     console.print(
         f"Imported into {outcome.slug}, {where}: {outcome.n_recordings} recordings,"

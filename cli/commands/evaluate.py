@@ -6,7 +6,6 @@ from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from cli.output import JsonOption, console, print_json
@@ -70,7 +69,7 @@ def evaluate(
             for number, game in zip(numbers, figures, strict=True):
                 print_json({"start_number": number} | vars(game))
             return
-        table = Table("start", "end", box=None, title=escape(behaviour.name), title_justify="left")
+        table = Table("start", "end", box=None, title=behaviour.name, title_justify="left")
         for title in ("targets", "strays", "order errors", "steps", "predicted return"):
             table.add_column(title, justify="right")
         for number, game, one in zip(numbers, games, figures, strict=True):

@@ -6,7 +6,6 @@ from typing import Annotated
 from urllib.parse import urlsplit
 
 import typer
-from rich.markup import escape
 
 from cli.commands.services import page_url
 from cli.output import JsonOption, console, errors, print_json
@@ -94,7 +93,7 @@ def list_access(as_json: JsonOption = False) -> None:
             print_json(row)
         else:
             known = [f"{key} {value}" for key, value in row.items() if value is not None][1:]
-            console.print(escape(f"{row['what']:>10}  {', '.join(known)}"))
+            console.print(f"{row['what']:>10}  {', '.join(known)}")
 
 
 @app.command()
@@ -109,7 +108,7 @@ def revoke(
         elif what in set(CredentialKind):
             credentials.end(session, CredentialKind(what), number, by_player_id=None)
         else:
-            raise Invalid(f"Say browser, invitation or key, not {what}.")
+            raise Invalid(f"Say browser, invitation or key, not {what!r}.")
 
 
 @app.command()
@@ -123,7 +122,7 @@ def role(
 ) -> None:
     """Make somebody a researcher or a participant; it takes effect within seconds."""
     if role not in {Role.RESEARCHER, Role.PARTICIPANT}:
-        raise typer.BadParameter(f"Say researcher or participant, not {role}.")
+        raise typer.BadParameter(f"Say researcher or participant, not {role!r}.")
     with open_workspace() as workspace, workspace.database.writing() as session:
         behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
         roles.change(session, person, Role(role), behaviour_id, by_player_id=None)
@@ -169,7 +168,7 @@ def _print_entries(workspace: Workspace, before: int | None, limit: int, as_json
         else:
             details = ", ".join(f"{name} {value}" for name, value in entry.details.items())
             line = f"{entry.id:>6}  {entry.at:%Y-%m-%d %H:%M:%S}  {who or 'terminal'}"
-            console.print(escape(f"{line} {entry.action} {entry.subject} {details}".rstrip()))
+            console.print(f"{line} {entry.action} {entry.subject} {details}".rstrip())
 
 
 def _facts(entry: AuditRow) -> dict[str, object]:

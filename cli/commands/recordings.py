@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
@@ -63,7 +63,7 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
             row.end or "",
             row.verification,
             "yes" if row.perfect else "",
-            escape(row.notes),
+            row.notes,
             str(result.targets) if result else "",
             str(result.strays) if result else "",
             f"{row.n_frames / 60:.1f}",
@@ -117,7 +117,7 @@ def export(
                 file.write(f"{json.dumps(entry)}\n".encode())
                 n_written += 1
     if output is not None:
-        errors.print(f"Wrote {n_written} recordings to {escape(str(output))}.")
+        errors.print(f"Wrote {n_written} recordings to {output!s}.")
 
 
 @app.command("verify")
@@ -133,7 +133,7 @@ def verify_all(behaviour: BehaviourOption) -> None:
                 verify(recordings.as_recording(row), hits)
             except RecordingRefused as refusal:
                 wrong += 1
-                errors.print(f"Recording {row.id}: {escape(str(refusal))}")
+                errors.print(f"Recording {row.id}: {refusal}")
         console.print(f"{len(rows) - wrong} of {len(rows)} recordings verify.")
     if wrong:
         raise typer.Exit(1)
@@ -154,12 +154,13 @@ def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_js
         )
         return
     there = f", {len(outcome.already_there)} already there" if outcome.already_there else ""
-    console.print(f"{escape(str(path))}: {len(outcome.recording_ids)} imported{there}")
+    console.print(f"{path}: {len(outcome.recording_ids)} imported{there}")
     for message in outcome.notices:
-        console.print(f"  line {message.line}: {escape(message.reason)}")
+        console.print(f"  line {message.line}: {message.reason}")
     if more := outcome.n_notices - len(outcome.notices):
         console.print(f"  and {more:,} more notices")
     for message in outcome.refusals:
-        errors.print(f"  [red]line {message.line} refused:[/] {escape(message.reason)}")
+        label = f"  line {message.line} refused:"
+        errors.print(Text.assemble((label, "red"), f" {message.reason}"))
     if more := outcome.n_refused - len(outcome.refusals):
-        errors.print(f"  [red]and {more:,} more lines refused[/]")
+        errors.print(f"  and {more:,} more lines refused", style="red")

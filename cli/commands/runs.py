@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 from sqlalchemy.orm import Session
 
@@ -147,11 +146,11 @@ def list_runs(
     for entry in entries:
         table.add_row(
             entry["id"],
-            escape(entry["name"]),
-            escape(entry["recipe"]),
+            entry["name"],
+            entry["recipe"],
             entry["status"],
             entry["stage"],
-            escape(entry["message"]),
+            entry["message"],
             f"{entry['steps']:,}",
             str(entry["training_seed"]),
             f"{entry['progress']:.0%}",
@@ -176,12 +175,10 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
             )
             return
         if row.name:
-            console.print(row.name, markup=False)
-        console.print(
-            f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}", markup=False
-        )
+            console.print(row.name)
+        console.print(f"{row.recipe_name}, {row.steps:,} steps: {row.status} {row.message}")
         if row.notes:
-            console.print(row.notes, markup=False)
+            console.print(row.notes)
         if row.parent_run_id is not None:
             console.print(f"Continues run {row.parent_run_id}.")
         print_results(workspace, row)
@@ -231,7 +228,7 @@ def export(
             compact=compact,
         )
     size = output.stat().st_size
-    errors.print(f"Wrote {output} ({size / 1e6:.1f} MB).", markup=False)
+    errors.print(f"Wrote {output} ({size / 1e6:.1f} MB).")
 
 
 @app.command("tensorboard")
@@ -249,7 +246,7 @@ def tensorboard(
         folder = output or Path("tensorboard") / run_id
         file = write_tensorboard(workspace.database, run_id, folder)
     command = shlex.join(["tensorboard", "--logdir", str(folder)])
-    errors.print(f"Wrote {file}. Show it with: {command}", markup=False)
+    errors.print(f"Wrote {file}. Show it with: {command}")
 
 
 @app.command("import")
@@ -270,7 +267,7 @@ def import_file(
         with workspace.database.reading() as session:
             of = behaviours.get(session, added.behaviour_id)
         said = "is here already" if added.was_there else "was imported"
-        errors.print(f"The run {said}; it teaches {of.name} ({of.slug}).", markup=False)
+        errors.print(f"The run {said}; it teaches {of.name} ({of.slug}).")
         console.print(added.run_id)
 
 
@@ -302,7 +299,7 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
         games = evaluations.listing(session, row.id)
         n_targets = behaviours.n_targets(session, row.behaviour_id)
     table = Table(
-        "start", "policy", "actions", "end", title=escape(of.name), box=None, title_justify="left"
+        "start", "policy", "actions", "end", title=of.name, box=None, title_justify="left"
     )
     for title in ("targets", "strays", "predicted return"):
         table.add_column(title, justify="right")

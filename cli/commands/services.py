@@ -10,7 +10,6 @@ from enum import StrEnum
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 
 from cli.join import join_server
 from cli.output import JsonOption, console, print_json, read_settings, readable_errors
@@ -122,7 +121,7 @@ def status(as_json: JsonOption = False) -> None:
                 known.append(f"{cores} cores")
             known += [f"run {run_id}" for run_id in one.details.get("runs", ())]
             state = "busy" if one.busy else "running" if one.alive else "not responding"
-            console.print(escape(f"{one.name}: {', '.join([state, *known])}"))
+            console.print(f"{one.name}: {', '.join([state, *known])}")
 
 
 def health(service: Service) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Annotated
 
 import typer
-from rich.markup import escape
+from rich.text import Text
 
 from cli.commands.services import (
     ask_inference,
@@ -64,7 +64,7 @@ def up(
         create_data_folder(settings)
         with lock_data_folder(settings.data, server_url(settings)):
             _check_port(settings)
-            console.print(f"Data folder: {escape(str(settings.data))}")
+            console.print(f"Data folder: {settings.data}")
             migrate_databases(settings)
             url = address_with_token(settings, page_url(settings))
             check_frontend()
@@ -117,7 +117,7 @@ def _announce_when_ready(
     if browser and _has_browser():
         webbrowser.open(url)
     console.print("\nTril is ready. Open this address (keep it secret, it contains the key):")
-    console.print(f"  [bold]{escape(url)}[/]\n", soft_wrap=True)
+    console.print(Text.assemble("  ", (url, "bold"), "\n"))
 
 
 def _has_browser() -> bool:
@@ -133,7 +133,9 @@ def _has_browser() -> bool:
 def _warn_of_unknown_settings() -> None:
     for name, nearest in unknown_settings(map(str.upper, os.environ)).items():
         meant = "" if nearest is None else f" Did you mean {nearest}?"
-        errors.print(f"[yellow]Warning:[/] {escape(name)} is no setting of Tril.{meant}")
+        errors.print(
+            Text.assemble(("Warning:", "yellow"), f" {name} is no setting of Tril.{meant}")
+        )
 
 
 def _check_port(settings: Settings) -> None:
