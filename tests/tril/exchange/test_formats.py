@@ -29,6 +29,7 @@ from tril.games.space_invaders.memory import Action, rom_md5
 from tril.play.episode import EndReason, Episode, Start, evaluation_start
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import models
+from tril.text import shown_lines
 
 DOCS = Path(__file__).parents[3] / "docs"
 SCHEMA_FILE = DOCS / "exchange-format.schema.json"
@@ -110,7 +111,7 @@ anything = st.one_of(
     st.sampled_from([["0" * 16], ["0" * 15], [0], {"idle_frames": 3}, {"mode": 0}, {"a": [1.5]}]),
     st.sampled_from(["a" * 4000, "a" * 4001, "é" * 4000]),
     st.integers(),
-    st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=40),
+    st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=40).map(shown_lines),
 )
 
 
