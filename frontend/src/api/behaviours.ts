@@ -1,6 +1,6 @@
 import { queryOptions } from "@tanstack/react-query";
 
-import { api, unwrap } from "./client";
+import { api, patientFetch, unwrap } from "./client";
 import type { Behaviour, BehaviourNew, BehaviourUpdate } from "./types";
 
 export const behavioursQuery = queryOptions({
@@ -47,6 +47,7 @@ export function ghostQuery(behaviourId: number) {
         api.GET("/api/behaviours/{behaviour_id}/ghost", {
           params: { path: { behaviour_id: behaviourId } },
           signal,
+          fetch: patientFetch,
         }),
       ),
   });

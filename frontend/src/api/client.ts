@@ -31,36 +31,61 @@ class UnreachableError extends Error {
 
 const GATEWAY_FAILURES = new Set([502, 504]);
 
+/** Longest time of a request; those for which the server takes a slot wait up to 20 s for it. */
+const TIME_LIMIT_MS = 30_000;
+/** The same of requests that replay, ask a network or upload, which wait up to 120 s. */
+export const PATIENT_MS = 150_000;
+
 /**
  * Fetches and records in `connection` whether the server is reachable and accepts this browser. A
  * POST that is repeated before its outcome is known is done once.
  *
- * @throws {UnreachableError} The server did not answer.
+ * @throws {UnreachableError} The server did not answer in time.
  */
-export function trackedFetch(input: Request | string, init?: RequestInit): Promise<Response> {
+export function trackedFetch(
+  input: Request | string,
+  init?: RequestInit,
+  limitMs = TIME_LIMIT_MS,
+): Promise<Response> {
   const method = typeof input === "string" ? init?.method : input.method;
-  if (method !== "POST") return fetchOnce(input, init);
+  if (method !== "POST") return fetchOnce(input, init, limitMs);
   const url = typeof input === "string" ? new URL(input, location.href) : input;
-  return submit(new Request(url, init), fetchOnce);
+  return submit(new Request(url, init), (request) => fetchOnce(request, undefined, limitMs));
 }
 
-async function fetchOnce(input: Request | string, init?: RequestInit): Promise<Response> {
-  let response: Response;
-  try {
-    response = await fetch(input, init);
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
-    connection.update({ reachable: false });
-    throw new UnreachableError(error);
-  }
+async function fetchOnce(
+  input: Request | string,
+  init: RequestInit | undefined,
+  limitMs: number,
+): Promise<Response> {
+  const given = init?.signal ?? (input instanceof Request ? input.signal : null);
+  const limit = AbortSignal.timeout(limitMs);
+  const signal = given ? AbortSignal.any([given, limit]) : limit;
+  const response = await received(fetch(input, { ...init, signal }));
   connection.update({ reachable: !GATEWAY_FAILURES.has(response.status) });
   if (response.status === 401) connection.update({ authorised: false });
   return response;
 }
 
+/** A fetch for requests that the server may take minutes for. */
+export const patientFetch = (request: Request) => trackedFetch(request, undefined, PATIENT_MS);
+
+/** Waits for a response or its body, either of which may be cut off. */
+async function received<T>(answer: Promise<T>): Promise<T> {
+  try {
+    return await answer;
+  } catch (error) {
+    const { name } = error as Error;
+    // Aborted by whoever asked, or already classified.
+    if (name === "AbortError" || name === "UnreachableError") throw error;
+    connection.update({ reachable: false });
+    throw new UnreachableError(error);
+  }
+}
+
 export const api = createClient<paths>({
   baseUrl: globalThis.location.origin,
-  fetch: trackedFetch,
+  fetch: (request) => trackedFetch(request),
 });
 
 interface Answer<T> {
@@ -71,19 +96,27 @@ interface Answer<T> {
 
 /** Returns a response's data; throws a ProblemError if it is an error. */
 export async function unwrap<T>(call: Promise<Answer<T>>): Promise<T> {
-  const { data, error, response } = await call;
+  const { data, error, response } = await received(call);
   if (!response.ok) throw problemOf(response, error);
   return data as T;
 }
 
 /** Fetches a binary file, such as a recording's frames. */
-export async function fetchBytes(url: string, signal?: AbortSignal): Promise<ArrayBuffer> {
-  return (await fetchFile(url, signal)).arrayBuffer();
+export async function fetchBytes(
+  url: string,
+  signal?: AbortSignal,
+  limitMs = PATIENT_MS,
+): Promise<ArrayBuffer> {
+  return received((await fetchFile(url, signal, limitMs)).arrayBuffer());
 }
 
 /** Fetches a file whose headers matter, too; throws a ProblemError if it is an error. */
-export async function fetchFile(url: string, signal?: AbortSignal): Promise<Response> {
-  const response = await trackedFetch(url, { signal: signal ?? null });
+export async function fetchFile(
+  url: string,
+  signal?: AbortSignal,
+  limitMs = PATIENT_MS,
+): Promise<Response> {
+  const response = await trackedFetch(url, { signal: signal ?? null }, limitMs);
   if (!response.ok) throw problemOf(response, await bodyOf(response));
   return response;
 }

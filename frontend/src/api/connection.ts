@@ -5,12 +5,14 @@ interface ConnectionState {
   readonly reachable: boolean;
   /** False once the server has rejected this browser's cookie. */
   readonly authorised: boolean;
+  /** False while the change stream is silent: what is shown may be old. */
+  readonly live: boolean;
 }
 
 type Listener = () => void;
 
 class Connection {
-  private state: ConnectionState = { reachable: true, authorised: true };
+  private state: ConnectionState = { reachable: true, authorised: true, live: true };
   private readonly listeners = new Set<Listener>();
 
   readonly subscribe = (listener: Listener): (() => void) => {
@@ -21,11 +23,9 @@ class Connection {
   readonly snapshot = (): ConnectionState => this.state;
 
   update(change: Partial<ConnectionState>): void {
-    const next = { ...this.state, ...change };
-    if (next.reachable === this.state.reachable && next.authorised === this.state.authorised) {
-      return;
-    }
-    this.state = next;
+    const keys = Object.keys(change) as (keyof ConnectionState)[];
+    if (keys.every((key) => change[key] === this.state[key])) return;
+    this.state = { ...this.state, ...change };
     this.listeners.forEach((listener) => listener());
   }
 }

@@ -2,7 +2,7 @@ import { queryOptions } from "@tanstack/react-query";
 
 import { RecordedFrames } from "@/lib/game/codec";
 
-import { api, bodyOf, fetchBytes, problemOf, unwrap, trackedFetch } from "./client";
+import { api, bodyOf, fetchBytes, PATIENT_MS, problemOf, trackedFetch, unwrap } from "./client";
 import type { ImportResult, Recording, RecordingsChange, RecordingUpdate } from "./types";
 
 /** A behaviour's kept and unfinished recordings, newest first. */
@@ -128,6 +128,7 @@ export async function importRecordings(
   const response = await trackedFetch(
     `/api/behaviours/${behaviourId}/recordings/import?${query.toString()}`,
     { method: "POST", body: file, headers: { "Content-Type": "application/x-ndjson" } },
+    PATIENT_MS,
   );
   const body = await bodyOf(response);
   if (!response.ok) throw problemOf(response, body);

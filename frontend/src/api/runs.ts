@@ -1,6 +1,6 @@
 import { queryOptions } from "@tanstack/react-query";
 
-import { api, fetchBytes, fetchFile, unwrap } from "./client";
+import { api, fetchBytes, fetchFile, patientFetch, unwrap } from "./client";
 import type { Run, RunNew, RunUpdate } from "./types";
 
 function at(runId: string) {
@@ -57,6 +57,7 @@ export function rewardTraceQuery(runId: string, recordingId: number) {
         api.GET("/api/runs/{run_id}/reward/{recording_id}", {
           params: { path: { run_id: runId, recording_id: recordingId } },
           signal,
+          fetch: patientFetch,
         }),
       ),
     staleTime: Infinity,
@@ -70,12 +71,16 @@ export function createRun(body: RunNew): Promise<Run> {
 
 /** Imports the finished run that ships with Tril, once, and returns it. */
 export function openExample(): Promise<Run> {
-  return unwrap(api.POST("/api/example"));
+  return unwrap(api.POST("/api/example", { fetch: patientFetch }));
 }
+
+/** The server gives up making an archive after 300 s. */
+const ARCHIVE_MS = 330_000;
 
 /** Fetches a finished run as a zip; the server takes some seconds to make it the first time. */
 export async function fetchArchive(runId: string): Promise<Blob> {
-  return new Blob([await fetchBytes(`/api/runs/${runId}/archive.zip`)]);
+  const url = `/api/runs/${runId}/archive.zip`;
+  return new Blob([await fetchBytes(url, undefined, ARCHIVE_MS)]);
 }
 
 export function cancelRun(runId: string): Promise<Run> {

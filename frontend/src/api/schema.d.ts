@@ -5081,7 +5081,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Events named "change" with data {"topic", "key"}: what to load again. A comment every 15 s keeps the connection open. */
+            /** @description Events named "change" with data {"topic", "key"}: what to load again. An event named "ping" follows 5 s of silence: without it the connection is lost. */
             200: {
                 headers: {
                     [name: string]: unknown;

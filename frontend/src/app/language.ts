@@ -22,7 +22,9 @@ export function readLanguage(): Language {
 
 /** Returns what was chosen in this browser, else the first of its languages that there is. */
 export function preferredLanguage(): Language {
-  const wanted = [ofBrowser.read(KEY) ?? "", ...navigator.languages].map((tag) => tag.split("-")[0] ?? "");
+  const wanted = [ofBrowser.read(KEY) ?? "", ...navigator.languages].map(
+    (tag) => tag.split("-")[0] ?? "",
+  );
   return wanted.find(isLanguage) ?? "en";
 }
 

@@ -70,6 +70,12 @@ function useChanges(active: boolean): void {
     const stop = listenToChanges({
       onChange: (change) => invalidator.add(change),
       onReconnect: () => invalidator.all(),
+      onLive: (live) => {
+        const before = connection.snapshot();
+        // Silence that lasts although the stream was opened anew: nothing passes.
+        const reachable = live || (before.reachable && before.live);
+        connection.update({ live, reachable });
+      },
     });
     return () => {
       stop();

@@ -1,8 +1,9 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
-import { useState } from "react";
+import { useState, useSyncExternalStore } from "react";
 
+import { connection } from "@/api/connection";
 import { isAlive, systemQuery } from "@/api/system";
 import type { System } from "@/api/types";
 import { Button } from "@/components/controls/Button";
@@ -13,18 +14,20 @@ import { bytes } from "@/lib/format";
 
 import styles from "./StatusMenu.module.css";
 
-/** Whether the worker is running, with a dialog about processes and disk usage. */
+/** Whether the worker is running, or not known to be, with a dialog about processes and disk usage. */
 export function StatusMenu() {
   const { data: system } = useQuery({ ...systemQuery, enabled: useOnlyPlays() === false });
+  const { reachable, live } = useSyncExternalStore(connection.subscribe, connection.snapshot);
   const [open, setOpen] = useState(false);
   const worker = isAlive(system, "worker");
   if (!system || worker === null) return null;
-  const status = workerStatus(system, worker);
+  const isCurrent = reachable && live;
+  const status = isCurrent ? workerStatus(system, worker) : t`No connection`;
   return (
     <>
       <Button
         kind="quiet"
-        className={classes(styles.process, !worker && styles.off)}
+        className={classes(styles.process, !(worker && isCurrent) && styles.off)}
         aria-label={t`${status}. Processes and disk`}
         title={t`Processes and disk`}
         onClick={() => setOpen(true)}

@@ -237,7 +237,8 @@ function usePauseWhenHidden({ stream }: PlayedGame): void {
   useEffect(() => {
     if (!stream) return undefined;
     const pause = () => {
-      if (document.hidden && steers(stream.snapshot().phase)) stream.command("pause");
+      const { phase } = stream.snapshot();
+      if (document.hidden && steers(phase) && phase !== "paused") stream.command("pause");
     };
     document.addEventListener("visibilitychange", pause);
     return () => document.removeEventListener("visibilitychange", pause);

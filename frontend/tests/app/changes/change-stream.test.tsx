@@ -56,11 +56,13 @@ class FakeChannel {
 
 function tab() {
   const heard: string[] = [];
+  const states: boolean[] = [];
   const stop = listenToChanges({
     onChange: ({ topic, key }) => heard.push(`${topic} ${key}`),
     onReconnect: () => heard.push("again"),
+    onLive: (live) => states.push(live),
   });
-  return { heard, stop };
+  return { heard, states, stop };
 }
 
 const settled = () => vi.advanceTimersByTimeAsync(0);
@@ -118,6 +120,40 @@ describe("the event stream", () => {
     source?.dispatchEvent(new Event("error"));
     await vi.advanceTimersByTimeAsync(3000);
     expect(FakeEventSource.opened).toHaveLength(2);
+  });
+
+  it("is opened anew where it went silent, and every tab knows that it was", async () => {
+    const tabs = [tab(), tab()];
+    await settled();
+    const [source] = FakeEventSource.opened;
+    source?.dispatchEvent(new Event("open"));
+    for (let i = 0; i < 6; i += 1) {
+      await vi.advanceTimersByTimeAsync(5000);
+      source?.dispatchEvent(new MessageEvent("ping"));
+    }
+    expect(FakeEventSource.opened).toHaveLength(1);
+    for (const { states } of tabs) expect(states).not.toContain(false);
+    await vi.advanceTimersByTimeAsync(11_000);
+    expect(source?.readyState).toBe(FakeEventSource.CLOSED);
+    expect(FakeEventSource.opened).toHaveLength(2);
+    for (const { states } of tabs) expect(states.at(-1)).toBe(false);
+    FakeEventSource.opened[1]?.dispatchEvent(new Event("open"));
+    for (const { heard, states } of tabs) {
+      expect(states.at(-1)).toBe(true);
+      expect(heard).toEqual(["again"]);
+    }
+  });
+
+  it("is tried again and again while nothing passes", async () => {
+    const { states, stop } = tab();
+    await settled();
+    await vi.advanceTimersByTimeAsync(35_000);
+    expect(FakeEventSource.opened.length).toBeGreaterThan(3);
+    expect(states).not.toContain(true);
+    stop();
+    const before = FakeEventSource.opened.length;
+    await vi.advanceTimersByTimeAsync(35_000);
+    expect(FakeEventSource.opened).toHaveLength(before);
   });
 
   it.each([

@@ -1,5 +1,5 @@
 import { QueryClientProvider } from "@tanstack/react-query";
-import { render, screen, waitFor, within } from "@testing-library/react";
+import { act, render, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { createMemoryRouter, RouterProvider } from "react-router";
 import { beforeEach, describe, expect, it, vi } from "vitest";
@@ -46,7 +46,7 @@ const CALM = {
 };
 
 beforeEach(() => {
-  connection.update({ reachable: true, authorised: true });
+  connection.update({ reachable: true, authorised: true, live: true });
   vi.stubGlobal("EventSource", SilentEventSource);
   vi.stubGlobal("scrollTo", () => undefined);
 });
@@ -57,6 +57,16 @@ describe("every page", () => {
     open("/");
     expect(await screen.findByRole("button", { name: /Player: Ada/ })).toBeVisible();
     expect(await screen.findByText("Worker ready")).toBeVisible();
+  });
+
+  it("says that nothing is known of the worker while the change stream is silent", async () => {
+    serve(CALM);
+    open("/");
+    expect(await screen.findByText("Worker ready")).toBeVisible();
+    act(() => connection.update({ live: false }));
+    expect(screen.getByRole("button", { name: /^No connection/ })).toBeVisible();
+    act(() => connection.update({ live: true }));
+    expect(screen.getByText("Worker ready")).toBeVisible();
   });
 
   it("asks nothing for players that they may not know", async () => {

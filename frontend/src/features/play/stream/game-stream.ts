@@ -1,12 +1,23 @@
 /** The connection of one game: its state, its frames, and what is sent to the server. */
+import { t } from "@lingui/core/macro";
+
+import { seconds } from "@/lib/format";
 import { ScreenDecoder } from "@/lib/game/codec";
 import type { Palette } from "@/lib/game/screen";
+import { SilenceWatch } from "@/lib/silence";
 
 import { type FrameMessage, readFrame, writeAck, writeInput } from "./binary-messages";
 import type { AlienGeometry } from "./formation";
 import type { GameState, Phase } from "./game-state";
 import { LatencyMeter, type LatencySummary } from "./latency";
-import { CLOSE, type Command, type ServerMessage, SPEEDS } from "./text-messages";
+import {
+  CLOSE,
+  type Command,
+  HANDSHAKE_MS,
+  type ServerMessage,
+  SILENCE_MS,
+  SPEEDS,
+} from "./text-messages";
 
 /** What a frame carries besides its screen. */
 export type FrameInfo = Pick<FrameMessage, "frame" | "formation" | "isShot">;
@@ -21,7 +32,9 @@ export interface GameScreen {
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
 const MAX_FRAMES = 1200;
 const REWINDABLE: ReadonlySet<Phase> = new Set(["countdown", "playing", "paused", "stepping"]);
+const RUNNING: ReadonlySet<Phase> = new Set(["countdown", "playing", "rewinding"]);
 const FULL_SPEED: number = SPEEDS[0];
+const MOST_PATIENCE = 4;
 
 export class GameStream {
   private state: GameState;
@@ -37,6 +50,14 @@ export class GameStream {
   private geometry: AlienGeometry | null = null;
   private failures = 0;
   private timer: ReturnType<typeof setTimeout> | null = null;
+  /** Why the game stands still; null if it goes on when a broken connection is back. */
+  private standing: string | null = null;
+  /** Why this page paused the game; null if something else did. */
+  private ownReason: string | null = null;
+  private readonly silence = new SilenceWatch({
+    onSilence: () => this.onSilence(),
+    onJump: (gapMs) => this.onJump(gapMs),
+  });
 
   /** @param speed Percent of 60 frames per second to start a new game at. */
   constructor(url: string, screen: GameScreen, speed = FULL_SPEED) {
@@ -67,7 +88,11 @@ export class GameStream {
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.decoder = new ScreenDecoder();
+    this.silence.start(HANDSHAKE_MS * Math.min(this.failures + 1, MOST_PATIENCE));
     socket.addEventListener("message", ({ data }: MessageEvent<ArrayBuffer | string>) => {
+      // A connection that was given up may come back to life.
+      if (this.socket !== socket) return;
+      this.silence.heard(SILENCE_MS);
       try {
         if (typeof data === "string") this.onMessage(JSON.parse(data) as ServerMessage);
         else this.onFrame(socket, data);
@@ -180,10 +205,11 @@ export class GameStream {
         else this.update({ speed: message.speed_percent });
         this.update({ hits: message.hits });
         if (this.keys !== 0) this.sendKeys();
-        this.command("ready");
+        this.goOn();
         break;
       case "countdown":
         this.latency.forget();
+        this.standing = this.ownReason = null;
         this.update({
           phase: message.seconds > 0 ? "countdown" : "playing",
           seconds: message.seconds,
@@ -194,7 +220,8 @@ export class GameStream {
         break;
       case "paused":
         this.latency.forget();
-        this.update({ phase: "paused", why: message.why });
+        this.standing = this.ownReason ?? message.why;
+        this.update({ phase: "paused", why: this.standing });
         break;
       case "rewound":
         this.update({ hits: message.hits });
@@ -210,7 +237,30 @@ export class GameStream {
       case "taken_over":
         this.update({ phase: "elsewhere" });
         break;
+      case "alive":
+        break;
     }
+  }
+
+  /** Plays from a greeting on, unless the game stood still before or nobody sees it. */
+  private goOn(): void {
+    if (document.hidden) this.standing ??= t`The page was in the background.`;
+    if (this.standing === null) this.command("ready");
+    else this.update({ phase: "paused", why: this.standing });
+  }
+
+  private onSilence(): void {
+    this.detach();
+    if (this.state.phase === "ended") return;
+    this.update({ phase: "lost" });
+    this.retry();
+  }
+
+  private onJump(gapMs: number): void {
+    if (!RUNNING.has(this.state.phase)) return;
+    const gap = seconds(gapMs / 1000, 0);
+    this.standing = this.ownReason = t`This page stood still for ${gap}, so the game is paused.`;
+    this.command("pause");
   }
 
   /** Requests this page's speed if the game has another. */
@@ -220,6 +270,7 @@ export class GameStream {
 
   private onClose(code: number): void {
     this.socket = null;
+    this.silence.stop();
     if (this.state.phase === "ended") return;
     switch (code) {
       case CLOSE.takenOver:
@@ -247,6 +298,7 @@ export class GameStream {
   private detach(): void {
     if (this.timer !== null) clearTimeout(this.timer);
     this.timer = null;
+    this.silence.stop();
     const { socket } = this;
     this.socket = null;
     socket?.close();

@@ -60,11 +60,22 @@ interface TakenOver {
   readonly type: "taken_over";
 }
 
-export type ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver;
+/** Sent once a second, whatever else is. */
+export interface Alive {
+  readonly type: "alive";
+}
+
+export type ServerMessage =
+  Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver | Alive;
 export type Command = "ready" | "stop" | "pause" | "go_on" | "step" | "rewind" | "release";
 
 /** Percent of 60 frames per second, fastest first. */
 export const SPEEDS = [100, 75, 50, 25] as const;
+
+/** How long a server may be silent, so that the page says within 3 s that it is. */
+export const SILENCE_MS = 2500;
+/** The same of a new connection before its first message; a busy server takes its time. */
+export const HANDSHAKE_MS = 5000;
 
 /** Close codes of the server. */
 export const CLOSE = {

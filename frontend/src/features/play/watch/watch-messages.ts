@@ -80,7 +80,7 @@ interface Refused {
 }
 
 interface Bare {
-  readonly type: "playing" | "waiting" | "finished";
+  readonly type: "playing" | "waiting" | "finished" | "alive";
 }
 
 export type WatchMessage =

@@ -1,9 +1,16 @@
 /** The connection of a page that watches: its state, and the frames of each lane. */
 import { readFrame, writeAck } from "@/features/play/stream/binary-messages";
 import type { FrameInfo } from "@/features/play/stream/game-stream";
-import { CLOSE, type HitAt, SPEEDS } from "@/features/play/stream/text-messages";
+import {
+  CLOSE,
+  HANDSHAKE_MS,
+  type HitAt,
+  SILENCE_MS,
+  SPEEDS,
+} from "@/features/play/stream/text-messages";
 import { ScreenDecoder } from "@/lib/game/codec";
 import type { Palette } from "@/lib/game/screen";
+import { SilenceWatch } from "@/lib/silence";
 
 import type { LookingNetwork } from "./choice";
 import type { Decision, LaneAttention, LaneEnded, Taken, WatchMessage } from "./watch-messages";
@@ -67,6 +74,10 @@ export class WatchStream {
   private socket: WebSocket | null = null;
   private maxFrames = 0;
   private attention: LookingNetwork | null = null;
+  private readonly silence = new SilenceWatch({
+    onSilence: () => this.onClose(null),
+    onJump: () => this.command("pause"),
+  });
 
   /** @param screens One for each game. */
   constructor(url: string, screens: readonly LaneScreen[], speed = FULL_SPEED) {
@@ -94,7 +105,11 @@ export class WatchStream {
     const socket = new WebSocket(this.url);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
+    this.silence.start(HANDSHAKE_MS);
     socket.addEventListener("message", ({ data }: MessageEvent<ArrayBuffer | string>) => {
+      // A connection that was given up may come back to life.
+      if (this.socket !== socket) return;
+      this.silence.heard(SILENCE_MS);
       try {
         if (typeof data === "string") this.onMessage(JSON.parse(data) as WatchMessage);
         else this.onFrame(socket, data);
@@ -103,7 +118,9 @@ export class WatchStream {
         socket.close();
       }
     });
-    socket.addEventListener("close", ({ code }) => this.onClose(code));
+    socket.addEventListener("close", ({ code }) => {
+      if (this.socket === socket) this.onClose(code);
+    });
   }
 
   /** Plays, pauses, or plays one step of four frames. */
@@ -140,8 +157,14 @@ export class WatchStream {
   /** Disconnects, which ends the games. */
   leave(): void {
     this.listeners.clear();
-    this.socket?.close();
+    this.detach();
+  }
+
+  private detach(): void {
+    this.silence.stop();
+    const { socket } = this;
     this.socket = null;
+    socket?.close();
   }
 
   private sendAttention(): void {
@@ -173,7 +196,8 @@ export class WatchStream {
           this.send({ type: "speed", percent: this.state.speed });
         }
         if (this.attention !== null) this.sendAttention();
-        this.command("play");
+        if (document.hidden) this.update({ phase: "paused" });
+        else this.command("play");
         break;
       case "playing":
       case "waiting":
@@ -205,11 +229,14 @@ export class WatchStream {
       case "refused":
         this.update({ phase: "refused", why: message.why });
         break;
+      case "alive":
+        break;
     }
   }
 
-  private onClose(code: number): void {
-    this.socket = null;
+  /** @param code Null if the connection went silent. */
+  private onClose(code: number | null): void {
+    this.detach();
     const { phase } = this.state;
     if (phase === "taken" || phase === "refused") return;
     this.update({ phase: code === CLOSE.gameOver ? "closed" : "lost" });

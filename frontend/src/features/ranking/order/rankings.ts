@@ -1,6 +1,6 @@
 import { queryOptions } from "@tanstack/react-query";
 
-import { api, ProblemError, unwrap } from "@/api/client";
+import { api, patientFetch, ProblemError, unwrap } from "@/api/client";
 import type { Ranking, Recording } from "@/api/types";
 
 import type { Tiers } from "./order";
@@ -25,6 +25,7 @@ export function addVariedGames(behaviourId: number): Promise<Recording[]> {
     api.POST("/api/behaviours/{behaviour_id}/borrowed", {
       ...at(behaviourId),
       body: { count: N_VARIED_GAMES },
+      fetch: patientFetch,
     }),
   );
 }

@@ -106,6 +106,7 @@ function newest(): FakeSocket {
 beforeEach(() => {
   vi.useFakeTimers();
   vi.stubGlobal("WebSocket", FakeSocket);
+  vi.stubGlobal("document", { hidden: false });
   FakeSocket.opened.length = 0;
 });
 
@@ -315,6 +316,86 @@ describe("a game's stream", () => {
       vi.advanceTimersByTime(1);
       expect(FakeSocket.opened).toHaveLength(before + 1);
     }
+  });
+
+  it("is lost within three seconds of silence, and the game goes on over a new connection", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "countdown", seconds: 0 });
+    for (let frame = 1; frame < 60; frame += 1) {
+      vi.advanceTimersByTime(100);
+      socket.show(frame, frame);
+    }
+    expect(stream.snapshot().phase).toBe("playing");
+    vi.advanceTimersByTime(3000);
+    expect(stream.snapshot().phase).toBe("lost");
+    vi.advanceTimersByTime(250);
+    expect(FakeSocket.opened).toHaveLength(2);
+    // What a cable held back comes too late.
+    socket.tell({ type: "countdown", seconds: 3 });
+    expect(stream.snapshot().phase).toBe("lost");
+    newest().tell({ ...HELLO, frame: 59, resumed: true });
+    expect(newest().commandsSent).toEqual(["ready"]);
+  });
+
+  it("is not lost while the server says that it is alive", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "paused", why: "You paused the game." });
+    for (let second = 0; second < 60; second += 1) {
+      vi.advanceTimersByTime(1000);
+      socket.tell({ type: "alive" });
+    }
+    expect(stream.snapshot().phase).toBe("paused");
+    vi.advanceTimersByTime(3000);
+    expect(stream.snapshot().phase).toBe("lost");
+  });
+
+  it("gives a connection up that is never answered, later each time", () => {
+    begin();
+    const opened = [5500, 10_500, 15_500, 20_500].map((limit) => {
+      vi.advanceTimersByTime(limit);
+      vi.advanceTimersByTime(4000);
+      return FakeSocket.opened.length;
+    });
+    expect(opened).toEqual([2, 3, 4, 5]);
+  });
+
+  it("leaves a paused game paused when the connection is back", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "paused", why: "The disk is full." });
+    socket.close(1006);
+    vi.advanceTimersByTime(300);
+    newest().tell({ ...HELLO, frame: 40, resumed: true });
+    expect(newest().commandsSent).toEqual([]);
+    expect(stream.snapshot()).toMatchObject({ phase: "paused", why: "The disk is full." });
+    newest().tell({ type: "countdown", seconds: 3 });
+    newest().close(1006);
+    vi.advanceTimersByTime(300);
+    newest().tell({ ...HELLO, frame: 40, resumed: true });
+    expect(newest().commandsSent).toEqual(["ready"]);
+  });
+
+  it("does not begin in a tab that nobody sees", () => {
+    vi.stubGlobal("document", { hidden: true });
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    expect(socket.commandsSent).toEqual([]);
+    expect(stream.snapshot()).toMatchObject({ phase: "paused" });
+  });
+
+  it("pauses after the page or the machine was suspended", () => {
+    const { stream, socket } = begin();
+    socket.tell(HELLO);
+    socket.tell({ type: "countdown", seconds: 0 });
+    vi.setSystemTime(Date.now() + 60_000);
+    vi.advanceTimersByTime(500);
+    expect(socket.commandsSent).toEqual(["ready", "pause"]);
+    socket.tell({ type: "paused", why: "You paused the game." });
+    expect(stream.snapshot().why).toMatch(/^This page stood still for 60\ss, so the game is paused/);
+    vi.advanceTimersByTime(500);
+    expect(socket.commandsSent).toHaveLength(2);
   });
 
   it("leaves the game to another tab, until it is taken back", () => {

@@ -36,17 +36,51 @@ function begin(nLanes = 2, speed?: number) {
 }
 
 beforeEach(() => {
+  vi.useFakeTimers();
   vi.stubGlobal("WebSocket", WatchSocket);
+  vi.stubGlobal("document", { hidden: false });
   WatchSocket.opened.length = 0;
 });
 
-afterEach(() => vi.unstubAllGlobals());
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
 
 describe("the stream of a page that watches", () => {
   it("plays at once, and keeps its speed over a restart", () => {
     const { stream, socket } = begin(1, 50);
     expect(stream.snapshot().openingFrames).toBe(96);
     expect(socket.commands).toEqual([{ type: "speed", percent: 50 }, { type: "play" }]);
+  });
+
+  it("is lost within three seconds of silence, and says nothing that comes after", () => {
+    const { stream, socket } = begin(1);
+    socket.tell({ type: "playing" });
+    for (let second = 0; second < 30; second += 1) {
+      vi.advanceTimersByTime(1000);
+      socket.tell({ type: "alive" });
+    }
+    expect(stream.snapshot().phase).toBe("playing");
+    vi.advanceTimersByTime(3000);
+    expect(stream.snapshot().phase).toBe("lost");
+    socket.tell({ type: "playing" });
+    expect(stream.snapshot().phase).toBe("lost");
+  });
+
+  it("plays nothing where nobody sees it", () => {
+    vi.stubGlobal("document", { hidden: true });
+    const { stream, socket } = begin(1);
+    expect(socket.commands).toEqual([]);
+    expect(stream.snapshot().phase).toBe("paused");
+  });
+
+  it("pauses after the machine was suspended", () => {
+    const { socket } = begin(1);
+    socket.tell({ type: "playing" });
+    vi.setSystemTime(Date.now() + 60_000);
+    vi.advanceTimersByTime(500);
+    expect(socket.commands).toEqual([{ type: "play" }, { type: "pause" }]);
   });
 
   it("shows each lane its own frames, and acknowledges them by lane", () => {
