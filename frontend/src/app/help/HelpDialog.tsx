@@ -4,7 +4,7 @@ import { useLocation } from "react-router";
 
 import { ButtonLink } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { KEYS } from "@/features/play/input/keys";
+import { KEYS, useKeyNames } from "@/features/play/input/keys";
 import { useSetting } from "@/features/play/settings/stored";
 
 import styles from "./HelpDialog.module.css";
@@ -14,10 +14,11 @@ import { keySections } from "./page-keys";
 export function HelpDialog({ onClose }: { onClose: () => void }) {
   const { pathname } = useLocation();
   const [keys] = useSetting(KEYS);
+  const nameOf = useKeyNames();
   return (
     <Dialog title={t`Keys on this page`} onClose={onClose} width="30rem">
       <div className={styles.body}>
-        {keySections(pathname, keys).map(({ title, rows }) => (
+        {keySections(pathname, keys, nameOf).map(({ title, rows }) => (
           <section key={title} aria-label={title}>
             <h3>{title}</h3>
             <dl className={styles.keys}>

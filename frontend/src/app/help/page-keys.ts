@@ -81,10 +81,12 @@ const charts = (): KeySection => ({
   ],
 });
 
+type NameOf = (code: string) => string;
+
 /** The pages with keys of their own, by their routes. */
 const PAGES: readonly (readonly [
   pattern: string,
-  sections: (keys: KeyMap) => readonly KeySection[],
+  sections: (keys: KeyMap, nameOf: NameOf) => readonly KeySection[],
 ])[] = [
   ["/behaviours/:id/play", playing],
   ["/behaviours/:id/rank", () => [rank(), compare(), player()]],
@@ -99,15 +101,20 @@ const PAGES: readonly (readonly [
  * Returns the keys of the page at a path, and those of every page.
  *
  * @param keys The keys that the player has assigned to the game's controls.
+ * @param nameOf Names a key by its code.
  */
-export function keySections(path: string, keys: KeyMap): readonly KeySection[] {
+export function keySections(
+  path: string,
+  keys: KeyMap,
+  nameOf: NameOf = keyName,
+): readonly KeySection[] {
   const page = PAGES.find(([pattern]) => matchPath(pattern, path));
-  return [...(page?.[1](keys) ?? []), everywhere()];
+  return [...(page?.[1](keys, nameOf) ?? []), everywhere()];
 }
 
-function playing(keys: KeyMap): readonly KeySection[] {
+function playing(keys: KeyMap, nameOf: NameOf): readonly KeySection[] {
   const of = (...controls: readonly Control[]) =>
-    controls.flatMap((control) => keys[control].map(keyName));
+    controls.flatMap((control) => keys[control].map((code) => nameOf(code)));
   return [
     {
       title: t`Playing`,

@@ -13,6 +13,7 @@ import { Unauthorised } from "@/app/Unauthorised";
 import { Button, IconButton } from "@/components/controls/Button";
 import { Alien } from "@/components/game/AlienGrid";
 import { TitleContext } from "@/components/PageTitle";
+import { followLayout } from "@/lib/keyboard";
 
 import styles from "./Layout.module.css";
 import { PlayerMenu } from "./PlayerMenu";
@@ -24,6 +25,7 @@ export function Layout() {
   const { reachable, authorised } = useSyncExternalStore(connection.subscribe, connection.snapshot);
   useChanges(authorised);
   useFocusOnNewPage();
+  useEffect(followLayout, []);
   if (!authorised) return <Unauthorised />;
   return <Frame reachable={reachable} />;
 }

@@ -24,6 +24,7 @@ import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
+import { ofSigns } from "@/lib/keyboard";
 import { stepOf } from "@/lib/recordings";
 
 import styles from "./RecordingPlayer.module.css";
@@ -163,11 +164,11 @@ function onKey(event: KeyboardEvent, playback: Playback, last: number): void {
     ArrowRight: () => playback.step(leap),
     Home: () => playback.seek(0),
     End: () => playback.seek(last),
-    Space: () => playback.toggle(),
+    " ": () => playback.toggle(),
   };
-  const action = actions[event.code];
+  const action = ofSigns(actions, event);
   // Space on a focused button activates the button.
-  if (!action || (event.code === "Space" && target.tagName === "BUTTON")) return;
+  if (!action || (event.key === " " && target.tagName === "BUTTON")) return;
   event.preventDefault();
   action();
 }

@@ -5,6 +5,8 @@ import { DEFAULT_KEYS } from "@/features/play/input/keys";
 import { intentOf } from "@/features/play/input/intents";
 import { watchIntentOf } from "@/features/play/watch/watch-keys";
 
+import { us } from "../../support/keyboard";
+
 function titles(path: string): string[] {
   return keySections(path, DEFAULT_KEYS).map(({ title }) => title);
 }
@@ -40,15 +42,15 @@ describe("the keys of a page", () => {
     const controls = ["A", "D", "W"];
     for (const key of letters(keysOf("/behaviours/3/play", "Playing"))) {
       if (controls.includes(key)) continue;
-      const press = { code: `Key${key}`, repeat: false };
+      const press = { ...us(`Key${key}`), repeat: false };
       expect([key, intentOf(press, "playing", 0, DEFAULT_KEYS)]).not.toEqual([key, null]);
     }
     for (const key of letters(keysOf("/behaviours/3/play", "After a game"))) {
-      const press = { code: `Key${key}`, repeat: false };
+      const press = { ...us(`Key${key}`), repeat: false };
       expect([key, intentOf(press, "ended", 10_000, DEFAULT_KEYS)]).not.toEqual([key, null]);
     }
     for (const key of letters(keysOf("/runs/abc/watch", "Watching a policy play"))) {
-      expect(watchIntentOf({ code: `Key${key}`, repeat: false }, 1)).not.toBeNull();
+      expect(watchIntentOf({ ...us(`Key${key}`), repeat: false }, 1)).not.toBeNull();
     }
   });
 });

@@ -4,6 +4,7 @@ import { zlibSync } from "fflate";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 
 import type { Pad } from "@/features/play/input/gamepad";
+import { DEFAULT_KEYS } from "@/features/play/input/keys";
 import { PlayPage } from "@/features/play/PlayPage";
 import { Sounds } from "@/features/play/sound/sounds";
 import { SCREEN_BYTES } from "@/lib/game/codec";
@@ -84,6 +85,8 @@ const GHOST = {
 
 let ghost: typeof GHOST | null = GHOST;
 let undecided: readonly number[] = [];
+const STANDARD = { id: "Pad", index: 0, connected: true, mapping: "standard" };
+
 let pads: readonly (Pad | null)[] = [];
 
 function open(one = behaviour()) {
@@ -274,7 +277,7 @@ describe("playing", () => {
 
   it("goes slower by key and button, and says so to the server", async () => {
     await start();
-    await userEvent.keyboard("[Minus]");
+    await userEvent.keyboard("-");
     expect(screen.getByRole("button", { name: "75%" })).toHaveAttribute("aria-pressed", "true");
     await userEvent.click(screen.getByRole("button", { name: "25%" }));
     expect(screen.getByRole("application")).toHaveFocus();
@@ -286,9 +289,9 @@ describe("playing", () => {
 
   it("plays frame by frame with the keys held", async () => {
     await start();
-    await userEvent.keyboard("[Period]");
+    await userEvent.keyboard(".");
     tell({ type: "paused", why: "You paused the game." });
-    await userEvent.keyboard("{a>}[Period]");
+    await userEvent.keyboard("{a>}.");
     expect(screen.queryByText("Paused")).toBeNull();
     expect(screen.getByText(/Frame by frame/)).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: /^One frame/ }));
@@ -333,12 +336,69 @@ describe("playing", () => {
     expect(stored.left).toEqual(["ArrowLeft", "KeyJ"]);
   });
 
+  it.each([
+    ["Cmd is pressed", "keydown", { key: "Meta", code: "MetaLeft", metaKey: true }],
+    ["Cmd is released", "keyup", { key: "Meta", code: "MetaLeft" }],
+    ["the window loses the focus", "blur", {}],
+    ["a context menu opens", "contextmenu", {}],
+  ])("lets every key go when %s", async (_name, type, init) => {
+    await start();
+    await userEvent.keyboard("{ArrowLeft>}{ >}");
+    expect(inputs().at(-1)).toBe(5);
+    act(() => {
+      window.dispatchEvent(new KeyboardEvent(type, init));
+    });
+    expect(inputs().at(-1)).toBe(0);
+  });
+
+  it("lets every key go, and pauses, when its tab is hidden", async () => {
+    await start();
+    await userEvent.keyboard("{ArrowLeft>}");
+    vi.spyOn(document, "hidden", "get").mockReturnValue(true);
+    act(() => {
+      document.dispatchEvent(new Event("visibilitychange", { bubbles: true }));
+    });
+    expect(inputs().at(-1)).toBe(0);
+    expect(FakeSocket.last?.sent).toContain('{"type":"pause"}');
+    vi.restoreAllMocks();
+  });
+
+  it("steers by the arrows of a numeric pad, too", async () => {
+    await start();
+    const press = (type: string) =>
+      act(() => {
+        window.dispatchEvent(new KeyboardEvent(type, { code: "Numpad4", key: "ArrowLeft" }));
+      });
+    press("keydown");
+    expect(inputs().at(-1)).toBe(1);
+    press("keyup");
+    expect(inputs().at(-1)).toBe(0);
+  });
+
+  it("shows the key that is assigned to rewinding", async () => {
+    localStorage.setItem("tril.play.keys", JSON.stringify({ ...DEFAULT_KEYS, rewind: ["KeyB"] }));
+    await start();
+    expect(screen.getByRole("button", { name: "Rewind B" })).toBeVisible();
+  });
+
+  it("gives a control no key that belongs to the browser", async () => {
+    await start();
+    await userEvent.click(screen.getByRole("button", { name: "Change the keys" }));
+    const fire = within(screen.getByRole("listitem", { name: "Fire" }));
+    await userEvent.click(fire.getByRole("button", { name: "Add a key" }));
+    await userEvent.keyboard("{Control}");
+    expect(fire.getByRole("button", { name: "Press a key" })).toBeVisible();
+    await userEvent.keyboard("j");
+    expect(fire.getByRole("button", { name: "Remove J from Fire" })).toBeVisible();
+  });
+
   it("plays with a gamepad", async () => {
     const buttons = Array.from({ length: 17 }, () => ({ pressed: false }));
-    const pad = { axes: [0, 0], buttons };
+    const pad = { ...STANDARD, axes: [0, 0], buttons };
     pads = [null, pad];
     vi.spyOn(document, "hasFocus").mockReturnValue(true);
     await start();
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
     pad.axes[0] = -1;
     await waitFor(() => expect(inputs()).toEqual([1]));
     buttons[0] = { pressed: true };
@@ -352,7 +412,7 @@ describe("playing", () => {
 
   it("starts the first game with a gamepad, by a button that was not held before", async () => {
     const buttons = Array.from({ length: 17 }, (_, n) => ({ pressed: n === 9 }));
-    pads = [{ axes: [0, 0], buttons }];
+    pads = [{ ...STANDARD, axes: [0, 0], buttons }];
     vi.spyOn(document, "hasFocus").mockReturnValue(true);
     const asked = open();
     const begun = () => asked.filter(({ path }) => path === "/api/games");

@@ -2,6 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import { Button } from "@/components/controls/Button";
+import { ControlKey } from "@/features/play/input/ControlKey";
 import { steers } from "@/features/play/input/intents";
 import type { GameState } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
@@ -54,9 +55,7 @@ export function PaceControls(props: PaceControlsProps) {
           onLostPointerCapture={props.onRelease}
           onContextMenu={(event) => event.preventDefault()}
         >
-          <Trans>
-            Rewind <kbd>⌫</kbd>
-          </Trans>
+          <Trans>Rewind</Trans> <ControlKey control="rewind" />
         </Button>
         <Button onClick={props.onStop}>
           <Trans>End the game here</Trans>

@@ -5,15 +5,16 @@ import { Fragment } from "react";
 import { useSetting } from "@/features/play/settings/stored";
 
 import styles from "./KeyHelp.module.css";
-import { type Control, keyName, KEYS } from "./keys";
+import { type Control, KEYS, useKeyNames } from "./keys";
 
 /** The keys in use. */
 export function KeyHelp() {
   const [keys] = useSetting(KEYS);
+  const nameOf = useKeyNames();
   const names = (control: Control) =>
     keys[control].map((code) => (
       <Fragment key={code}>
-        <kbd>{keyName(code)}</kbd>{" "}
+        <kbd>{nameOf(code)}</kbd>{" "}
       </Fragment>
     ));
   return (

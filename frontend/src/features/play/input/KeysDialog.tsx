@@ -5,8 +5,18 @@ import { useEffect, useState } from "react";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { useSetting } from "@/features/play/settings/stored";
+import { placeOf } from "@/lib/keyboard";
 
-import { addKey, type Control, CONTROLS, DEFAULT_KEYS, keyName, KEYS, withoutKey } from "./keys";
+import {
+  addKey,
+  type Control,
+  CONTROLS,
+  DEFAULT_KEYS,
+  isAssignable,
+  KEYS,
+  useKeyNames,
+  withoutKey,
+} from "./keys";
 import styles from "./KeysDialog.module.css";
 
 const controlNames = (): Readonly<Record<Control, string>> => ({
@@ -21,6 +31,8 @@ const controlNames = (): Readonly<Record<Control, string>> => ({
 export function KeysDialog({ onClose }: { onClose: () => void }) {
   const [keys, setKeys] = useSetting(KEYS);
   const [waiting, setWaiting] = useState<Control | null>(null);
+  const nameOf = useKeyNames();
+  const [left, right, fire] = ["KeyA", "KeyD", "KeyW"].map(nameOf);
 
   useEffect(() => {
     if (!waiting) return undefined;
@@ -28,7 +40,10 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
       // Keep it from the dialog and its buttons.
       event.preventDefault();
       event.stopPropagation();
-      if (event.code !== "") setKeys(addKey(keys, waiting, event.code));
+      const code = placeOf(event);
+      // Modifiers belong to the browser and the system.
+      if (!isAssignable(code)) return;
+      setKeys(addKey(keys, waiting, code));
       setWaiting(null);
     };
     window.addEventListener("keydown", take, { capture: true });
@@ -48,11 +63,11 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
                   <Button
                     key={code}
                     kind="quiet"
-                    aria-label={t`Remove ${keyName(code)} from ${name}`}
+                    aria-label={t`Remove ${nameOf(code)} from ${name}`}
                     title={t`Remove`}
                     onClick={() => setKeys(withoutKey(keys, code))}
                   >
-                    <kbd>{keyName(code)}</kbd>
+                    <kbd>{nameOf(code)}</kbd>
                   </Button>
                 ))}
                 <Button
@@ -69,9 +84,10 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
       </ul>
       <p className={styles.tip}>
         <Trans>
-          Either hand can play alone: the arrows with ↑ to fire, or A and D with W. Left and right
-          together cancel out. A gamepad works too: stick or D-pad to move, any face button to fire,
-          the shoulder buttons to rewind, Start to begin, pause and play again.
+          Either hand can play alone: the arrows with ↑ to fire, or {left} and {right} with {fire}.
+          Left and right together cancel out. Ctrl, Alt, ⌘ and Tab can’t be chosen. A gamepad in the
+          standard layout works too: stick or D-pad to move, any face button to fire, the shoulder
+          buttons to rewind, Start to begin, pause and play again.
         </Trans>
       </p>
       <div>

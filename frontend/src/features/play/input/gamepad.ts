@@ -3,6 +3,11 @@ import { FIRE, LEFT, RIGHT } from "./keys";
 
 /** The part of a `Gamepad` that is read. */
 export interface Pad {
+  readonly id: string;
+  readonly index: number;
+  readonly connected: boolean;
+  /** "standard" if its buttons and axes are where the standard layout has them. */
+  readonly mapping: string;
   readonly axes: readonly number[];
   readonly buttons: readonly { readonly pressed: boolean }[];
 }
@@ -26,18 +31,38 @@ export interface PadState {
 
 export const NO_PAD: PadState = { bits: 0, rewind: false, pressed: new Set() };
 
-/** Combines the state of all gamepads. */
-export function padState(pads: readonly (Pad | null)[]): PadState {
-  let bits = 0;
-  const pressed = new Set<number>();
-  for (const pad of pads) {
-    const x = pad?.axes[0] ?? 0;
-    if (x < -DEAD_ZONE) bits |= LEFT;
-    if (x > DEAD_ZONE) bits |= RIGHT;
-    pad?.buttons.forEach((button, number) => {
-      if (button.pressed) pressed.add(number);
-    });
+/**
+ * Combines the states of all gamepads in the standard layout. Of others nobody knows which axis is a
+ * stick and which a trigger, whose rest is at an end.
+ */
+export class Pads {
+  /** Those whose stick was seen at rest, by index; before, an axis may be stuck or not yet read. */
+  private rested = new Map<number, string>();
+
+  /** Reads the gamepads. One that is missing has to be seen at rest anew. */
+  read(pads: readonly (Pad | null)[]): PadState {
+    const rested = new Map<number, string>();
+    const pressed = new Set<number>();
+    let bits = 0;
+    for (const pad of pads) {
+      if (!pad?.connected || pad.mapping !== "standard") continue;
+      const x = pad.axes[0] ?? 0;
+      if (Math.abs(x) <= DEAD_ZONE || this.rested.get(pad.index) === pad.id) {
+        rested.set(pad.index, pad.id);
+        if (x < -DEAD_ZONE) bits |= LEFT;
+        if (x > DEAD_ZONE) bits |= RIGHT;
+      }
+      pad.buttons.forEach((button, number) => {
+        if (button.pressed) pressed.add(number);
+      });
+    }
+    this.rested = rested;
+    return stateOf(bits, pressed);
   }
+}
+
+function stateOf(stick: number, pressed: ReadonlySet<number>): PadState {
+  let bits = stick;
   if (pressed.has(D_PAD_LEFT)) bits |= LEFT;
   if (pressed.has(D_PAD_RIGHT)) bits |= RIGHT;
   if (FIRES.some((number) => pressed.has(number))) bits |= FIRE;

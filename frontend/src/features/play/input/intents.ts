@@ -1,6 +1,7 @@
 /** What a key or gamepad button asks of the play page, besides steering. */
 import type { Phase } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
+import { ofSigns, type Pressed } from "@/lib/keyboard";
 
 import { PAD } from "./gamepad";
 import { type Control, controlOf, DEFAULT_KEYS, type KeyMap } from "./keys";
@@ -42,15 +43,15 @@ export class SinceEnd {
   }
 }
 
+/** By the signs that keys type. */
 const AFTER_END: Readonly<Record<string, Intent>> = {
-  KeyK: "keep",
+  k: "keep",
   Enter: "keep",
-  NumpadEnter: "keep",
-  KeyX: "discard",
+  x: "discard",
   Delete: "discard",
-  KeyP: "perfect",
-  Space: "again",
-  KeyR: "again",
+  p: "perfect",
+  " ": "again",
+  r: "again",
 };
 
 const AFTER_END_BY_CONTROL: Readonly<Partial<Record<Control, Intent>>> = {
@@ -68,28 +69,27 @@ const PAD_AFTER_END: Readonly<Record<number, Intent>> = {
 
 /** At any time during a game, unless the key is assigned to a control. */
 const ANYTIME: Readonly<Record<string, Intent>> = {
-  KeyF: "fullscreen",
-  KeyL: "latency",
-  KeyT: "targets",
-  KeyG: "ghost",
-  KeyM: "sound",
-  Minus: "slower",
-  NumpadSubtract: "slower",
-  Equal: "faster",
-  NumpadAdd: "faster",
+  f: "fullscreen",
+  l: "latency",
+  t: "targets",
+  g: "ghost",
+  m: "sound",
+  "-": "slower",
+  "+": "faster",
+  // On keyboards that type + with Shift.
+  "=": "faster",
 };
 
-const RUNNING: Readonly<Record<string, Intent>> = { Escape: "pause", Period: "pause" };
+const RUNNING: Readonly<Record<string, Intent>> = { ...ANYTIME, Escape: "pause", ".": "pause" };
 
 const PAUSED: Readonly<Record<string, Intent>> = {
-  Period: "step",
+  ...ANYTIME,
+  ".": "step",
   Enter: "go_on",
-  NumpadEnter: "go_on",
   Escape: "go_on",
 };
 
-interface Press {
-  readonly code: string;
+interface Press extends Pressed {
   readonly repeat: boolean;
 }
 
@@ -105,35 +105,36 @@ export function intentOf(
   sinceEndMs: number,
   keys: KeyMap = DEFAULT_KEYS,
 ): Intent | null {
-  const intent = intentIn(press.code, phase, sinceEndMs, keys);
+  const intent = intentIn(press, phase, sinceEndMs, keys);
   // A held key steps frame by frame; no other intent repeats.
   return press.repeat && intent !== "step" ? null : intent;
 }
 
 function intentIn(
-  code: string,
+  press: Pressed,
   phase: Phase | null,
   sinceEndMs: number,
   keys: KeyMap,
 ): Intent | null {
-  const control = controlOf(keys, code);
+  const control = controlOf(keys, press);
+  const of = (table: Readonly<Record<string, Intent>>) => ofSigns(table, press) ?? null;
   switch (phase) {
     case null:
     case "gone":
-      return code === "Space" ? "start" : null;
+      return of({ " ": "start" });
     case "playing":
     case "countdown":
-      return control ? controlIntent(control, "pause") : (RUNNING[code] ?? ANYTIME[code] ?? null);
+      return control ? controlIntent(control, "pause") : of(RUNNING);
     case "paused":
       if (control === "fire") return "go_on";
-      return control ? controlIntent(control, "go_on") : (PAUSED[code] ?? ANYTIME[code] ?? null);
+      return control ? controlIntent(control, "go_on") : of(PAUSED);
     case "stepping":
       // The fire key fires here, unlike in a pause.
-      return control ? controlIntent(control, "go_on") : (PAUSED[code] ?? ANYTIME[code] ?? null);
+      return control ? controlIntent(control, "go_on") : of(PAUSED);
     case "ended":
       if (sinceEndMs < GRACE_MS) return null;
       // A key that still steers out of habit does nothing else.
-      return control ? (AFTER_END_BY_CONTROL[control] ?? null) : (AFTER_END[code] ?? null);
+      return control ? (AFTER_END_BY_CONTROL[control] ?? null) : of(AFTER_END);
     default:
       return null;
   }

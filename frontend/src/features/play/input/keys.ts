@@ -3,6 +3,7 @@
 import { t } from "@lingui/core/macro";
 
 import type { Setting } from "@/features/play/settings/stored";
+import { placeOf, type Pressed, useKeyLabels } from "@/lib/keyboard";
 
 /** Bits of the play protocol's held keys. */
 export const LEFT = 1;
@@ -32,20 +33,33 @@ const BITS: Readonly<Record<Control, number>> = {
   pause: 0,
 };
 
-/** Returns the control of a key; null if it has none. */
-export function controlOf(keys: KeyMap, code: string): Control | null {
-  return CONTROLS.find((control) => keys[control].includes(code)) ?? null;
+/**
+ * Returns the control of a key; null if it has none. A key whose place has none may have the name of
+ * another place: the arrows of a numeric pad.
+ */
+export function controlOf(keys: KeyMap, pressed: Pressed): Control | null {
+  const at = (code: string) => CONTROLS.find((control) => keys[control].includes(code));
+  return at(placeOf(pressed)) ?? at(pressed.key) ?? null;
 }
 
 /** Returns the protocol bit of a key; 0 for none. */
-export function bitOf(keys: KeyMap, code: string): number {
-  const control = controlOf(keys, code);
+export function bitOf(keys: KeyMap, pressed: Pressed): number {
+  const control = controlOf(keys, pressed);
   return control === null ? 0 : BITS[control];
 }
 
 /** Whether a key must not scroll the page: it steers, or lies among those that do. */
-export function isGameKey(keys: KeyMap, code: string): boolean {
-  return bitOf(keys, code) !== 0 || code === "ArrowDown";
+export function isGameKey(keys: KeyMap, pressed: Pressed): boolean {
+  return bitOf(keys, pressed) !== 0 || pressed.key === "ArrowDown";
+}
+
+/** Keys of which the browser or the system swallows something, or that change what others do. */
+const UNASSIGNABLE =
+  /^(?:Control|Alt|Meta|OS)(?:Left|Right)$|^(?:CapsLock|NumLock|Fn|FnLock|Tab|)$/;
+
+/** Whether a key can be assigned to a control. */
+export function isAssignable(code: string): boolean {
+  return !UNASSIGNABLE.test(code);
 }
 
 /** Assigns a key to a control, removing it from any other. */
@@ -70,7 +84,7 @@ export function readKeyMap(stored: unknown): KeyMap | null {
   const codes = all.flat();
   const isWhole =
     all.every(Array.isArray) &&
-    codes.every((code) => typeof code === "string") &&
+    codes.every((code) => typeof code === "string" && isAssignable(code)) &&
     new Set(codes).size === codes.length;
   return isWhole ? (stored as KeyMap) : null;
 }
@@ -91,9 +105,25 @@ const names = (): Readonly<Record<string, string>> => ({
   Space: t`Space`,
 });
 
-/** The label of a key on most keyboards: "A" for "KeyA". */
-export function keyName(code: string): string {
-  return names()[code] ?? code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num ");
+/**
+ * The label of a key: what is printed on it where that is known, else what is on most keyboards: "A"
+ * for "KeyA".
+ *
+ * @param labels By code.
+ */
+export function keyName(code: string, labels: ReadonlyMap<string, string> = new Map()): string {
+  const label = labels.get(code)?.toUpperCase() ?? "";
+  // Some letters have no upper case of their own.
+  const printed = /^\S$/u.test(label) ? label : labels.get(code)?.trim();
+  return (
+    names()[code] ?? (printed || code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num "))
+  );
+}
+
+/** Names keys as they are printed on this keyboard. */
+export function useKeyNames(): (code: string) => string {
+  const labels = useKeyLabels();
+  return (code) => keyName(code, labels);
 }
 
 /** The keys, touch buttons and gamepad buttons currently held. */

@@ -1,9 +1,9 @@
-import { type RefObject, useEffect, useRef } from "react";
+import { type RefObject, useEffect, useRef, useState } from "react";
 
 import type { GameStream } from "@/features/play/stream/game-stream";
 
 import { dialogIsOpen } from "./dialogs";
-import { newlyPressed, type PadState, padState } from "./gamepad";
+import { newlyPressed, Pads, type PadState } from "./gamepad";
 import { gamepadIntentOf, type Intent, SinceEnd, steers } from "./intents";
 import type { HeldKeys } from "./keys";
 
@@ -22,13 +22,14 @@ export function useGamepad(
 ): void {
   // A button held since before the game does not count as pressed in it.
   const before = useRef<PadState | null>(null);
+  const [pads] = useState(() => new Pads());
   useEffect(() => {
     if (!("getGamepads" in navigator)) return undefined;
     let request = 0;
     const sinceEnd = new SinceEnd();
     const look = () => {
       request = requestAnimationFrame(look);
-      const now = padState(document.hasFocus() ? navigator.getGamepads() : []);
+      const now = pads.read(document.hasFocus() ? navigator.getGamepads() : []);
       const last = before.current ?? now;
       before.current = now;
       const { phase, endedAt } = stream?.snapshot() ?? { phase: null, endedAt: 0 };
@@ -48,5 +49,5 @@ export function useGamepad(
       cancelAnimationFrame(request);
       if (held.release(NAME)) stream?.hold(held.bits);
     };
-  }, [stream, held, onIntent]);
+  }, [stream, held, onIntent, pads]);
 }

@@ -2,12 +2,23 @@ import { type RefObject, useEffect } from "react";
 
 import { readSetting } from "@/features/play/settings/stored";
 import type { GameStream } from "@/features/play/stream/game-stream";
+import { ofSigns, placeOf, type Pressed } from "@/lib/keyboard";
 
 import { dialogIsOpen } from "./dialogs";
 import { type Intent, intentOf, SinceEnd, steers } from "./intents";
 import { bitOf, controlOf, type HeldKeys, isGameKey, KEYS } from "./keys";
 
 const NO_GAME = { phase: null, endedAt: 0 };
+
+/** After these the browser may never tell of keys that are let go. */
+const LOSSES = [
+  "blur",
+  "visibilitychange",
+  "pagehide",
+  "contextmenu",
+  "fullscreenchange",
+  "pointerlockchange",
+] as const;
 
 /**
  * Sends steering keys to the game and reports every other intent.
@@ -27,20 +38,21 @@ export function useKeys(
       if (event.key === "?" && before !== null && before !== "paused" && steers(before)) {
         onIntent.current("pause");
       }
+      if (event.key === "Meta") releaseAll();
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream?.snapshot() ?? NO_GAME;
       const keys = readSetting(KEYS);
-      const isForGame = isGameKey(keys, event.code);
+      const isForGame = isGameKey(keys, event);
       const sinceEndMs = sinceEnd.atPress(endedAt, performance.now(), isForGame);
       const intent = intentOf(event, phase, sinceEndMs, keys);
-      if (intent && !(isButton(event.target) && pressesButton(event.code))) {
+      if (intent && !(isButton(event.target) && pressesButton(event))) {
         event.preventDefault();
         onIntent.current(intent);
       } else if (!stream || phase === null) {
         return;
       } else if (steers(phase) && isForGame) {
         event.preventDefault();
-        if (held.hold(event.code, bitOf(keys, event.code))) {
+        if (held.hold(placeOf(event), bitOf(keys, event))) {
           stream.hold(held.bits, event.timeStamp);
         }
       } else if (phase === "ended" && event.repeat && isForGame) {
@@ -49,8 +61,10 @@ export function useKeys(
       }
     };
     const up = (event: KeyboardEvent) => {
-      if (controlOf(readSetting(KEYS), event.code) === "rewind") stream?.release();
-      if (held.release(event.code)) stream?.hold(held.bits);
+      // While it is held, macOS does not tell of other keys that are let go.
+      if (event.key === "Meta") releaseAll();
+      if (controlOf(readSetting(KEYS), event) === "rewind") stream?.release();
+      if (held.release(placeOf(event))) stream?.hold(held.bits);
     };
     const releaseAll = () => {
       stream?.release();
@@ -58,12 +72,12 @@ export function useKeys(
     };
     window.addEventListener("keydown", down);
     window.addEventListener("keyup", up);
-    window.addEventListener("blur", releaseAll);
+    for (const loss of LOSSES) window.addEventListener(loss, releaseAll);
     return () => {
       releaseAll();
       window.removeEventListener("keydown", down);
       window.removeEventListener("keyup", up);
-      window.removeEventListener("blur", releaseAll);
+      for (const loss of LOSSES) window.removeEventListener(loss, releaseAll);
     };
   }, [stream, held, onIntent]);
 }
@@ -78,6 +92,6 @@ function isButton(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.matches("button, a");
 }
 
-function pressesButton(code: string): boolean {
-  return code === "Space" || code === "Enter" || code === "NumpadEnter";
+function pressesButton(pressed: Pressed): boolean {
+  return ofSigns({ " ": true, Enter: true }, pressed) ?? false;
 }

@@ -6,6 +6,7 @@ import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import type { Intent } from "@/features/play/input/intents";
+import { ControlKey } from "@/features/play/input/ControlKey";
 import { keyName } from "@/features/play/input/keys";
 import type { Ended } from "@/features/play/stream/text-messages";
 import { stepOf } from "@/lib/recordings";
@@ -119,9 +120,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             disabled={starting || failed}
             title={t`Keeps this game, and plays on from two seconds before its end`}
           >
-            <Trans>
-              Rewind <kbd>⌫</kbd>
-            </Trans>
+            <Trans>Rewind</Trans> <ControlKey control="rewind" />
           </Button>
         )}
         <Button

@@ -228,7 +228,7 @@ function useWatchKeys(execute: (intent: WatchIntent) => void, nLanes: number): v
       const { target } = event;
       const at = target instanceof HTMLElement ? target : null;
       if (at?.matches("input, textarea, select")) return;
-      if (event.code === "Space" && at?.matches("button, a, summary")) return;
+      if (event.key === " " && at?.matches("button, a, summary")) return;
       const intent = watchIntentOf(event, nLanes);
       if (intent === null) return;
       event.preventDefault();

@@ -1,29 +1,29 @@
 /** What a key asks of the page that watches. */
+import { ofSigns, type Pressed, signsOf } from "@/lib/keyboard";
 
 export type WatchIntent =
   "toggle" | "step" | "slower" | "faster" | "restart" | "next" | { readonly takeOver: number };
 
 const INTENTS: Readonly<Record<string, WatchIntent>> = {
-  Space: "toggle",
-  Period: "step",
-  Minus: "slower",
-  NumpadSubtract: "slower",
-  Equal: "faster",
-  NumpadAdd: "faster",
-  KeyR: "restart",
-  KeyN: "next",
+  " ": "toggle",
+  ".": "step",
+  "-": "slower",
+  "+": "faster",
+  // On keyboards that type + with Shift.
+  "=": "faster",
+  r: "restart",
+  n: "next",
 };
 
-interface Press {
-  readonly code: string;
+interface Press extends Pressed {
   readonly repeat: boolean;
 }
 
 /** Returns the intent of a key press; null for none. */
-export function watchIntentOf({ code, repeat }: Press, nLanes: number): WatchIntent | null {
-  const intent = INTENTS[code] ?? takeOverOf(code, nLanes);
+export function watchIntentOf(press: Press, nLanes: number): WatchIntent | null {
+  const intent = ofSigns(INTENTS, press) ?? takeOverOf(press, nLanes);
   // A held key plays step by step; nothing else repeats.
-  return repeat && intent !== "step" ? null : intent;
+  return press.repeat && intent !== "step" ? null : intent;
 }
 
 /** The key that takes over a lane's game, as the page shows it. */
@@ -31,11 +31,11 @@ export function takeOverKey(lane: number, nLanes: number): string {
   return nLanes === 1 ? "T" : String(lane + 1);
 }
 
-function takeOverOf(code: string, nLanes: number): WatchIntent | null {
-  if (code === "KeyT" && nLanes === 1) return { takeOver: 0 };
-  const digit = /^(?:Digit|Numpad)([1-4])$/.exec(code)?.[1];
-  const lane = Number(digit) - 1;
-  return digit !== undefined && lane < nLanes ? { takeOver: lane } : null;
+function takeOverOf(pressed: Pressed, nLanes: number): WatchIntent | null {
+  const signs = signsOf(pressed);
+  if (signs.includes("t") && nLanes === 1) return { takeOver: 0 };
+  const lane = Number(signs.find((sign) => /^[1-4]$/.test(sign))) - 1;
+  return lane < nLanes ? { takeOver: lane } : null;
 }
 
 /** Percent of 60 frames per second, fastest first. */

@@ -1,28 +1,32 @@
 /** The keys of a comparison. */
 import { type RefObject, useEffect } from "react";
 
+import { type Pressed as Key, signsOf } from "@/lib/keyboard";
+
 export type Act = "game" | "equal" | "opponent" | "skip" | "worst" | "undo" | "play";
 
-/** The keys of each act as `KeyboardEvent.key`, in lower case; those that are shown first. */
+/** The keys of each act by their signs; those that are shown first. */
 const KEYS: Readonly<Record<Act, readonly string[]>> = {
-  game: ["arrowleft", "1"],
+  game: ["ArrowLeft", "1"],
   equal: ["=", "0"],
-  opponent: ["arrowright", "2"],
+  opponent: ["ArrowRight", "2"],
   skip: ["s"],
   worst: ["w"],
-  undo: ["u", "backspace"],
+  undo: ["u", "Backspace"],
   play: [" "],
 };
 
-type Pressed = Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
+type Pressed = Key & Pick<KeyboardEvent, "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
 
 /** Returns what a key does in a comparison; null if nothing. */
 export function actOf(event: Pressed): Act | null {
-  const key = event.key.toLowerCase();
+  const signs = signsOf(event);
   if (event.altKey) return null;
-  if (event.ctrlKey || event.metaKey) return key === "z" && !event.shiftKey ? "undo" : null;
+  if (event.ctrlKey || event.metaKey) return signs.includes("z") && !event.shiftKey ? "undo" : null;
   const acts = Object.keys(KEYS) as Act[];
-  return acts.find((act) => KEYS[act].includes(key)) ?? null;
+  // What it types before what stands at its place.
+  const found = signs.map((sign) => acts.find((act) => KEYS[act].includes(sign)));
+  return found.find((act) => act !== undefined) ?? null;
 }
 
 /** Calls what a key stands for while the dialog of an element is the topmost one. */

@@ -1,5 +1,7 @@
 import { useEffect } from "react";
 
+import { ofSigns } from "@/lib/keyboard";
+
 import type { RankingSaver } from "./saver";
 
 /** Ctrl+Z undoes, Ctrl+Shift+Z or Ctrl+Y redoes, while that is enabled. */
@@ -9,10 +11,10 @@ export function useUndoKeys(saver: RankingSaver, enabled: boolean): void {
     const down = (event: KeyboardEvent) => {
       const target = event.target as HTMLElement;
       if (!(event.ctrlKey || event.metaKey) || target.matches("input, textarea")) return;
-      const key = event.key.toLowerCase();
-      if (key !== "z" && key !== "y") return;
+      const step = ofSigns({ z: event.shiftKey ? "redo" : "undo", y: "redo" } as const, event);
+      if (!step) return;
       event.preventDefault();
-      void saver.step(key === "y" || event.shiftKey ? "redo" : "undo");
+      void saver.step(step);
     };
     window.addEventListener("keydown", down);
     return () => window.removeEventListener("keydown", down);

@@ -16,6 +16,7 @@ import uPlot from "uplot";
 import { classes } from "@/lib/classes";
 import { onThemeChange } from "@/lib/browser/css-colour";
 import { measured, stepLabels, whole } from "@/lib/format";
+import { ofSigns } from "@/lib/keyboard";
 
 import styles from "./Chart.module.css";
 import { chartData, type ChartData, type Curve, decimate, type XRange } from "./chart-data";
@@ -108,9 +109,9 @@ export function Chart(props: ChartProps) {
   function press(event: KeyboardEvent) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const about = cursor === null ? undefined : x;
-    if (event.key === "+" || event.key === "=") zoom.change(zoomedIn(zoom, about));
-    else if (event.key === "-") zoom.change(zoomedOut(zoom, about));
-    else if (event.key === "0") zoom.change(null);
+    const zooms = { "+": zoomedIn, "=": zoomedIn, "-": zoomedOut, "0": () => null };
+    const zoomed = ofSigns(zooms, event);
+    if (zoomed) zoom.change(zoomed(zoom, about));
     else {
       const next = movedCursor(event.key, at, first, end);
       const chart = plot.current;

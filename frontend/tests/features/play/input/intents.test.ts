@@ -11,7 +11,9 @@ import {
 } from "@/features/play/input/intents";
 import { DEFAULT_KEYS } from "@/features/play/input/keys";
 
-const press = (code: string, repeat = false) => ({ code, repeat });
+import { us } from "../../../support/keyboard";
+
+const press = (code: string, repeat = false) => ({ ...us(code), repeat });
 
 describe("keys after the end", () => {
   it.each([
@@ -94,6 +96,20 @@ describe("keys in the game", () => {
     expect(speedBeside(25, "slower")).toBe(25);
     expect(speedBeside(60, "faster")).toBe(75);
     expect(speedBeside(50, "faster")).toBe(75);
+  });
+
+  it("mean what is printed on a German or French keyboard, and steer by their place", () => {
+    const intent = (code: string, key: string, phase: "playing" | "ended") =>
+      intentOf({ code, key, repeat: false }, phase, Infinity);
+    expect(intent("Slash", "-", "playing")).toBe("slower");
+    expect(intent("BracketRight", "+", "playing")).toBe("faster");
+    expect(intent("Minus", "ß", "playing")).toBeNull();
+    expect(intent("Semicolon", "m", "playing")).toBe("sound");
+    expect(intent("KeyM", ",", "playing")).toBeNull();
+    expect(intent("Comma", ".", "playing")).toBe("pause");
+    expect(intent("KeyK", "л", "ended")).toBe("keep");
+    // It steers, whatever it types.
+    expect(intent("KeyA", "x", "ended")).toBeNull();
   });
 
   it("show and hide what lies over the game, unless they were chosen for something else", () => {

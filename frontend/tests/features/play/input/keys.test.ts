@@ -9,6 +9,7 @@ import {
   DEFAULT_KEYS,
   FIRE,
   HeldKeys,
+  isAssignable,
   isGameKey,
   keyName,
   LEFT,
@@ -16,6 +17,8 @@ import {
   RIGHT,
   withoutKey,
 } from "@/features/play/input/keys";
+
+import { us } from "../../../support/keyboard";
 
 const CODES = ["ArrowLeft", "ArrowRight", "ArrowUp", "KeyA", "KeyD", "KeyW", "Space", "KeyJ"];
 
@@ -57,7 +60,7 @@ describe("held keys", () => {
     fc.assert(
       fc.property(fc.array(fc.constantFrom(...CODES)), (pressed) => {
         const held = new HeldKeys();
-        pressed.forEach((code) => held.hold(code, bitOf(DEFAULT_KEYS, code)));
+        pressed.forEach((code) => held.hold(code, bitOf(DEFAULT_KEYS, us(code))));
         [...new Set(pressed)].reverse().forEach((code) => held.release(code));
         expect(held.bits).toBe(0);
       }),
@@ -67,15 +70,15 @@ describe("held keys", () => {
 
 describe("the key map", () => {
   it("lets either hand play alone", () => {
-    const bits = (codes: string[]) => codes.map((code) => bitOf(DEFAULT_KEYS, code));
+    const bits = (codes: string[]) => codes.map((code) => bitOf(DEFAULT_KEYS, us(code)));
     expect(bits(["ArrowLeft", "ArrowRight", "ArrowUp"])).toEqual([LEFT, RIGHT, FIRE]);
     expect(bits(["KeyA", "KeyD", "KeyW"])).toEqual([LEFT, RIGHT, FIRE]);
   });
 
   it("includes the key that would scroll", () => {
-    expect(isGameKey(DEFAULT_KEYS, "ArrowDown")).toBe(true);
-    expect(isGameKey(DEFAULT_KEYS, "Space")).toBe(true);
-    expect(isGameKey(DEFAULT_KEYS, "Backspace")).toBe(false);
+    expect(isGameKey(DEFAULT_KEYS, us("ArrowDown"))).toBe(true);
+    expect(isGameKey(DEFAULT_KEYS, us("Space"))).toBe(true);
+    expect(isGameKey(DEFAULT_KEYS, us("Backspace"))).toBe(false);
   });
 
   it("gives each key to one control only, and survives being stored", () => {
@@ -85,7 +88,7 @@ describe("the key map", () => {
         let keys = DEFAULT_KEYS;
         for (const [control, code, add] of changes) {
           keys = add ? addKey(keys, control, code) : withoutKey(keys, code);
-          expect(controlOf(keys, code)).toBe(add ? control : null);
+          expect(controlOf(keys, us(code))).toBe(add ? control : null);
         }
         expect(readKeyMap(JSON.parse(JSON.stringify(keys)))).toEqual(keys);
       }),
@@ -100,18 +103,45 @@ describe("the key map", () => {
     { ...DEFAULT_KEYS, left: [3] },
     { ...DEFAULT_KEYS, left: ["Space"] },
     { left: [] },
+    { ...DEFAULT_KEYS, fire: ["ControlLeft"] },
+    { ...DEFAULT_KEYS, fire: [""] },
   ])("is not read from %j", (stored) => {
     expect(readKeyMap(stored)).toBeNull();
   });
 
-  it("names keys as they are written", () => {
-    expect(["ArrowLeft", "KeyA", "Digit7", "Space", "Numpad4", "Escape"].map(keyName)).toEqual([
-      "←",
-      "A",
-      "7",
-      "Space",
-      "Num 4",
-      "Esc",
+  it("finds a place by the name of a key", () => {
+    expect(controlOf(DEFAULT_KEYS, { code: "Numpad4", key: "ArrowLeft" })).toBe("left");
+    expect(controlOf(DEFAULT_KEYS, { code: "Numpad4", key: "4" })).toBeNull();
+    expect(controlOf(DEFAULT_KEYS, { code: "", key: "d" })).toBe("right");
+    expect(controlOf(DEFAULT_KEYS, { code: "KeyA", key: "q" })).toBe("left");
+    expect(controlOf(DEFAULT_KEYS, { code: "KeyQ", key: "a" })).toBeNull();
+  });
+
+  it("gives no control a key that the browser or the system takes", () => {
+    expect(["ControlLeft", "AltRight", "MetaLeft", "CapsLock", "Tab", ""].some(isAssignable)).toBe(
+      false,
+    );
+    expect(["ShiftLeft", "KeyA", "Enter", "F8"].every(isAssignable)).toBe(true);
+  });
+
+  it("names keys as they are printed on a French keyboard", () => {
+    const labels = new Map([
+      ["KeyA", "q"],
+      ["Digit1", "&"],
+      ["KeyS", "ß"],
+      ["Space", "x"],
     ]);
+    expect(["KeyA", "Digit1", "KeyS", "Space"].map((code) => keyName(code, labels))).toEqual([
+      "Q",
+      "&",
+      "ß",
+      "Space",
+    ]);
+  });
+
+  it("names keys as they are written", () => {
+    expect(
+      ["ArrowLeft", "KeyA", "Digit7", "Space", "Numpad4", "Escape"].map((code) => keyName(code)),
+    ).toEqual(["←", "A", "7", "Space", "Num 4", "Esc"]);
   });
 });

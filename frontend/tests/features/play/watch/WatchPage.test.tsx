@@ -77,11 +77,11 @@ describe("the page that watches", () => {
     watch();
     tell(WATCH_HELLO);
     tell({ type: "playing" });
-    await userEvent.keyboard("[Period]");
+    await userEvent.keyboard(".");
     tell({ type: "paused", why: "" });
-    await userEvent.keyboard("[Period]");
+    await userEvent.keyboard(".");
     screen.getByRole("combobox", { name: "Start" }).focus();
-    await userEvent.keyboard("[Period]");
+    await userEvent.keyboard(".");
     expect(WatchSocket.newest.commands).toEqual([
       { type: "play" },
       { type: "pause" },

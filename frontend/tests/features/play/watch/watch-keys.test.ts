@@ -2,7 +2,9 @@ import { describe, expect, it } from "vitest";
 
 import { speedAfter, takeOverKey, watchIntentOf } from "@/features/play/watch/watch-keys";
 
-const press = (code: string, repeat = false) => ({ code, repeat });
+import { us } from "../../../support/keyboard";
+
+const press = (code: string, repeat = false) => ({ ...us(code), repeat });
 
 describe("the keys of the page that watches", () => {
   it("pause, step and restart", () => {
@@ -22,7 +24,16 @@ describe("the keys of the page that watches", () => {
     expect(watchIntentOf(press("KeyT"), 2)).toBeNull();
     expect(watchIntentOf(press("Digit2"), 2)).toEqual({ takeOver: 1 });
     expect(watchIntentOf(press("Digit3"), 2)).toBeNull();
+    const french = { code: "Digit2", key: "é", repeat: false };
+    expect(watchIntentOf(french, 2)).toEqual({ takeOver: 1 });
     expect([takeOverKey(0, 1), takeOverKey(1, 3)]).toEqual(["T", "2"]);
+  });
+
+  it("change the speed by the signs that are shown, on any keyboard", () => {
+    expect(watchIntentOf(press("Minus"), 1)).toBe("slower");
+    expect(watchIntentOf(press("Equal"), 1)).toBe("faster");
+    const german = { code: "BracketRight", key: "+", repeat: false };
+    expect(watchIntentOf(german, 1)).toBe("faster");
   });
 
   it("change the speed by one", () => {

@@ -3,7 +3,15 @@ import { expect, it } from "vitest";
 import { actOf } from "@/features/ranking/comparing/compare-keys";
 
 const key = (name: string, more = {}) =>
-  actOf({ key: name, ctrlKey: false, metaKey: false, altKey: false, shiftKey: false, ...more });
+  actOf({
+    code: "",
+    key: name,
+    ctrlKey: false,
+    metaKey: false,
+    altKey: false,
+    shiftKey: false,
+    ...more,
+  });
 
 it("keys answer by arrows, digits and letters, in either case", () => {
   expect(["ArrowLeft", "1", "=", "0", "ArrowRight", "2"].map((name) => key(name))).toEqual([
@@ -22,6 +30,13 @@ it("keys answer by arrows, digits and letters, in either case", () => {
     "undo",
     "play",
   ]);
+});
+
+it("keys are those of any keyboard", () => {
+  expect(key("é", { code: "Digit2" })).toBe("opponent");
+  expect(key("ы", { code: "KeyS" })).toBe("skip");
+  expect(key("я", { code: "KeyZ", ctrlKey: true })).toBe("undo");
+  expect(key(",", { code: "KeyW" })).toBeNull();
 });
 
 it("keys with a modifier are the browser's, but for Ctrl+Z", () => {
