@@ -393,7 +393,9 @@ describe("a game's stream", () => {
     vi.advanceTimersByTime(500);
     expect(socket.commandsSent).toEqual(["ready", "pause"]);
     socket.tell({ type: "paused", why: "You paused the game." });
-    expect(stream.snapshot().why).toMatch(/^This page stood still for 60\ss, so the game is paused/);
+    expect(stream.snapshot().why).toMatch(
+      /^This page stood still for 60\ss, so the game is paused/,
+    );
     vi.advanceTimersByTime(500);
     expect(socket.commandsSent).toHaveLength(2);
   });
