@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+import time
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -156,10 +157,11 @@ class GameClient:
 
     def next(self, timeout_s: float = TIMEOUT_S) -> FrameMessage | ServerMessage:
         """Wait for the next message that says more than that the server is alive."""
-        data = self.socket.recv(timeout=timeout_s)
-        if isinstance(data, str):
+        deadline = time.monotonic() + timeout_s
+        while isinstance(data := self.socket.recv(timeout=deadline - time.monotonic()), str):
             message = parse_server(data)
-            return self.next(timeout_s) if isinstance(message, Alive) else message
+            if not isinstance(message, Alive):
+                return message
         frame = parse_frame(data)
         self.frames.append(frame)
         self.screens[frame.frame] = self._decoder.decode(frame.encoded)

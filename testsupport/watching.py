@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -103,13 +104,12 @@ class Watcher:
 
     def next(self, timeout_s: float = TIMEOUT_S) -> dict[str, Any] | None:
         """Wait for the next message; returns it if it is a text."""
-        data = self.socket.recv(timeout=timeout_s)
-        if isinstance(data, str):
+        deadline = time.monotonic() + timeout_s
+        while isinstance(data := self.socket.recv(timeout=deadline - time.monotonic()), str):
             message: dict[str, Any] = json.loads(data)
-            if message["type"] == "alive":
-                return self.next(timeout_s)
-            self.said.append(message)
-            return message
+            if message["type"] != "alive":
+                self.said.append(message)
+                return message
         lane, frame = data[0], parse_frame(data[1:])
         self.frames.setdefault(lane, []).append(frame)
         decoder = self._decoders.setdefault(lane, FrameDecoder())

@@ -16,7 +16,7 @@ import numpy as np
 from sqlalchemy.exc import SQLAlchemyError
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
 
-from server.play.wire.protocol import Close, Ended, FrameMessage, Hello
+from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Paused
 from testsupport.faults.history import History, Kind, Request
 from testsupport.live import GameClient, join
 from testsupport.workplace import Workplace
@@ -286,6 +286,8 @@ class Player(Client):
                     if seen >= last and not asked:
                         asked = True
                         player.say("stop")
+                elif isinstance(message, Paused):
+                    player.say("go_on")
         except _BROKEN:
             return seen, None
         return seen, {"recording_id": message.recording_id, "frame": message.frame}
