@@ -8,6 +8,7 @@ import { DEFAULT_KEYS } from "@/features/play/input/keys";
 import { PlayPage } from "@/features/play/PlayPage";
 import { Sounds } from "@/features/play/sound/sounds";
 import { SCREEN_BYTES } from "@/lib/game/codec";
+import { SilenceWatch } from "@/lib/silence";
 
 import { behaviour, recording } from "../../support/data";
 import { show } from "../../support/page";
@@ -159,6 +160,8 @@ async function end(change: Partial<Record<keyof typeof ENDED, unknown>> = {}) {
 }
 
 beforeEach(() => {
+  // The server of these tests says nothing by itself, and their machine may stand still.
+  vi.spyOn(SilenceWatch.prototype, "start").mockReturnValue();
   FakeSocket.last = null;
   FakeSocket.opened = 0;
   vi.stubGlobal("WebSocket", FakeSocket);

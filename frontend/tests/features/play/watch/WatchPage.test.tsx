@@ -3,6 +3,7 @@ import userEvent from "@testing-library/user-event";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
 import { WatchPage } from "@/features/play/watch/WatchPage";
+import { SilenceWatch } from "@/lib/silence";
 
 import { behaviour, run } from "../../../support/data";
 import { show } from "../../../support/page";
@@ -19,6 +20,8 @@ function tell(message: object): void {
 }
 
 beforeEach(() => {
+  // The server of these tests says nothing by itself, and their machine may stand still.
+  vi.spyOn(SilenceWatch.prototype, "start").mockReturnValue();
   sessionStorage.clear();
   vi.stubGlobal("WebSocket", WatchSocket);
   WatchSocket.opened.length = 0;
