@@ -355,7 +355,7 @@ def _rendered(figure: Figure, form: PictureForm) -> bytes:
     # Without the time at which it was drawn.
     metadata = {"Date": None} if form is VECTOR else None
     # The same figure gives the same file, whatever fonts its reader has.
-    # Names are text, not mathematics: $\\frac$ would be an error.
+    # Names are text, not mathematics: $\frac$ would be an error.
     for text in figure.findobj(Text):
         text.set_parse_math(False)
     with matplotlib.rc_context(

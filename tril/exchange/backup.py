@@ -14,21 +14,25 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import sqlite3
+import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
 from sqlalchemy import Connection, Engine, create_engine, make_url, text
 from sqlalchemy.exc import OperationalError
 
 from tril import __version__
 from tril.errors import Conflict, Invalid, Unavailable
+from tril.exchange.formats.json_text import decode_json, parse_json
+from tril.exchange.formats.recording_object import describe_errors
 from tril.files.artifact_store import ArtifactStore, free_bytes, write_whole
 from tril.settings import Settings
 from tril.store.copies import (
@@ -39,10 +43,13 @@ from tril.store.copies import (
     dump_postgresql,
     is_postgresql,
 )
+from tril.store.schema import known_revisions
 
 FORMAT = "tril-backup"
 FORMAT_VERSION = 1
 MANIFEST = "manifest.json"
+
+MAX_MANIFEST_BYTES = 64 * 2**20
 
 MAX_ATTEMPTS = 3
 """A run deleted between the copies of the database and of the artifacts makes a retry necessary."""
@@ -52,8 +59,14 @@ _ARTIFACTS = (
     "SELECT artifacts.path, artifacts.size_bytes, runs.id, runs.status FROM artifacts"
     " JOIN runs ON runs.id = artifacts.run_id WHERE runs.deleted_at IS NULL"
 )
+_REVISIONS = "SELECT version_num FROM alembic_version"
 _N_RECORDINGS = "SELECT count(*) FROM recordings"
 _N_RUNS = "SELECT count(*) FROM runs"
+_REFUSING_TRIGGER = re.compile(
+    r"CREATE TRIGGER \w+ BEFORE (?:UPDATE|DELETE) ON \w+"
+    r" BEGIN SELECT RAISE\(ABORT, '[^']*'\); END"
+)
+"""The only kind of trigger that Tril's schema has: it changes nothing."""
 _UNDER_WAY = ("queued", "running", "cancelling")
 
 
@@ -89,6 +102,21 @@ class Contents:
     n_recordings: int
     n_runs: int
     artifacts: list[tuple[str, int, str, str]]
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a backup says of itself.
+
+    Attributes:
+        files: Its files.
+        artifacts_elsewhere: URL of the artifact store, if the runs' files are not in the backup.
+        contents: What the application's database contains, if the backup has a dump of it.
+    """
+
+    files: list[CopiedFile]
+    artifacts_elsewhere: str | None
+    contents: Contents | None = None
 
 
 @dataclass(frozen=True)
@@ -181,14 +209,18 @@ def check_backup(folder: Path) -> Backup:
         BackupDamaged: It is not a backup, or a file is missing or was changed.
     """
     manifest = _read_manifest(folder)
-    files = [CopiedFile(**entry) for entry in manifest["files"]]
+    files = manifest.files
+    present = dict(_entries(folder))
     for file in files:
         place = folder / file.path
-        if not place.is_file():
-            raise BackupDamaged(f"{file.path} is missing in {folder}.")
+        if file.path not in present:
+            raise BackupDamaged(f"{file.path[:200]!r} is missing in {folder}.")
         if _digest(place) != (file.size_bytes, file.blake2b):
             raise BackupDamaged(f"{file.path} in {folder} was changed after the backup.")
     names = {file.path for file in files}
+    if more := sorted(present.keys() - names - {MANIFEST}):
+        # Such as a database's log, a key, or a file that a program would read beside it.
+        raise BackupDamaged(f"{more[0][:200]!r} in {folder} is not of the backup. Remove it.")
     has_dump = "tril.dump" in names
     for name in sorted(names & {"jobs.dump", "tril.dump"}):
         try:
@@ -199,11 +231,13 @@ def check_backup(folder: Path) -> Backup:
     for name in ["jobs.sqlite", "tril.sqlite"] if not has_dump else sorted(names & {"jobs.sqlite"}):
         _check_database(folder / name)
     if has_dump:
-        contents = Contents(**manifest["contents"])
+        if manifest.contents is None:
+            raise BackupDamaged(f"{MANIFEST} in {folder} does not say what the database contains.")
+        contents = manifest.contents
     else:
         contents = _contents_of_file(folder / "tril.sqlite")
-    if (elsewhere := manifest["artifacts_elsewhere"]) is None:
-        notices = _check_artifacts(contents, folder)
+    if (elsewhere := manifest.artifacts_elsewhere) is None:
+        notices = _check_artifacts(contents, present)
     else:
         notices = [
             f"The files of runs are in the artifact store {elsewhere}, not in this backup."
@@ -267,10 +301,20 @@ def _contents(connection: Connection) -> Contents:
 
 
 def _contents_of_file(place: Path) -> Contents:
-    with closing(_open_read_only(place)) as database:
-        (n_recordings,) = database.execute(_N_RECORDINGS).fetchone()
-        (n_runs,) = database.execute(_N_RUNS).fetchone()
-        return Contents(n_recordings, n_runs, database.execute(_ARTIFACTS).fetchall())
+    try:
+        with closing(_open_read_only(place)) as database:
+            revisions = {one for (one,) in database.execute(_REVISIONS)}
+            (n_recordings,) = database.execute(_N_RECORDINGS).fetchone()
+            (n_runs,) = database.execute(_N_RUNS).fetchone()
+            found = Contents(n_recordings, n_runs, database.execute(_ARTIFACTS).fetchall())
+    except sqlite3.DatabaseError as error:
+        raise BackupDamaged(f"{place.name} is no database of Tril: {error}.") from error
+    if not revisions <= known_revisions():
+        raise BackupDamaged(
+            f"{place.name} was written by a newer version of Tril, which this one can't read."
+            " Update Tril."
+        )
+    return found
 
 
 def _copy_file(source: Path, to: Path) -> tuple[int, str]:
@@ -338,24 +382,54 @@ def _check_database(place: Path) -> None:
         with closing(_open_read_only(place)) as database:
             (found,) = database.execute("PRAGMA integrity_check(1)").fetchone()
             broken = database.execute("PRAGMA foreign_key_check").fetchone()
+            foreign = _foreign_objects(database)
     except sqlite3.DatabaseError as error:
         raise BackupDamaged(f"{place.name} is damaged: {error}.") from error
     if found != "ok":
         raise BackupDamaged(f"{place.name} is damaged: {found}.")
+    if foreign:
+        raise BackupDamaged(
+            f"{place.name} was not written by Tril alone: it has {foreign[0][:80]!r}."
+        )
     if broken is not None:
         raise BackupDamaged(
             f"{place.name} is damaged: a row of {broken[0]} has a dangling foreign key."
         )
 
 
-def _check_artifacts(contents: Contents, folder: Path) -> list[str]:
+def _foreign_objects(database: sqlite3.Connection) -> list[str]:
+    """Return names of what acts by itself or shows other tables, and is not of Tril's schema."""
+    rows = database.execute(
+        "SELECT name, sql FROM sqlite_master WHERE type NOT IN ('table', 'index')"
+        " OR sql LIKE 'CREATE VIRTUAL %'"
+    )
+    return [str(name) for name, sql in rows if not _REFUSING_TRIGGER.fullmatch(str(sql))]
+
+
+def _entries(folder: Path) -> Iterator[tuple[str, int]]:
+    """Yield path and size of each file of a backup.
+
+    Raises:
+        BackupDamaged: Something in it is neither a file nor a folder.
+    """
+    for place, folders, names in os.walk(folder):
+        for name in (*folders, *names):
+            path = Path(place) / name
+            status = path.lstat()
+            if stat.S_ISREG(status.st_mode):
+                yield path.relative_to(folder).as_posix(), status.st_size
+            elif not stat.S_ISDIR(status.st_mode):
+                raise BackupDamaged(f"{path} is neither a file nor a folder.")
+
+
+def _check_artifacts(contents: Contents, present: Mapping[str, int]) -> list[str]:
     """Compare the artifacts with the database; return notices about runs under way."""
     newer = set()
     for path, size_bytes, run_id, status in contents.artifacts:
-        place = folder / "artifacts" / path
-        if not place.is_file():
+        size = present.get(f"artifacts/{path}")
+        if size is None:
             raise BackupDamaged(f"The file {path} of run {run_id} is missing.")
-        if place.stat().st_size != size_bytes:
+        if size != size_bytes:
             if status not in _UNDER_WAY:
                 raise BackupDamaged(f"The file {path} of run {run_id} has the wrong size.")
             newer.add(run_id)
@@ -365,9 +439,13 @@ def _check_artifacts(contents: Contents, folder: Path) -> list[str]:
     ]
 
 
-def _read_manifest(folder: Path) -> dict[str, Any]:
+def _read_manifest(folder: Path) -> Manifest:
     try:
-        manifest = json.loads((folder / MANIFEST).read_bytes())
+        with (folder / MANIFEST).open("rb") as file:
+            content = file.read(MAX_MANIFEST_BYTES + 1)
+        if len(content) > MAX_MANIFEST_BYTES:
+            raise BackupDamaged(f"{MANIFEST} in {folder} is too large.")
+        manifest = parse_json(decode_json(content))
     except FileNotFoundError:
         raise BackupDamaged(f"{folder} is not a Tril backup: it has no {MANIFEST}.") from None
     except ValueError as error:
@@ -379,4 +457,9 @@ def _read_manifest(folder: Path) -> dict[str, Any]:
             f"{folder} was written by another version of Tril (backup version"
             f" {manifest.get('version')}, this one reads {FORMAT_VERSION})."
         )
-    return manifest
+    try:
+        return TypeAdapter(Manifest).validate_python(manifest)
+    except ValidationError as error:
+        raise BackupDamaged(
+            f"{MANIFEST} in {folder} can't be read: {' '.join(describe_errors(error))}"
+        ) from None

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import base64
+import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
 from sqlalchemy.orm import Session
@@ -56,6 +58,11 @@ from tril.store.training.evaluations import EvaluationKey
 State = TypeVar("State", bound=RewardState)
 
 MAX_RECIPE_NAME = 40
+UNFINISHED = "imports"
+"""Folder of the artifact store where the files of a run wait until its row is written."""
+UNFINISHED_FOR = timedelta(hours=1)
+"""An import takes minutes: after so long, its process has ended."""
+_MOMENT = "%Y%m%dT%H%M%S"
 PNG = "image/png"
 _BYTES = "application/octet-stream"
 
@@ -223,12 +230,17 @@ def import_run(
         raise RunRefused("The name of the run's recipe is too long.")
     kind_named(run.example_kind)
     replayed = recorded(archive) if trusted else _replayed(archive)
-    paths = _put_files(store, archive)
+    remove_unfinished_imports(store)
+    folder = f"{UNFINISHED}/{datetime.now(UTC):{_MOMENT}}-{secrets.token_hex(8)}"
     try:
+        paths = _put_files(store, archive, folder)
         with database.writing() as session:
             # Another process may have imported it meanwhile.
             if (known := _restored(session, run.id)) is not None:
+                store.remove_folder(folder)
                 return known
+            # Nobody else moves files there before this transaction ends.
+            store.move_folder(folder, artifacts.folder_of(run.id))
             behaviour = _behaviour(session, run, name)
             ids = {
                 game.number: _add(
@@ -272,11 +284,19 @@ def import_run(
             note_change(session, "run", run.id)
             return RunImportResult(run.id, behaviour.id, was_there=False)
     except BaseException:
-        with database.reading() as session:
-            is_there = session.get(RunRow, run.id) is not None
-        if not is_there:
-            store.remove_folder(artifacts.folder_of(run.id))
+        store.remove_folder(folder)
+        with database.writing() as session:
+            if session.get(RunRow, run.id) is None:
+                store.remove_folder(artifacts.folder_of(run.id))
         raise
+
+
+def remove_unfinished_imports(store: ArtifactStore, now: datetime | None = None) -> None:
+    """Remove the files of imports whose process ended before they had a run."""
+    oldest = (now or datetime.now(UTC)) - UNFINISHED_FOR
+    for name in store.names(UNFINISHED):
+        if name < f"{oldest:{_MOMENT}}":
+            store.remove_folder(f"{UNFINISHED}/{name}")
 
 
 def _restored(session: Session, run_id: str) -> RunImportResult | None:
@@ -325,15 +345,16 @@ def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
     return found
 
 
-def _put_files(store: ArtifactStore, archive: RunArchive) -> dict[str, tuple[str, int]]:
+def _put_files(
+    store: ArtifactStore, archive: RunArchive, folder: str
+) -> dict[str, tuple[str, int]]:
     """Write the run's files; return their names and sizes by kind of network or picture's name."""
-    run_id = archive.run.id
     files = {kind: (NETWORKS[kind], content) for kind, content in archive.networks.items()}
     files |= {name: (name, content) for name, content in archive.pictures.items()}
     written = {}
     for key, (name, content) in files.items():
         plain = name.rpartition("/")[2]
-        written[key] = (plain, store.put(artifacts.path_of(run_id, plain), content))
+        written[key] = (plain, store.put(f"{folder}/{plain}", content))
     return written
 
 

@@ -146,6 +146,20 @@ class ArtifactStore:
         with suppress(NotFound), _reporting(path):
             self._files.rm(place, recursive=True)
 
+    def move_folder(self, path: str, to: str) -> None:
+        """Move everything below a path to another, in place of what lies there."""
+        place, target = self._place(path), self._place(to)
+        self.remove_folder(to)
+        with _reporting(path):
+            if self.is_local:
+                Path(target).parent.mkdir(parents=True, exist_ok=True)
+                Path(place).rename(target)
+                _sync_folder(Path(target).parent)
+                return
+            for name in self.names(path):
+                self._files.cp_file(f"{place}/{name}", f"{target}/{name}")
+            self._files.rm(place, recursive=True)
+
     def check(self, name: str) -> None:
         """Write a file, list its folder, and remove it again.
 

@@ -35,7 +35,7 @@ def upgrade(database: Database, copies: Path | None = None) -> None:
     config = alembic_config()
     with database.upgrading() as connection:
         present = MigrationContext.configure(connection).get_current_revision()
-        _refuse_newer(present, config)
+        _refuse_newer(present)
         is_old = present not in {None, schema_revision()}
         if is_old and copies is not None:
             assert present is not None
@@ -53,13 +53,12 @@ def check_schema(database: Database) -> None:
     Raises:
         Unavailable: It is older, newer, empty, or can't be reached.
     """
-    config = alembic_config()
     try:
         with database.engine.connect() as connection:
             present = MigrationContext.configure(connection).get_current_revision()
     except OperationalError as error:
         raise Unavailable(f"The database can't be reached: {error.orig}.") from error
-    _refuse_newer(present, config)
+    _refuse_newer(present)
     if present != schema_revision():
         was = "empty" if present is None else f"of an older version of Tril ({present})"
         raise Unavailable(
@@ -85,9 +84,14 @@ def alembic_config() -> Config:
     return config
 
 
-def _refuse_newer(revision: str | None, config: Config) -> None:
-    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
-    if revision is not None and revision not in known:
+def known_revisions() -> set[str]:
+    """Return the revisions of this version's schema and of earlier ones."""
+    scripts = ScriptDirectory.from_config(alembic_config())
+    return {script.revision for script in scripts.walk_revisions()}
+
+
+def _refuse_newer(revision: str | None) -> None:
+    if revision is not None and revision not in known_revisions():
         raise Unavailable(
             f"The database was written by a newer version of Tril (revision {revision}), which "
             "this one can't read. Update Tril, or choose another data folder with TRIL_DATA."

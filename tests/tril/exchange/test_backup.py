@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sqlite3
 import threading
+from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from tests.tril.exchange.samples import MODEL, finished_run
 from testsupport.databases import on_postgresql
-from testsupport.workplace import Workplace
+from testsupport.workplace import Workplace, make_workplace
 from tril.errors import Conflict, Unavailable
 from tril.exchange import backup
 from tril.exchange.backup import BackupDamaged, check_backup, make_backup
@@ -257,3 +260,98 @@ def test_other_databases_and_folders_without_any_are_refused(tmp_path: Path) -> 
         make_backup(elsewhere, tmp_path / "backup")
     with pytest.raises(Unavailable, match="nothing to back up"):
         make_backup(Settings(data=tmp_path / "none"), tmp_path / "backup")
+
+
+def _listed(folder: Path) -> None:
+    """Let the manifest say what is in a backup's folder, as whoever changed it would."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    for entry in manifest["files"]:
+        place = folder / entry["path"]
+        entry["size_bytes"], entry["blake2b"] = backup._digest(place)
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+
+
+def _with_sql(*statements: str) -> Callable[[Path], None]:
+    def change(folder: Path) -> None:
+        with closing(sqlite3.connect(folder / "tril.sqlite")) as database:
+            for statement in statements:
+                database.execute(statement)
+            database.commit()
+        _listed(folder)
+
+    return change
+
+
+def _with_path(path: str) -> Callable[[Path], None]:
+    def change(folder: Path) -> None:
+        manifest = json.loads((folder / "manifest.json").read_text())
+        manifest["files"][0]["path"] = path
+        (folder / "manifest.json").write_text(json.dumps(manifest))
+
+    return change
+
+
+def _with_manifest(**members: object) -> Callable[[Path], None]:
+    def change(folder: Path) -> None:
+        manifest = json.loads((folder / "manifest.json").read_text())
+        (folder / "manifest.json").write_text(json.dumps({**manifest, **members}))
+
+    return change
+
+
+def _with_link(folder: Path) -> None:
+    (folder / "jobs.sqlite").rename(folder.parent / "jobs.sqlite")
+    (folder / "jobs.sqlite").symlink_to(folder.parent / "jobs.sqlite")
+
+
+CRAFTED: dict[str, tuple[Callable[[Path], object], str]] = {
+    "a trigger": (
+        _with_sql("CREATE TRIGGER t AFTER INSERT ON players BEGIN DELETE FROM players; END"),
+        "not written by Tril alone: it has 't'",
+    ),
+    "a view": (_with_sql("CREATE VIEW v AS SELECT 1"), "it has 'v'"),
+    "a virtual table": (_with_sql("CREATE VIRTUAL TABLE w USING fts5(a)"), "it has 'w'"),
+    "another schema": (_with_sql("DROP TABLE artifacts"), "no database of Tril"),
+    "a newer version": (
+        _with_sql("UPDATE alembic_version SET version_num = '9999'"),
+        "newer version of Tril",
+    ),
+    "a path outside": (_with_path("../data/tril.sqlite"), "is missing"),
+    "an absolute path": (_with_path("/etc/passwd"), "is missing"),
+    "a path of another type": (_with_path(3), "can't be read"),  # type: ignore[arg-type]
+    "a link": (_with_link, "neither a file nor a folder"),
+    "a pipe": (lambda folder: os.mkfifo(folder / "artifacts" / "p"), "neither a file nor"),
+    "a log of the database": (
+        lambda folder: (folder / "tril.sqlite-wal").write_bytes(b"x"),
+        "'tril.sqlite-wal' in .* is not of the backup",
+    ),
+    "a key": (lambda folder: (folder / "secrets.json").write_text("{}"), "not of the backup"),
+    "no files": (_with_manifest(files=None), "can't be read: files"),
+    "files of another type": (_with_manifest(files=[{"path": "a"}]), "can't be read"),
+    "half of it": (lambda folder: (folder / "tril.sqlite").unlink(), "is missing"),
+    "a manifest that is deep": (
+        lambda folder: (folder / "manifest.json").write_text("[" * 100_000),
+        "nested too deeply",
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def backed_up(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("backed-up")
+    made = make_workplace(folder / "data")
+    finished_run(made)
+    make_backup(made.settings, folder / "backup")
+    made.database.close()
+    return folder / "backup"
+
+
+@pytest.mark.parametrize("what", CRAFTED)
+def test_a_crafted_backup_is_refused_with_a_sentence(
+    what: str, backed_up: Path, tmp_path: Path
+) -> None:
+    change, refusal = CRAFTED[what]
+    folder = Path(shutil.copytree(backed_up, tmp_path / "backup"))
+    change(folder)
+    with pytest.raises(BackupDamaged, match=refusal):
+        check_backup(folder)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import pickle
 import shutil
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +21,7 @@ import pytest
 from PIL import Image
 from safetensors.numpy import load, save
 
+from testsupport.databases import on_postgresql
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import check_networks, write_archive
@@ -398,9 +404,10 @@ def test_a_member_that_is_too_large_is_not_unpacked(
     members = members_of(exported[2])
     # A megabyte of these is a kilobyte of the file.
     members[RUN_FILE] = b" " * (run_archive.MAX_JSON_BYTES + 1)
-    monkeypatch.setattr(zipfile.ZipFile, "read", lambda *_: pytest.fail("It was unpacked."))
+    file = zipped(members)
+    monkeypatch.setattr(zipfile.ZipFile, "open", lambda *_: pytest.fail("It was unpacked."))
     with pytest.raises(Invalid, match="too large: at most 16 MiB"):
-        read_archive(zipped(members))
+        read_archive(file)
 
 
 def test_a_file_whose_bytes_were_changed_is_refused(exported: tuple[Workplace, str, Path]) -> None:
@@ -453,3 +460,119 @@ def test_a_deleted_example_whose_name_was_taken_is_not_restored(
         behaviours.create(session, BEHAVIOUR_NAME)
     with pytest.raises(Conflict, match="Choose another name"):
         open_example(elsewhere, store)
+
+
+IMPORT = """
+import sys
+from pathlib import Path
+from tril.exchange.run_archive import read_archive
+from tril.exchange.run_transfer import import_run
+from tril.files.artifact_store import ArtifactStore
+from tril.store.database import create_database
+database, store, path = create_database(sys.argv[1]), ArtifactStore(sys.argv[2]), Path(sys.argv[3])
+archive = read_archive(path)
+print("ready", flush=True)
+sys.stdin.readline()
+print(import_run(database, store, archive, trusted=True).was_there)
+"""
+
+
+def importing(database: Database, store: ArtifactStore, path: Path) -> subprocess.Popen[str]:
+    """Start a process that has read an archive and waits for a line to import it."""
+    url = database.engine.url.render_as_string(hide_password=False)
+    process = subprocess.Popen(
+        [sys.executable, "-c", IMPORT, url, store.url, str(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    return process
+
+
+@pytest.mark.skipif(on_postgresql(), reason="the databases are SQLite's")
+def test_of_two_processes_that_import_a_run_at_once_one_does(
+    exported: tuple[Workplace, str, Path], elsewhere: Database, store: ArtifactStore
+) -> None:
+    _, run_id, path = exported
+    processes = [importing(elsewhere, store, path) for _ in range(2)]
+    for process in processes:
+        assert process.stdin is not None
+        process.stdin.write("\n")
+        process.stdin.flush()
+    results = [process.communicate(timeout=120)[0] for process in processes]
+    assert sorted(results) == ["False\n", "True\n"]
+    assert counts(elsewhere)[1] == 1
+    with elsewhere.reading() as session:
+        for row in artifacts.listing(session, run_id):
+            assert len(store.get(row.path)) == row.size_bytes
+    assert store.names(run_transfer.UNFINISHED) == []
+
+
+def test_the_files_of_one_that_is_there_are_never_touched(
+    exported: tuple[Workplace, str, Path],
+    elsewhere: Database,
+    store: ArtifactStore,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _, run_id, path = exported
+    archive = read_archive(path)
+    forged = replace(archive, networks={**archive.networks, "clone": b"forged"})
+    put_files = run_transfer._put_files
+
+    def meanwhile(*arguments: Any) -> Any:
+        monkeypatch.setattr(run_transfer, "_put_files", put_files)
+        assert not import_run(elsewhere, store, archive, trusted=True).was_there
+        return put_files(*arguments)
+
+    monkeypatch.setattr(run_transfer, "_put_files", meanwhile)
+    assert import_run(elsewhere, store, forged, trusted=True).was_there
+    assert store.get(artifacts.path_of(run_id, "clone.safetensors")) == archive.networks["clone"]
+    assert store.names(run_transfer.UNFINISHED) == []
+
+
+def test_what_a_killed_import_leaves_is_removed_by_a_later_one(
+    exported: tuple[Workplace, str, Path],
+    elsewhere: Database,
+    store: ArtifactStore,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _, run_id, path = exported
+    archive = read_archive(path)
+    with monkeypatch.context() as patch:
+        # As by a signal: nothing is tidied up.
+        patch.setattr(store, "move_folder", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(store, "remove_folder", lambda *_: None)
+        with pytest.raises(KeyboardInterrupt):
+            import_run(elsewhere, store, archive, trusted=True)
+    assert counts(elsewhere) == (0, 0)
+    assert not store.exists(artifacts.path_of(run_id, "clone.safetensors"))
+    assert len(store.names(run_transfer.UNFINISHED)) == 1
+    # It may still be running.
+    run_transfer.remove_unfinished_imports(store)
+    assert len(store.names(run_transfer.UNFINISHED)) == 1
+    later = datetime.now(UTC) + timedelta(hours=2)
+    run_transfer.remove_unfinished_imports(store, later)
+    assert store.names(run_transfer.UNFINISHED) == []
+
+
+@pytest.mark.parametrize("failing", ["_put_files", "_add_results"])
+def test_an_import_for_which_there_is_no_room_leaves_nothing(
+    exported: tuple[Workplace, str, Path],
+    elsewhere: Database,
+    store: ArtifactStore,
+    monkeypatch: pytest.MonkeyPatch,
+    failing: str,
+) -> None:
+    _, run_id, path = exported
+
+    def full(*_: Any) -> Any:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(run_transfer, failing, full)
+    with pytest.raises(OSError, match="No space left"):
+        import_run(elsewhere, store, read_archive(path), trusted=True)
+    assert counts(elsewhere) == (0, 0)
+    assert store.names(artifacts.folder_of(run_id)) == []
+    assert store.names(run_transfer.UNFINISHED) == []
