@@ -26,6 +26,8 @@ from cli.supervision.servers import reserved_port, server_children, server_envir
 from cli.supervision.supervisor import Child, Supervisor, numbered, running, tril_command
 from cli.workspace import create_data_folder, migrate_databases
 from tril.errors import TrilError, Unavailable
+from tril.exchange.run_transfer import remove_unfinished_imports
+from tril.files.artifact_store import ArtifactStore
 from tril.settings import Settings, unknown_settings
 
 USUALLY_READY_AFTER_S = 60.0
@@ -66,6 +68,9 @@ def up(
             _check_port(settings)
             console.print(f"Data folder: {settings.data}")
             migrate_databases(settings)
+            store = ArtifactStore(settings.artifact_root)
+            if store.is_local:
+                remove_unfinished_imports(store)
             url = address_with_token(settings, page_url(settings))
             check_frontend()
             _supervise(settings, workers, inference, url, browser)

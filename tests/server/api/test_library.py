@@ -499,3 +499,24 @@ def test_what_is_not_there_answers_404_with_a_problem(reader: TestClient, path: 
     answer = reader.get(path)
     assert answer.status_code == 404
     assert answer.json()["detail"]
+
+
+@pytest.mark.parametrize("declared", ["9" * 5_000, "-1", "1e3", "٣", " 5 5"])
+def test_a_length_that_is_no_number_of_bytes_is_refused(client: TestClient, declared: str) -> None:
+    answer = client.post(
+        "/api/behaviours/3/recordings/import",
+        content=b"{}",
+        headers={b"Content-Length": declared.encode()},  # type: ignore[dict-item]
+    )
+    assert answer.status_code == 413
+    assert "too large" in answer.json()["detail"]
+
+
+def test_a_foreign_file_is_one_refusal_and_one_of_many_lines_is_counted(
+    client: TestClient,
+) -> None:
+    path = "/api/behaviours/3/recordings/import"
+    result = client.post(path, content=b"PK\x03\x04" + bytes(10_000)).json()
+    assert [one["reason"][:22] for one in result["refusals"]] == ["The file is a zip file"]
+    result = client.post(path, content=b'{"action": 3}\n' * 199).json()
+    assert (result["n_refused"], len(result["refusals"])) == (199, 20)
