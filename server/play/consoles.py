@@ -88,8 +88,10 @@ class ConsolePool:
             return self._load()
 
     def give_back(self, console: Console) -> None:
-        """Return a console, in any state."""
+        """Return a console, in any state; raises ValueError if it is here already."""
         with self._changed:
+            if any(console is idle for idle in self._idle):
+                raise ValueError("Expected a console that was taken, got an idle one.")
             self._idle.append(console)
             self._changed.notify_all()
 

@@ -27,7 +27,7 @@ from server.play.session.session import (
     SessionResources,
 )
 from server.play.wire.connection import Connection
-from server.play.wire.protocol import Close, TakenOver
+from server.play.wire.protocol import Close, ServerMessage, TakenOver
 from tril.errors import Unavailable
 from tril.store.database import Database
 
@@ -75,7 +75,9 @@ class PlayHub:
         self._events = SessionEvents(self._on_rewind, self._on_end, self._on_error)
         self._sessions: dict[str, PlaySession] = {}
         self._joining: set[str] = set()
-        self._join_locks: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
+        # Held by who joins a game and by who unloads it, but not within the session's own task,
+        # which a join waits for.
+        self._locks: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._lateness_log = LatenessLog(self.lateness)
         self._tasks = (
             PeriodicTask("save", self._save_due, rules.save_every_s / N_SLOTS),
@@ -105,7 +107,8 @@ class PlayHub:
         await asyncio.gather(*(task.stop() for task in self._tasks))
         await asyncio.gather(*(session.shut_down() for session in self._sessions.values()))
         for session in list(self._sessions.values()):
-            await self._unload(session)
+            async with self._lock_of(session.game_id):
+                await self._unload(session)
         self._committer.close()
 
     async def join(self, game_id: str, tab: str, connection: Connection) -> PlaySession:
@@ -116,24 +119,33 @@ class PlayHub:
             GameOver: It has ended.
             Unavailable: It can't be loaded, or too many games are open; says what to do.
         """
-        lock = self._join_locks.setdefault(game_id, asyncio.Lock())
-        async with lock:
+        async with self._lock_of(game_id):
             if game_id not in self._sessions:
                 await self._ownership.check_open(game_id)
             async with self._place_for(game_id):
-                row, behaviour = await self._ownership.acquire(game_id, tab)
-                session = self._sessions.get(game_id)
-                if session is not None and session.game.epoch == row.epoch - 1:
-                    session.game.epoch = row.epoch
-                else:
-                    if session is not None:
-                        await self._drop_lost(session)
-                    game = await self._ownership.load(row, behaviour)
-                    session = PlaySession(game, self._resources, self._events)
-                    self._sessions[game_id] = session
                 self._replays.prepare()
-                await session.attach(connection)
+                while True:
+                    session = await self._acquire(game_id, tab)
+                    # An error may end the session while it comes to a stand.
+                    await session.halt()
+                    if self._holds(session):
+                        await session.attach(connection)
+                        return session
+
+    async def _acquire(self, game_id: str, tab: str) -> PlaySession:
+        row, behaviour = await self._ownership.acquire(game_id, tab)
+        session = self._sessions.get(game_id)
+        if session is not None:
+            if session.game.epoch == row.epoch - 1:
+                session.game.epoch = row.epoch
                 return session
+            await self._drop_lost(session)
+        game = await self._ownership.load(row, behaviour)
+        session = self._sessions[game_id] = PlaySession(game, self._resources, self._events)
+        return session
+
+    def _lock_of(self, game_id: str) -> asyncio.Lock:
+        return self._locks.setdefault(game_id, asyncio.Lock())
 
     @asynccontextmanager
     async def _place_for(self, game_id: str) -> AsyncIterator[None]:
@@ -148,16 +160,16 @@ class PlayHub:
             self._joining.remove(game_id)
 
     async def _unload_one(self) -> None:
-        without_page = [
-            session
-            for session in self._sessions.values()
-            if session.connection is None
-            and session.phase is Phase.WAITING
-            and session.game_id not in self._joining
-        ]
-        if not without_page:
-            raise TooManyGames("This process plays as many games as it can; join again.")
-        await self._unload(min(without_page, key=lambda session: session.left_at))
+        for session in sorted(self._sessions.values(), key=lambda session: session.left_at):
+            lock = self._lock_of(session.game_id)
+            if not _is_left(session) or lock.locked():
+                continue
+            async with lock:
+                # Somebody may have waited for the lock before.
+                is_still_left = _is_left(session) and self._holds(session)
+                if is_still_left and await self._unload(session):
+                    return
+        raise TooManyGames("This process plays as many games as it can; join again.")
 
     async def _save_due(self) -> None:
         """Save a share of the games.
@@ -188,19 +200,26 @@ class PlayHub:
 
     async def _unload_idle(self) -> None:
         """End games that stand still before their page, and unload those without one."""
-        now = asyncio.get_running_loop().time()
         for session in list(self._sessions.values()):
-            if session.phase is not Phase.WAITING:
-                continue
-            if session.connection is None:
-                if now - session.left_at > self._rules.forgotten_after_s:
-                    await self._unload(session)
-            elif now - session.waiting_since <= self._rules.idle_after.total_seconds():
-                await self._ownership.release(session.game)
-            elif not session.needs_saving:
-                await session.close(Close.GAME_OVER, WHY_IDLE)
+            lock = self._lock_of(session.game_id)
+            # A game that somebody joins does not stand still.
+            if not lock.locked():
+                async with lock:
+                    await self._unload_if_idle(session)
+
+    async def _unload_if_idle(self, session: PlaySession) -> None:
+        now = asyncio.get_running_loop().time()
+        if session.phase is not Phase.WAITING or not self._holds(session):
+            return
+        if session.connection is None:
+            if now - session.left_at > self._rules.forgotten_after_s:
                 await self._unload(session)
-                await self._ownership.end_abandoned(session.game_id, timedelta(0))
+        elif now - session.waiting_since <= self._rules.idle_after.total_seconds():
+            await self._ownership.release(session.game)
+        elif not session.needs_saving:
+            await self._drop(session, Close.GAME_OVER, WHY_IDLE)
+            await self._ownership.release(session.game)
+            await self._ownership.end_abandoned(session.game_id, timedelta(0))
 
     async def _clear_up(self) -> None:
         await self._ownership.clear_up(self._rules, self._sessions)
@@ -225,33 +244,57 @@ class PlayHub:
             _LOG.warning("Game %s was not ended: %s", session.game_id, error)
         else:
             outcome = session.game.outcome(refusal)
-            await session.close(Close.GAME_OVER, "The game is over.", outcome)
-            self._remove(session)
+            await self._drop(session, Close.GAME_OVER, "The game is over.", outcome)
 
     async def _on_error(self, session: PlaySession) -> None:
         """Drop a game after an unexpected error; it goes on from what is saved."""
-        await session.close(Close.INTERNAL_ERROR, WHY_FAILED)
-        self._remove(session)
+        await self._drop(session, Close.INTERNAL_ERROR, WHY_FAILED)
         await self._ownership.release(session.game)
 
-    async def _unload(self, session: PlaySession) -> None:
-        """Save, release and forget a game; it stays if it can't be saved, unless all stops."""
+    async def _unload(self, session: PlaySession) -> bool:
+        """Save, release and forget a game that stands still, with its lock held.
+
+        Returns:
+            Whether it is gone. It stays if it can't be saved, unless all stops.
+        """
         if session.needs_saving:
             try:
                 await self._ownership.save([session.game])
             except Unavailable as error:
                 _LOG.error("The last second of game %s is lost: %s", session.game_id, error)
                 if not self._ownership.is_stopping:
-                    return
+                    return False
         await self._ownership.release(session.game)
-        self._remove(session)
+        if self._forget(session):
+            self._consoles.give_back(session.game.episode.console)
+        return True
 
     async def _drop_lost(self, session: PlaySession) -> None:
         """Drop a game that another process owns now."""
-        await session.close(Close.TAKEN_OVER, WHY_TAKEN_OVER, TakenOver())
-        self._remove(session)
+        await self._drop(session, Close.TAKEN_OVER, WHY_TAKEN_OVER, TakenOver())
 
-    def _remove(self, session: PlaySession) -> None:
-        if self._sessions.get(session.game_id) is session:
-            del self._sessions[session.game_id]
+    async def _drop(
+        self,
+        session: PlaySession,
+        code: Close,
+        reason: str,
+        last_message: ServerMessage | None = None,
+    ) -> None:
+        """Forget a game at once, so that nobody joins it, then stop it and close its page."""
+        if self._forget(session):
+            await session.close(code, reason, last_message)
             self._consoles.give_back(session.game.episode.console)
+
+    def _holds(self, session: PlaySession) -> bool:
+        return self._sessions.get(session.game_id) is session
+
+    def _forget(self, session: PlaySession) -> bool:
+        """Forget a game; returns whether it was still held, and so who gives its console back."""
+        is_held = self._holds(session)
+        if is_held:
+            del self._sessions[session.game_id]
+        return is_held
+
+
+def _is_left(session: PlaySession) -> bool:
+    return session.connection is None and session.phase is Phase.WAITING

@@ -239,7 +239,7 @@ class GameOwnership:
         console = self._consoles.take()
         try:
             return Recorder.resume(recording, console, near=near)
-        except RecordingRefused:
+        except BaseException:
             self._consoles.give_back(console)
             raise
 

@@ -126,8 +126,7 @@ class PlaySession:
         return self.phase is not Phase.REWINDING and self.game.is_dirty
 
     async def attach(self, connection: Connection) -> None:
-        """Show the game on a page; the previous page is told and closed."""
-        await self._halt()
+        """Show the game, which stands still, on a page; the previous page is told and closed."""
         self._is_stalled = False
         self.waiting_since = asyncio.get_running_loop().time()
         before, self.connection = self.connection, connection
@@ -144,13 +143,13 @@ class PlaySession:
             return
         self.connection = None
         self.left_at = asyncio.get_running_loop().time()
-        await self._halt()
+        await self.halt()
 
     async def close(
         self, code: Close, reason: str, last_message: ServerMessage | None = None
     ) -> None:
         """End the session in this process and close its page's connection."""
-        await self._halt()
+        await self.halt()
         self.phase = Phase.ENDED
         connection, self.connection = self.connection, None
         if connection is not None:
@@ -158,7 +157,7 @@ class PlaySession:
 
     async def shut_down(self) -> None:
         """Stop the clock because the process stops; an end under way is completed."""
-        await self._halt()
+        await self.halt()
         if self.phase is Phase.ENDED:
             await self._activity.join()
 
@@ -171,7 +170,7 @@ class PlaySession:
         """Pause the game and tell the player why."""
         if self.phase is Phase.ENDED:
             return
-        await self._halt()
+        await self.halt()
         self._is_stalled = False
         await self.send(Paused(why=why))
 
@@ -211,7 +210,7 @@ class PlaySession:
             case "release":
                 self._rewind_released.set()
             case "stop":
-                await self._halt()
+                await self.halt()
                 self._end()
 
     @property
@@ -242,7 +241,7 @@ class PlaySession:
             self._end()
 
     async def _begin_rewind(self) -> None:
-        await self._halt()
+        await self.halt()
         if self._is_idle and self.connection is not None:
             if not self._rewinds.take(1, asyncio.get_running_loop().time()):
                 await self.pause(WHY_NO_REWIND)
@@ -347,7 +346,7 @@ class PlaySession:
         self.waiting_since = asyncio.get_running_loop().time()
         self._activity.finish()
 
-    async def _halt(self) -> None:
+    async def halt(self) -> None:
         """Stop counting, playing or rewinding, after the current frame."""
         if self.phase is not Phase.ENDED:
             await self._activity.stop()

@@ -29,6 +29,7 @@ from server.play.watch.watch_socket import WatchSocket
 from server.play.wire.protocol import Close
 from tril.behaviours import Behaviour
 from tril.errors import NotFound
+from tril.games.atari.console import Console
 from tril.games.space_invaders.openings import Opening, draw_opening, evaluation_beginning
 from tril.games.space_invaders.starts import Start, draw_start
 from tril.inference import Endpoint
@@ -212,10 +213,18 @@ class WatchHub:
         self._left = asyncio.Event()
 
     def _begin(self, plan: WatchPlan) -> list[PolicyGame]:
-        return [
-            PolicyGame(self._consoles.take(), actor, plan.beginning, plan.ending, seed)
-            for actor, seed in plan.players
-        ]
+        consoles: list[Console] = []
+        try:
+            for _ in plan.players:
+                consoles.append(self._consoles.take())
+            return [
+                PolicyGame(console, actor, plan.beginning, plan.ending, seed)
+                for console, (actor, seed) in zip(consoles, plan.players, strict=True)
+            ]
+        except BaseException:
+            for console in consoles:
+                self._consoles.give_back(console)
+            raise
 
     async def _on_take_over(self, session: WatchSession, lane: Lane) -> None:
         plan = self._sessions.get(session)
@@ -237,7 +246,9 @@ class WatchHub:
         ).to_conditions()
 
         def take_over(transaction: Session) -> str:
-            self._limits.check(transaction, plan.player_id, n_counted=len(session.lanes))
+            # The page may have left meanwhile, and given up its places.
+            n_counted = len(session.lanes) if session in self._sessions else 0
+            self._limits.check(transaction, plan.player_id, n_counted=n_counted)
             return games.create_taken_over(
                 transaction, plan.behaviour_id, begun, plan.player_id, conditions
             ).id

@@ -154,6 +154,8 @@ class WatchSession:
         if lane.game.is_over:
             return
         await self._activity.stop()
+        # So that games that were paused for long are not closed meanwhile.
+        self.waiting_since = asyncio.get_running_loop().time()
         try:
             await self._events.on_take_over(self, lane)
         except TrilError as error:
