@@ -16,6 +16,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.app import create_app
+from server.heap import keep_heap_small
 from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
@@ -120,6 +121,7 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
         Unavailable: The address is open to others without encryption, the port is taken, or the
             database is of another version; says what to do.
     """
+    keep_heap_small()
     logging.config.dictConfig(LOGGING)
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     check_exposure(settings)

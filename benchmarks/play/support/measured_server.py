@@ -21,6 +21,7 @@ from fastapi import FastAPI
 from benchmarks.play.support import jpeg
 from benchmarks.play.support.memory import memory_use
 from server.app import create_app
+from server.heap import keep_heap_small
 from server.main import LOGGING, SWITCH_INTERVAL_S, Server, bind, server_config
 from server.play.rules import PlayRules
 from server.services import Services
@@ -68,6 +69,7 @@ def main() -> None:
     if arguments.trace_memory:
         tracemalloc.start()
     os.setpriority(os.PRIO_PROCESS, 0, arguments.niceness)
+    keep_heap_small()
     logging.config.dictConfig(LOGGING)
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     settings = Settings(
