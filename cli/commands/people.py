@@ -28,6 +28,14 @@ def invite(
         str | None, typer.Option(help="What they may play: a behaviour's short name or id.")
     ] = None,
     researcher: Annotated[bool, typer.Option(help="Let them in as researchers instead.")] = False,
+    uses: Annotated[
+        int,
+        typer.Option(min=1, max=invitations.MAX_USES, help="How many people the link lets in."),
+    ] = invitations.DEFAULT_USES,
+    days: Annotated[
+        int,
+        typer.Option(min=1, max=invitations.MAX_DAYS, help="How many days it lets people in."),
+    ] = invitations.DEFAULT_DAYS,
     address: Annotated[
         str | None,
         typer.Option(
@@ -46,7 +54,9 @@ def invite(
     with open_workspace() as workspace:
         with workspace.database.writing() as session:
             behaviour_id = None if behaviour is None else find_behaviour(session, behaviour).id
-            _, secret = invitations.make(session, name, role, behaviour_id, by_player_id=None)
+            _, secret = invitations.make(
+                session, name, role, behaviour_id, by_player_id=None, max_uses=uses, days=days
+            )
         settings = workspace.settings
         url = address or page_url(settings)
         typer.echo(invitation_link(settings, url, secret))
@@ -85,7 +95,14 @@ def list_access(as_json: JsonOption = False) -> None:
             for row in credentials.listing(session, kind)
         ]
         rows += [
-            {"what": "invitation", "id": row.id, "name": row.name, "used": row.n_used}
+            {
+                "what": "invitation",
+                "id": row.id,
+                "name": row.name,
+                "used": row.n_used,
+                "uses": row.max_uses,
+                "until": row.expires_at,
+            }
             for row in invitations.listing(session)
         ]
     for row in rows:

@@ -110,7 +110,7 @@ def revoke_key(session: WriteSession, who: Who, key_id: PersonsId) -> None:
 
 @router.get("/invitations")
 def list_invitations(session: ReadSession) -> list[Invitation]:
-    """Return the invitations that are not revoked, the newest first."""
+    """Return the invitations that were not revoked, the newest first."""
     return [Invitation.model_validate(row) for row in invitations.listing(session)]
 
 
@@ -120,7 +120,13 @@ def create_invitation(
 ) -> NewInvitation:
     """Make a link that lets people in."""
     row, secret = invitations.make(
-        session, new.name, new.role, new.behaviour_id, by_player_id=who.player_id
+        session,
+        new.name,
+        new.role,
+        new.behaviour_id,
+        by_player_id=who.player_id,
+        max_uses=new.max_uses,
+        days=new.days,
     )
     signed = services_of(request).access.secrets.signed(secret)
     return NewInvitation.of(row, path=f"{invitations.PATH}?invitation={signed}")

@@ -80,7 +80,7 @@ async def join(request: Request, pages: SmallPages) -> Response:
                 wrong = pages.texts.name_refused.format(character=refusal.character)
             return await _ask_for_name(request, pages, signed, wrong)
         except TrilError:
-            # The name is missing, or the invitation was revoked since; the page says which.
+            # The name is missing, or the invitation is over; the page says which.
             pass
     return await _ask_for_name(request, pages, signed, pages.texts.name_missing)
 
@@ -92,14 +92,14 @@ async def _ask_for_name(
     secret = services.access.secrets.secret_in(signed)
     present = await services.access.identify(request)
     if secret is None:
-        return pages.no_invitation(was_revoked=False, is_signed_in=present is not None)
+        return pages.no_invitation(is_over=False, is_signed_in=present is not None)
 
     def answer() -> Response:
         with services.database.reading() as session:
             row = invitations.find(session, secret)
             if row is None:
-                was_revoked = invitations.was_revoked(session, secret)
-                return pages.no_invitation(was_revoked, present is not None)
+                is_over = invitations.is_over(session, secret)
+                return pages.no_invitation(is_over, present is not None)
             behaviour = player = None
             if row.behaviour_id is not None:
                 behaviour = behaviours.get(session, row.behaviour_id).name
@@ -112,7 +112,7 @@ async def _ask_for_name(
             return await run_in_threadpool(answer)
     except NotFound:
         # The behaviour was deleted, so the invitation leads nowhere.
-        return pages.no_invitation(was_revoked=True, is_signed_in=present is not None)
+        return pages.no_invitation(is_over=True, is_signed_in=present is not None)
 
 
 def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:

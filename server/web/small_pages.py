@@ -49,9 +49,10 @@ class Texts:
     )
     name_too_long: str = "A name can have at most 80 characters."
     begin: str = "Begin"
-    revoked: str = "This invitation was revoked"
-    revoked_why: str = (
-        "It can no longer be used. Ask the person who sent it to you for a new link. If you have "
+    over: str = "This invitation is over"
+    over_why: str = (
+        "It was revoked, has expired, or has let in as many people as it was made for. Ask the "
+        "person who sent it to you for a new link. If you have "
         "already used it, you are still signed in, in the browser that you used."
     )
     incomplete: str = "This link is not complete"
@@ -86,8 +87,9 @@ _GERMAN = Texts(
     "lässt ({character}). Tippe den Namen, statt ihn einzufügen.",
     name_too_long="Ein Name kann höchstens 80 Zeichen haben.",
     begin="Los",
-    revoked="Diese Einladung wurde zurückgezogen",
-    revoked_why="Sie lässt niemanden mehr herein. Bitte die Person, die sie dir geschickt hat, um "
+    over="Diese Einladung gilt nicht mehr",
+    over_why="Sie wurde zurückgezogen, ist abgelaufen oder hat schon so viele hereingelassen, wie "
+    "sie sollte. Bitte die Person, die sie dir geschickt hat, um "
     "einen neuen Link. Wenn du schon vorher damit hereingekommen bist, bist du weiterhin "
     "angemeldet, in dem Browser von damals.",
     incomplete="Dieser Link ist nicht vollständig",
@@ -197,12 +199,12 @@ class SmallPages:
 </form>""",
         )
 
-    def no_invitation(self, was_revoked: bool, is_signed_in: bool) -> Response:
+    def no_invitation(self, is_over: bool, is_signed_in: bool) -> Response:
         """Return the page (404) of a link that lets nobody in."""
         said = self.texts
         title, why = said.incomplete, said.incomplete_why
-        if was_revoked:
-            title, why = said.revoked, said.revoked_why
+        if is_over:
+            title, why = said.over, said.over_why
         go = f'<a class="go" href="/">{said.to_tril}</a>' if is_signed_in else ""
         return self.page(404, title, f"<p>{why}</p>{go}")
 

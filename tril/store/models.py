@@ -516,6 +516,7 @@ class InvitationRow(Base):
     """A link that lets people in. Only a hash of its secret is stored.
 
     ``behaviour_id`` is what participants may play; researchers are invited to all behaviours.
+    ``max_uses`` and ``expires_at`` are null for links of earlier versions, which have no bounds.
     """
 
     __tablename__ = "invitations"
@@ -528,6 +529,8 @@ class InvitationRow(Base):
     created_by: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     n_used: Mapped[int] = mapped_column(Integer, default=0)
+    max_uses: Mapped[int | None] = mapped_column(Integer)
+    expires_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
     revoked_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
 

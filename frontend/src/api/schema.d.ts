@@ -587,7 +587,7 @@ export interface paths {
         };
         /**
          * List Invitations
-         * @description Return the invitations that are not revoked, the newest first.
+         * @description Return the invitations that were not revoked, the newest first.
          */
         get: operations["list_invitations"];
         put?: never;
@@ -1697,7 +1697,9 @@ export interface components {
         };
         /**
          * Invitation
-         * @description A link that lets people in, until it is revoked.
+         * @description A link that lets people in, until it is revoked, used up or expired.
+         *
+         *     ``max_uses`` and ``expires_at`` are null for links of earlier versions, which have no bounds.
          */
         Invitation: {
             /** Behaviour Id */
@@ -1707,8 +1709,12 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            /** Expires At */
+            expires_at: string | null;
             /** Id */
             id: number;
+            /** Max Uses */
+            max_uses: number | null;
             /** N Used */
             n_used: number;
             /** Name */
@@ -1718,10 +1724,22 @@ export interface components {
         /**
          * InvitationNew
          * @description An invitation to make; participants are invited to one behaviour.
+         *
+         *     It lets ``max_uses`` people in, and nobody after some days.
          */
         InvitationNew: {
             /** Behaviour Id */
             behaviour_id?: number | null;
+            /**
+             * Days
+             * @default 30
+             */
+            days: number;
+            /**
+             * Max Uses
+             * @default 30
+             */
+            max_uses: number;
             /** Name */
             name: string;
             /**
@@ -1881,8 +1899,12 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            /** Expires At */
+            expires_at: string | null;
             /** Id */
             id: number;
+            /** Max Uses */
+            max_uses: number | null;
             /** N Used */
             n_used: number;
             /** Name */

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from server.api.schemas.base import Id, Schema
+from tril.store.access.invitations import DEFAULT_DAYS, DEFAULT_USES, MAX_DAYS, MAX_USES
 from tril.store.audit import Action
 from tril.store.models import Role
 from tril.text import Line
@@ -75,7 +76,10 @@ class NewKey(Key):
 
 
 class Invitation(Schema):
-    """A link that lets people in, until it is revoked."""
+    """A link that lets people in, until it is revoked, used up or expired.
+
+    ``max_uses`` and ``expires_at`` are null for links of earlier versions, which have no bounds.
+    """
 
     id: int
     name: str
@@ -83,14 +87,21 @@ class Invitation(Schema):
     behaviour_id: int | None
     created_at: datetime
     n_used: int
+    max_uses: int | None
+    expires_at: datetime | None
 
 
 class InvitationNew(Schema):
-    """An invitation to make; participants are invited to one behaviour."""
+    """An invitation to make; participants are invited to one behaviour.
+
+    It lets ``max_uses`` people in, and nobody after some days.
+    """
 
     name: Line = Field(min_length=1, max_length=80)
     role: Literal[Role.RESEARCHER, Role.PARTICIPANT] = Role.PARTICIPANT
     behaviour_id: Id | None = None
+    max_uses: int = Field(default=DEFAULT_USES, strict=True, ge=1, le=MAX_USES)
+    days: int = Field(default=DEFAULT_DAYS, strict=True, ge=1, le=MAX_DAYS)
 
 
 class NewInvitation(Invitation):

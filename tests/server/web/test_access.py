@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import httpx2
@@ -27,7 +29,7 @@ from testsupport.workplace import Workplace
 from tril.errors import Conflict
 from tril.store import audit, players, recordings
 from tril.store.access import credentials, invitations, roles
-from tril.store.models import AuditRow, CredentialKind, CredentialRow, Role
+from tril.store.models import AuditRow, CredentialKind, CredentialRow, InvitationRow, Role, now
 
 
 def _visitor(live: LiveServer, **more: Any) -> httpx2.Client:
@@ -184,6 +186,37 @@ def test_an_invitation_makes_a_person_of_a_name_who_plays_one_behaviour(live: Li
     assert made["id"] not in {one["id"] for one in live.http.get("/api/invitations").json()}
 
 
+def test_a_link_lets_in_as_many_as_it_was_made_for(live: LiveServer) -> None:
+    wish = {"name": "5b", "role": "participant", "behaviour_id": 1, "max_uses": 3}
+    made = _made(live.http.post("/api/invitations", json=wish))
+    (signed,) = re.findall(r"invitation=(.+)", made["path"])
+
+    def come(number: int) -> int:
+        form = {"invitation": signed, "name": f"Guest {number}"}
+        with _visitor(live, follow_redirects=False) as guest:
+            return guest.post("/join", data=form).status_code
+
+    with ThreadPoolExecutor(8) as guests:
+        answers = Counter(guests.map(come, range(8)))
+    assert answers == {303: 3, 404: 5}
+    (listed,) = [one for one in live.http.get("/api/invitations").json() if one["id"] == made["id"]]
+    assert (listed["n_used"], listed["max_uses"]) == (3, 3)
+
+
+def test_a_link_expires_and_one_of_an_earlier_version_does_not(live: LiveServer) -> None:
+    wish = {"name": "5b", "role": "participant", "behaviour_id": 1, "days": 1}
+    expired, old = (_made(live.http.post("/api/invitations", json=wish)) for _ in range(2))
+    with live.database.writing() as session:
+        session.get_one(InvitationRow, expired["id"]).expires_at = now()
+        row = session.get_one(InvitationRow, old["id"])
+        row.max_uses = row.expires_at = None
+        row.n_used = 1000
+    with _visitor(live) as guest:
+        page = guest.get(expired["path"])
+        assert (page.status_code, "has expired" in page.text) == (404, True)
+        assert guest.get(old["path"]).status_code == 200
+
+
 @pytest.mark.parametrize(
     ("accepted", "language"),
     [
@@ -205,8 +238,8 @@ def test_a_link_says_in_both_languages_what_it_is_for_or_why_it_lets_nobody_in(
     wish = {"name": "5b", "role": "participant", "behaviour_id": 2}
     made = _made(live.http.post("/api/invitations", json=wish))
     said = {
-        "en": ("Welcome to Tril", "What is your name?", "was revoked", "is not complete"),
-        "de": ("Willkommen bei Tril", "Wie heißt du?", "zurückgezogen", "nicht vollständig"),
+        "en": ("Welcome to Tril", "What is your name?", "is over", "is not complete"),
+        "de": ("Willkommen bei Tril", "Wie heißt du?", "gilt nicht mehr", "nicht vollständig"),
     }
     for language, (welcome, question, _, incomplete) in said.items():
         with _visitor(live, headers={"Accept-Language": language}) as guest:
@@ -223,10 +256,10 @@ def test_a_link_says_in_both_languages_what_it_is_for_or_why_it_lets_nobody_in(
             assert 'href="/"' not in broken.text
     assert "is signed in as" in browser.get(made["path"]).text
     assert live.http.delete(f"/api/invitations/{made['id']}").status_code == 204
-    for language, (*_, revoked, _) in said.items():
+    for language, (*_, over, _) in said.items():
         with _visitor(live, headers={"Accept-Language": language}) as guest:
             page = guest.get(made["path"])
-            assert (page.status_code, revoked in page.text) == (404, True)
+            assert (page.status_code, over in page.text) == (404, True)
     # Somebody who is in is shown the way.
     assert 'href="/"' in browser.get(made["path"]).text
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from sqlalchemy import select
+from datetime import timedelta
+
+from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid, NotFound
@@ -15,14 +17,39 @@ from tril.text import clean_line
 PATH = "/join"
 """Where links lead to on a server."""
 
+DEFAULT_USES = 30
+"""A class."""
+
+MAX_USES = 1000
+
+DEFAULT_DAYS = 30
+
+MAX_DAYS = 366
+
 
 def make(
-    session: Session, name: str, role: Role, behaviour_id: int | None, by_player_id: int | None
+    session: Session,
+    name: str,
+    role: Role,
+    behaviour_id: int | None,
+    by_player_id: int | None,
+    max_uses: int = DEFAULT_USES,
+    days: int = DEFAULT_DAYS,
 ) -> tuple[InvitationRow, str]:
     """Make an invitation, and return it with the secret for its link.
 
+    Args:
+        session: The transaction.
+        name: Whom it is for.
+        role: What they become.
+        behaviour_id: What a participant may play.
+        by_player_id: Who makes it; None for a command in the terminal.
+        max_uses: How many people it lets in.
+        days: After which it lets nobody in any more.
+
     Raises:
-        Invalid: It has no name, is for another owner, or lacks a participant's behaviour.
+        Invalid: It has no name, is for another owner, lacks a participant's behaviour, or a bound
+            is out of range.
         NotFound: There is no such behaviour.
     """
     if not (name := clean_line(name)):
@@ -33,6 +60,9 @@ def make(
         raise Invalid(
             "Name the behaviour that a participant is to play; researchers see all behaviours."
         )
+    for value, most, what in ((max_uses, MAX_USES, "people"), (days, MAX_DAYS, "days")):
+        if not 1 <= value <= most:
+            raise Invalid(f"A link lets people in for 1 to {most} {what}, got {value}.")
     if behaviour_id is not None:
         behaviours.get(session, behaviour_id)
     secret = credentials.new_secret()
@@ -43,6 +73,8 @@ def make(
         secret_hash=credentials.hash_of(secret),
         created_by=by_player_id,
         n_used=0,
+        max_uses=max_uses,
+        expires_at=now() + timedelta(days=days),
     )
     session.add(row)
     session.flush()
@@ -51,18 +83,26 @@ def make(
 
 
 def find(session: Session, secret: str) -> InvitationRow | None:
-    """Return the invitation of a link; None if it was revoked or is unknown."""
-    of_secret = InvitationRow.secret_hash == credentials.hash_of(secret)
-    return session.scalar(
-        select(InvitationRow).where(of_secret, InvitationRow.revoked_at.is_(None))
-    )
+    """Return the invitation of a link; None if it lets nobody in any more or is unknown."""
+    return session.scalar(select(InvitationRow).where(_of(secret), _is_valid()))
 
 
-def was_revoked(session: Session, secret: str) -> bool:
-    """Whether a link has let people in, and does so no more."""
-    of_secret = InvitationRow.secret_hash == credentials.hash_of(secret)
-    query = select(InvitationRow.id).where(of_secret, InvitationRow.revoked_at.is_not(None))
+def is_over(session: Session, secret: str) -> bool:
+    """Whether a link was revoked, has expired or is used up."""
+    query = select(InvitationRow.id).where(_of(secret), ~_is_valid())
     return session.scalar(query) is not None
+
+
+def _of(secret: str) -> ColumnElement[bool]:
+    return InvitationRow.secret_hash == credentials.hash_of(secret)
+
+
+def _is_valid() -> ColumnElement[bool]:
+    return (
+        InvitationRow.revoked_at.is_(None)
+        & or_(InvitationRow.max_uses.is_(None), InvitationRow.n_used < InvitationRow.max_uses)
+        & or_(InvitationRow.expires_at.is_(None), InvitationRow.expires_at > now())
+    )
 
 
 def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str, int | None]:
@@ -72,10 +112,12 @@ def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str,
         The secret for their cookie, and the behaviour that they may play; None for researchers.
 
     Raises:
-        NotFound: The invitation was revoked or is unknown.
+        NotFound: The invitation lets nobody in any more, or is unknown.
         Invalid: They gave no name.
         TextRefused: The name can't be accepted.
     """
+    # Locked, so that no more people come by it at once than it is for.
+    session.execute(select(InvitationRow.id).where(_of(secret)).with_for_update())
     row = find(session, secret)
     if row is None:
         raise NotFound("This invitation is not valid any more. Ask for a new link.")

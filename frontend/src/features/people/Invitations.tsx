@@ -6,6 +6,7 @@ import { useState } from "react";
 import { behavioursQuery } from "@/api/behaviours";
 import { messageOf } from "@/api/client";
 import { createInvitation, invitationsQuery, revokeInvitation } from "@/api/people";
+import type { Invitation } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
@@ -17,6 +18,10 @@ import { Secret } from "./Secret";
 import { roleName } from "./words";
 
 const RESEARCHERS = "researchers";
+
+/** What the server takes; its defaults are for a class. */
+const USES = { default: 30, most: 1000 };
+const DAYS = { default: 30, most: 366 };
 
 /** The invitations, each with a button that revokes it, and a form that makes one. */
 export function Invitations() {
@@ -37,27 +42,38 @@ export function Invitations() {
         </Notice>
       )}
       <ul className={styles.rows}>
-        {invitations.map(({ id, name, role, behaviour_id: of, n_used: used, created_at: made }) => (
-          <Credential
-            key={id}
-            note={
-              <>
-                {moment(made)}, <Plural value={used} one="used once" other="used # times" />
-              </>
-            }
-            end={{
-              label: t`Revoke`,
-              name: t`Revoke the invitation ${name}`,
-              disabled: revoke.isPending,
-              onClick: () => revoke.mutate(id),
-            }}
-          >
-            <strong>{name}</strong> ({roleName(role)}
-            {of !== null && `, ${behaviourName(of) ?? ""}`})
-          </Credential>
-        ))}
+        {invitations.map((invitation) => {
+          const { id, name, role, behaviour_id: of } = invitation;
+          return (
+            <Credential
+              key={id}
+              note={<Use of={invitation} />}
+              end={{
+                label: t`Revoke`,
+                name: t`Revoke the invitation ${name}`,
+                disabled: revoke.isPending,
+                onClick: () => revoke.mutate(id),
+              }}
+            >
+              <strong>{name}</strong> ({roleName(role)}
+              {of !== null && `, ${behaviourName(of) ?? ""}`})
+            </Credential>
+          );
+        })}
       </ul>
       <NewInvitationForm onMade={() => void refetch()} />
+    </>
+  );
+}
+
+/** When an invitation was made, how often it was used, and how long it is valid. */
+function Use({ of: invitation }: { of: Invitation }) {
+  const { n_used: used, max_uses: most, expires_at: until, created_at: made } = invitation;
+  return (
+    <>
+      {moment(made)}, <Plural value={used} one="used once" other="used # times" />
+      {most !== null && <Trans> of {most}</Trans>}
+      {until !== null && <Trans>, until {moment(until)}</Trans>}
     </>
   );
 }
@@ -66,6 +82,8 @@ function NewInvitationForm({ onMade }: { onMade: () => void }) {
   const { data: behaviours = [] } = useQuery(behavioursQuery);
   const [name, setName] = useState("");
   const [to, setTo] = useState("");
+  const [uses, setUses] = useState(USES.default);
+  const [days, setDays] = useState(DAYS.default);
   const make = useMutation({
     mutationFn: createInvitation,
     onSuccess: () => {
@@ -80,10 +98,11 @@ function NewInvitationForm({ onMade }: { onMade: () => void }) {
       onSubmit={(event) => {
         event.preventDefault();
         if (!name.trim()) return;
+        const bounds = { name: name.trim(), max_uses: uses, days };
         make.mutate(
           chosen === RESEARCHERS
-            ? { name: name.trim(), role: "researcher" }
-            : { name: name.trim(), role: "participant", behaviour_id: Number(chosen) },
+            ? { ...bounds, role: "researcher" }
+            : { ...bounds, role: "participant", behaviour_id: Number(chosen) },
         );
       }}
     >
@@ -118,10 +137,37 @@ function NewInvitationForm({ onMade }: { onMade: () => void }) {
           </select>
         )}
       </Field>
+      <Bound label={t`People it lets in`} most={USES.most} value={uses} onChange={setUses} />
+      <Bound label={t`Days it is valid`} most={DAYS.most} value={days} onChange={setDays} />
       <Button kind="primary" type="submit" disabled={!name.trim() || make.isPending}>
         <Trans>Make a link</Trans>
       </Button>
       {make.data && <Secret value={new URL(make.data.path, location.origin).href} />}
     </form>
+  );
+}
+
+interface BoundProps {
+  label: string;
+  most: number;
+  value: number;
+  onChange: (value: number) => void;
+}
+
+function Bound({ label, most, value, onChange }: BoundProps) {
+  return (
+    <Field label={label}>
+      {(control) => (
+        <input
+          {...control}
+          type="number"
+          min={1}
+          max={most}
+          required
+          value={Number.isNaN(value) ? "" : value}
+          onChange={(event) => onChange(event.currentTarget.valueAsNumber)}
+        />
+      )}
+    </Field>
   );
 }

@@ -118,6 +118,8 @@ describe("the page of people", () => {
           behaviour_id: 1,
           created_at: "2026-01-01T10:00:00Z",
           n_used: 0,
+          max_uses: 24,
+          expires_at: "2026-01-08T10:00:00Z",
           path: "/join?invitation=abc",
         };
       },
@@ -125,9 +127,35 @@ describe("the page of people", () => {
     show(<PeoplePage />);
     await userEvent.type(await screen.findByLabelText("Who is invited"), "5b");
     await userEvent.selectOptions(screen.getByLabelText("What they may do"), "Play Column 1");
+    expect(screen.getByLabelText("People it lets in")).toHaveValue(30);
+    await userEvent.clear(screen.getByLabelText("People it lets in"));
+    await userEvent.type(screen.getByLabelText("People it lets in"), "24");
+    await userEvent.clear(screen.getByLabelText("Days it is valid"));
+    await userEvent.type(screen.getByLabelText("Days it is valid"), "7");
     await userEvent.click(screen.getByRole("button", { name: "Make a link" }));
     expect(await screen.findByText(/\/join\?invitation=abc$/)).toBeVisible();
-    expect(wishes).toEqual([{ name: "5b", role: "participant", behaviour_id: 1 }]);
+    expect(wishes).toEqual([
+      { name: "5b", role: "participant", behaviour_id: 1, max_uses: 24, days: 7 },
+    ]);
+  });
+
+  it("says how often an invitation was used and how long it is valid", async () => {
+    const invitation = {
+      role: "participant",
+      behaviour_id: 1,
+      created_at: "2026-01-01T10:00:00Z",
+      n_used: 3,
+    };
+    serve({
+      ...PEOPLE,
+      "GET /api/invitations": () => [
+        { ...invitation, id: 2, name: "5b", max_uses: 30, expires_at: "2026-01-31T10:00:00Z" },
+        { ...invitation, id: 1, name: "of old", max_uses: null, expires_at: null },
+      ],
+    });
+    show(<PeoplePage />);
+    expect(await screen.findByText(/used 3 times of 30, until /)).toBeVisible();
+    expect(screen.getByText(/used 3 times$/)).toBeVisible();
   });
 
   it("makes a key that starts workers and does nothing else", async () => {
