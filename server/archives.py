@@ -21,7 +21,8 @@ TIMEOUT_S = 300.0
 """An archive takes about 15 s on an idle core: PyTorch is loaded, and two clips are made."""
 NICENESS = "10"
 """Somebody waits for it: before trainings (19), after play (0)."""
-MAX_WAITING = 2
+MAX_WAITING = 4
+"""One person has at most four requests under way (Services.replay_limit), so that one is left."""
 
 
 class ArchiveMaker:

@@ -60,11 +60,11 @@ Who = Annotated[Identity, Depends(identity_of)]
 """Who makes the request."""
 
 
-def _client_of(connection: HTTPConnection) -> Hashable:
-    """Return whose turn a request takes: that of a browser or key, or of an address."""
+def client_of(connection: HTTPConnection) -> Hashable:
+    """Return whose turn a request takes: that of a person, or of an address."""
     identity: Identity | None = connection.scope.get("identity")
     if identity is not None:
-        return identity.credential_id
+        return identity.player_id
     return connection.client and connection.client.host
 
 
@@ -72,7 +72,7 @@ def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:
     """Return a dependency that holds a slot of a limit while a request is handled.
 
     The slot is taken after FastAPI has read the body and released before the answer is sent.
-    Browsers and keys wait in turn.
+    People wait in turn, whatever number of browsers and keys they have.
 
     Args:
         limit_of: Chooses the limit, told whether the request may write.
@@ -80,7 +80,7 @@ def limited_by(limit_of: Callable[[Services, bool], ConcurrencyLimit]) -> Any:
 
     async def hold_slot(connection: HTTPConnection) -> AsyncIterator[None]:
         writes = connection.scope["method"] not in {"GET", "HEAD"}
-        async with limit_of(services_of(connection), writes).slot(_client_of(connection)):
+        async with limit_of(services_of(connection), writes).slot(client_of(connection)):
             yield
 
     return Depends(hold_slot, scope="function")

@@ -53,7 +53,7 @@ class Services:
         watching: The games that are watched in this process.
         changes: The change stream.
         storage: Measures disk usage.
-        read_limit: Limits requests that read, one at a time of each browser or key. Their threads
+        read_limit: Limits requests that read, one at a time of each person. Their threads
             share Python's lock with the games, so that more of them answer less. Together with
             those that write they have to be fewer than the pool's connections (15) and anyio's
             threads (40). Otherwise all threads wait for connections whose holders wait for a
@@ -61,7 +61,8 @@ class Services:
         write_limit: Limits requests that write, so that reads do not wait for a busy database.
         replay_limit: Limits requests that make clips or archives, replay, query a network or read
             the artifact store. They hold a connection only briefly, but a thread for seconds.
-        upload_limit: Limits uploads, whose body is not read before they have a slot.
+        upload_limit: Limits uploads, one of each person, whose body is not read before they have a
+            slot.
     """
 
     settings: Settings
@@ -89,7 +90,7 @@ class Services:
         default_factory=lambda: ConcurrencyLimit(at_once=8, each=4, waiting=128, wait_s=120)
     )
     upload_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=1, each=1, waiting=8, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, each=1, waiting=8, wait_s=120)
     )
 
 
@@ -113,7 +114,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
     replays = ReplayProcess()
-    limits = GameLimits.from_settings(settings, rules.max_games)
+    limits = GameLimits.from_settings(settings, rules.max_games, name)
     jobs = Jobs(database, settings)
     cache = Cache(settings.cache_folder, settings.cache_limit_bytes)
     access = Access(settings, database)
@@ -141,7 +142,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         storage=StorageMeter(settings),
     )
     last_seen = PeriodicTask("last seen", access.save_seen, SEEN_EVERY_S)
-    heartbeat = Heartbeat(database, name, "server")
+    heartbeat = Heartbeat(database, name, "server", limits.watched.details)
     try:
         await asyncio.to_thread(heartbeat.start)
         services.changes.start()

@@ -85,13 +85,13 @@ class Settings(BaseSettings):
     cache_limit_bytes: int = Field(default=512 * 1024 * 1024, ge=0)
     server_processes: int = Field(default=1, ge=1, le=64)
     max_games: int = Field(default=0, ge=0)
-    max_games_per_player: int = Field(default=32, ge=1)
+    max_games_per_player: int = Field(default=8, ge=1)
     max_recordings_per_player: int = Field(default=20_000, ge=1)
     # Below 1024, the usual limit of open files, with room for files and the database.
     max_connections: int = Field(default=768, ge=1)
     max_connections_per_address: int = Field(default=256, ge=1)
     max_queued_runs: int = Field(default=50, ge=1)
-    max_queued_runs_per_player: int = Field(default=50, ge=1)
+    max_queued_runs_per_player: int = Field(default=25, ge=1)
     worker_key: SecretStr = SecretStr("")
     worker_key_file: Path | None = None
     inference_address: str = ""

@@ -28,6 +28,7 @@ router = APIRouter(tags=["events"])
 async def stream_events(request: Request, who: Who) -> StreamingResponse:
     """Stream changes from now on, until who listens is signed out or may do something else."""
     services = services_of(request)
+    services.access.refuse_too_many_open(who)
 
     async def of_participant(changes: Collection[Change]) -> Collection[Change]:
         played = [int(key) for topic, key in changes if topic == "recording"]

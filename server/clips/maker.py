@@ -18,6 +18,7 @@ REFUSED = 3
 TIMEOUT_S = 120.0
 """A full game takes about 3 s on an idle core."""
 MAX_WAITING = 4
+"""One person has at most four requests under way (Services.replay_limit), so that one is left."""
 
 
 class ClipMaker:

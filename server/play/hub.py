@@ -28,7 +28,7 @@ from server.play.session.session import (
 )
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import Close, ServerMessage, TakenOver
-from tril.errors import Unavailable
+from tril.errors import Conflict, Unavailable
 from tril.store.database import Database
 
 _LOG = logging.getLogger(__name__)
@@ -232,7 +232,9 @@ class PlayHub:
             return await self._ownership.branch(session, frame)
         except OwnershipLost:
             await self._drop_lost(session)
-            return None
+        except Conflict as error:
+            await session.pause(str(error))
+        return None
 
     async def _on_end(self, session: PlaySession) -> None:
         try:

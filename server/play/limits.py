@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 from sqlalchemy.orm import Session
 
 from tril.errors import Unavailable
 from tril.settings import Settings
-from tril.store import games, players, recordings
+from tril.store import games, players, processes, recordings
 
 
 class TooManyGames(Unavailable):
@@ -19,11 +20,39 @@ class TooManyGames(Unavailable):
 class WatchedGames:
     """Counts the watched games of this process, which no row of the database tells of.
 
+    The process's heartbeat tells the other processes.
+
     Attributes:
-        n_open: How many there are.
+        process: Name of this process.
+        of_players: How many there are of each person.
     """
 
-    n_open: int = 0
+    process: str = ""
+    of_players: Counter[int] = field(default_factory=Counter)
+
+    @property
+    def n_open(self) -> int:
+        """How many there are."""
+        return self.of_players.total()
+
+    def details(self) -> dict[str, dict[str, int]]:
+        """Return what the heartbeat says of them, JSON-serialisable."""
+        held = {str(player): count for player, count in dict(self.of_players).items() if count}
+        return {_DETAIL: held} if held else {}
+
+    def count_everywhere(self, session: Session, player_id: int | None = None) -> int:
+        """Count those of all processes, of a person or of all."""
+        counts = [dict(self.of_players)] + [
+            {int(player): count for player, count in status.details.get(_DETAIL, {}).items()}
+            for status in processes.statuses(session)
+            if status.alive and status.kind == "server" and status.name != self.process
+        ]
+        if player_id is None:
+            return sum(sum(held.values()) for held in counts)
+        return sum(held.get(player_id, 0) for held in counts)
+
+
+_DETAIL = "watched"
 
 
 @dataclass(frozen=True)
@@ -33,7 +62,7 @@ class GameLimits:
     Attributes:
         total: Of all players together.
         per_player: Of one player.
-        watched: The watched games of this process, which count as well.
+        watched: The watched games, which count as well.
         recordings_per_player: How many recordings of one player are stored at most.
     """
 
@@ -43,17 +72,19 @@ class GameLimits:
     recordings_per_player: int | None = None
 
     @classmethod
-    def from_settings(cls, settings: Settings, per_process: int) -> GameLimits:
+    def from_settings(cls, settings: Settings, per_process: int, process: str = "") -> GameLimits:
         """Return the configured limits.
 
         Args:
             settings: The settings; max_games of 0 means as many as all processes can play.
             per_process: How many games one process can play.
+            process: Name of this process.
         """
         total = settings.max_games or per_process * settings.server_processes
         return cls(
             total,
             settings.max_games_per_player,
+            WatchedGames(process),
             recordings_per_player=settings.max_recordings_per_player,
         )
 
@@ -75,18 +106,24 @@ class GameLimits:
         """
         if player_id is not None:
             players.lock(session, player_id)
-            n_own = games.count_open(session, player_id) + self.watched.n_open - n_counted
+            n_watched = self.watched.count_everywhere(session, player_id)
+            n_own = games.count_open(session, player_id) + n_watched - n_counted
             if n_own + n_new > self.per_player:
                 raise TooManyGames(
                     f"{n_own} of your games are open, and more are not allowed at the same time "
                     "(TRIL_MAX_GAMES_PER_PLAYER). Finish or stop one; a game whose tab is closed "
                     "counts for about a minute longer."
                 )
-            if self.recordings_per_player is not None and n_new > 0:
-                recordings.refuse_too_many(session, player_id, self.recordings_per_player, n_new)
-        n_open = games.count_open(session) + self.watched.n_open - n_counted
+            self.check_recordings(session, player_id, n_new)
+        n_watched = self.watched.count_everywhere(session)
+        n_open = games.count_open(session) + n_watched - n_counted
         if n_open + n_new > self.total:
             raise TooManyGames(
                 f"All {self.total} places are taken at the moment. Games are short: try again in "
                 "a minute. Whoever runs this server can allow more (TRIL_MAX_GAMES)."
             )
+
+    def check_recordings(self, session: Session, player_id: int | None, n_new: int = 1) -> None:
+        """Raise Conflict if a player may not store more recordings."""
+        if player_id is not None and self.recordings_per_player is not None and n_new > 0:
+            recordings.refuse_too_many(session, player_id, self.recordings_per_player, n_new)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections import OrderedDict, defaultdict
+from collections import Counter, OrderedDict, defaultdict
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -16,6 +16,7 @@ from starlette.requests import HTTPConnection
 
 from server.web.problems import explain_database_error
 from server.web.security import Secrets, cookie_name, is_token, load_secrets
+from tril.errors import Unavailable
 from tril.settings import Settings
 from tril.store.access import credentials
 from tril.store.access.credentials import Identity
@@ -26,6 +27,9 @@ REMEMBERED_FOR_S = 30.0
 """How long an identity is used without asking the database, if no change of access is heard of."""
 
 MAX_REMEMBERED = 4096
+
+MAX_OPEN = 64
+"""Most event streams and WebSockets of one person in a process, of 768 connections."""
 
 SEEN_EVERY_S = 60.0
 """How often it is to be saved when browsers and keys were last used."""
@@ -59,6 +63,7 @@ class Access:
         self._thread = ThreadPoolExecutor(1, "access")
         self._seen: set[int] = set()
         self._open: defaultdict[str, set[tuple[Identity, End]]] = defaultdict(set)
+        self._n_open: Counter[int] = Counter()
         self._checks: set[asyncio.Task[None]] = set()
 
     async def stop(self) -> None:
@@ -115,12 +120,21 @@ class Access:
         """Have ``end`` called, in the event loop, if somebody's rights change within the block."""
         ends = self._open[identity.secret_hash]
         ends.add((identity, end))
+        self._n_open[identity.player_id] += 1
         try:
             yield
         finally:
             ends.discard((identity, end))
             if not ends:
                 self._open.pop(identity.secret_hash, None)
+            self._n_open[identity.player_id] -= 1
+            if not self._n_open[identity.player_id]:
+                del self._n_open[identity.player_id]
+
+    def refuse_too_many_open(self, identity: Identity) -> None:
+        """Raise Unavailable if somebody has as many streams open as one person may."""
+        if self._n_open[identity.player_id] >= MAX_OPEN:
+            raise Unavailable("Too many pages of yours are open. Close some, and try again.")
 
     async def _identity(self, secret_hash: str) -> Identity | None:
         until, identity = self._remembered.get(secret_hash, (0.0, None))

@@ -113,7 +113,8 @@ class Authentication:
         try:
             identity = await services_of(connection).access.identify(connection)
         except Unavailable as error:
-            await _refuse_for_now(scope, receive, send, str(error))
+            reason = "Your sign-in can't be checked right now. Try again in a moment."
+            await _refuse_for_now(scope, receive, send, str(error), reason)
             return
         if identity is None:
             await _refuse_stranger(scope, receive, send)
@@ -143,15 +144,21 @@ class Authentication:
                 await send(message)
 
         access = services_of(HTTPConnection(scope)).access
+        try:
+            access.refuse_too_many_open(scope["identity"])
+        except Unavailable as error:
+            await _refuse_for_now(scope, receive, send, str(error), str(error))
+            return
         with access.while_open(scope["identity"], end):
             await self._app(scope, receive, send_unless_closed)
 
 
-async def _refuse_for_now(scope: Scope, receive: Receive, send: Send, why: str) -> None:
+async def _refuse_for_now(
+    scope: Scope, receive: Receive, send: Send, why: str, reason: str
+) -> None:
     if scope["type"] == "websocket":
         # Once it is accepted, so that the page hears that it may try again.
         await send({"type": "websocket.accept"})
-        reason = "Your sign-in can't be checked right now. Try again in a moment."
         await send({"type": "websocket.close", "code": CLOSE_TRY_AGAIN_LATER, "reason": reason})
     else:
         await problem(503, why)(scope, receive, send)

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import delete, select
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from tril.store.changes import note_change
@@ -158,6 +158,11 @@ def beat(
         note_change(session, "system", name)
     row.kind, row.details, row.heartbeat_at = kind, details, database_now(session)
     row.machine, row.pid, row.started = identity.machine, identity.pid, identity.started
+
+
+def say(session: Session, name: str, details: dict[str, Any]) -> None:
+    """Write what a process says about itself before its next heartbeat, without telling pages."""
+    session.execute(update(ProcessRow).where(ProcessRow.name == name).values(details=details))
 
 
 def leave(session: Session, name: str) -> None:

@@ -29,7 +29,7 @@ from tril.errors import Unavailable
 from tril.play.episode import EpisodeState, Hit
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import behaviours, games, recordings
-from tril.store.games import GameOver
+from tril.store.games import GameOver, Progress
 from tril.store.models import BehaviourRow, GameRow, RecordingRow, RecordingState
 
 _LOG = logging.getLogger(__name__)
@@ -168,6 +168,7 @@ class GameOwnership:
 
         Raises:
             OwnershipLost: Another process owns the game now.
+            Conflict: The player may not store more recordings.
         """
         game = session.game
         before = game.progress()
@@ -184,7 +185,7 @@ class GameOwnership:
                     kept = await self._write(
                         session,
                         lambda: partial(
-                            games.branch,
+                            self._branch,
                             before=game.progress(),
                             after=game.progress_after_rewind(recorder),
                             refusal=refusal,
@@ -234,6 +235,13 @@ class GameOwnership:
         await self._committer.run(
             lambda session: games.end(session, game_id, row.epoch, state, refusal)
         )
+
+    def _branch(
+        self, session: Session, before: Progress, after: Progress, refusal: str | None
+    ) -> RecordingRow | None:
+        player = games.player_of(session, before.game_id)
+        self._limits.check_recordings(session, None if player is None else player[0])
+        return games.branch(session, before, after, refusal)
 
     def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
         console = self._consoles.take()

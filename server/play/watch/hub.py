@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections import Counter
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -36,7 +35,7 @@ from tril.inference import Endpoint
 from tril.play.episode import Ending
 from tril.recipes import recipe_from_dict
 from tril.recording import Recording, Verified, verify
-from tril.store import behaviours, games
+from tril.store import behaviours, games, processes
 from tril.store.database import Database
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import artifacts, runs
@@ -105,8 +104,6 @@ class WatchHub:
         self._resources = SessionResources(consoles, rules, self.lateness)
         self._events = WatchEvents(self._on_take_over, self._on_error)
         self._sessions: dict[WatchSession, WatchPlan] = {}
-        # Places of each player, those of games that are being opened included.
-        self._n_held: Counter[int] = Counter()
         # Set when places are given up, and then replaced.
         self._left = asyncio.Event()
         self._tasks = (PeriodicTask("watched", self._close_idle, rules.sweep_every_s),)
@@ -182,7 +179,7 @@ class WatchHub:
             try:
                 return await self._try_to_take_places(n_games, player_id)
             except TooManyGames:
-                may_leave = left.is_set() or self._n_held[player_id] > 0
+                may_leave = left.is_set() or self._limits.watched.of_players[player_id] > 0
                 if clock() >= deadline or not may_leave:
                     raise
             # Other games end without a word to this hub.
@@ -195,20 +192,29 @@ class WatchHub:
                 "This process plays as many games as it can. Games are short: try again in a "
                 "minute, or watch fewer side by side."
             )
-        self._limits.watched.n_open += n_games
+        watched = self._limits.watched
+        watched.of_players[player_id] += n_games
+
+        def check(session: Session) -> None:
+            # The games have their places already.
+            self._limits.check(session, player_id, n_new=0)
+            # At once, so that no process gives them away before the next heartbeat.
+            processes.say(session, watched.process, watched.details())
+
         try:
-            await self._committer.run(
-                # The games have their places already.
-                lambda session: self._limits.check(session, player_id, n_new=0)
-            )
+            await self._committer.run(check)
         except BaseException:
-            self._limits.watched.n_open -= n_games
+            self._return_places(n_games, player_id)
             raise
-        self._n_held[player_id] += n_games
+
+    def _return_places(self, n_games: int, player_id: int) -> None:
+        of_players = self._limits.watched.of_players
+        of_players[player_id] -= n_games
+        if not of_players[player_id]:
+            del of_players[player_id]
 
     def _give_up_places(self, n_games: int, player_id: int) -> None:
-        self._limits.watched.n_open -= n_games
-        self._n_held[player_id] -= n_games
+        self._return_places(n_games, player_id)
         self._left.set()
         self._left = asyncio.Event()
 

@@ -13,6 +13,7 @@ from sqlalchemy import func, select, text
 from starlette.testclient import TestClient
 
 from server.app import create_app
+from server.web import access
 from server.web.pages import check_frontend
 from tests.server.clients import build_frontend, signed_in
 from testsupport.databases import on_postgresql
@@ -51,6 +52,20 @@ def test_every_page_is_told_of_every_change_once(live: LiveServer) -> None:
             told = events(lines)
             assert next(told) == {"topic": "run", "key": "abc"}
             assert next(told) == {"topic": "recording", "key": "7"}
+
+
+def test_one_person_has_only_so_many_streams_whatever_browsers_they_use(
+    live: LiveServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(access, "MAX_OPEN", 1)
+    other_browser = {"Cookie": "=".join(cookie_of(live.settings))}
+    with live.http.stream("GET", "/api/events") as first:
+        next(first.iter_lines())
+        refused = live.http.get("/api/events", headers=other_browser)
+        assert refused.status_code == 503
+        assert "Too many pages of yours" in refused.json()["detail"]
+        with live.play({"stream_path": "/api/games/x/stream"}) as page:
+            assert page.close_code() == 1013
 
 
 def next_ids(database: Database) -> tuple[int, int]:

@@ -12,13 +12,14 @@ import httpx2
 import pytest
 
 from server.play.limits import GameLimits
-from server.play.rules import PlayRules
+from server.play.rules import DEFAULT_RULES, PlayRules
 from server.play.wire.protocol import Close, Hello, Paused
+from server.web.access import MAX_OPEN
 from testsupport.live import LiveServer, live_server
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.settings import Settings
-from tril.store import games
+from tril.store import games, players, processes
 from tril.store.models import GameRow
 
 TRY_AGAIN_LATER = 1013
@@ -73,6 +74,38 @@ def test_a_player_has_only_so_many_games_open(workplace: Workplace) -> None:
             for row in session.query(GameRow).all():
                 games.get(session, row.id).recording.player_id = None
         assert ask_for_a_game(live).status_code == 201, "it is another player's now"
+
+
+def test_games_watched_in_another_process_count(workplace: Workplace) -> None:
+    with live_server(workplace.settings.data, max_games_per_player=3) as live:
+        with workplace.database.writing() as session:
+            person = players.owner(session).id
+            processes.beat(session, "server-2", "server", {"watched": {str(person): 2}})
+            processes.beat(session, "server-3", "server", {"watched": {str(person + 1): 9}})
+        assert ask_for_a_game(live).status_code == 201
+        refused = ask_for_a_game(live)
+        assert refused.status_code == 503
+        assert "3 of your games are open" in refused.json()["detail"]
+
+
+def test_one_person_has_fewer_places_than_there_are() -> None:
+    defaults = Settings(data=Path())
+    limits = GameLimits.from_settings(defaults, DEFAULT_RULES.max_games)
+    assert limits.per_player < limits.total
+    assert defaults.max_queued_runs_per_player < defaults.max_queued_runs
+    assert MAX_OPEN < defaults.max_connections_per_address < defaults.max_connections
+
+
+def test_a_rewind_keeps_no_more_recordings_than_a_player_may_have(workplace: Workplace) -> None:
+    with (
+        live_server(workplace.settings.data, max_recordings_per_player=1) as live,
+        live.playing(20) as player,
+    ):
+        player.say("rewind")
+        player.until_frame(18)
+        player.say("release")
+        refused = player.until(Paused)
+        assert "1 recordings of yours are stored" in refused.why
 
 
 def test_a_game_that_was_left_needs_a_place_to_go_on(workplace: Workplace) -> None:
