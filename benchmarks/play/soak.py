@@ -21,7 +21,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -224,13 +224,13 @@ def _rss(process: psutil.Process) -> int:
     return 0
 
 
-def slope(samples: list[Sample], read: Callable[[Sample], float]) -> float:
-    """Return by how much a figure grows in an hour, over the last two thirds."""
-    late = samples[len(samples) // 3 :]
-    if len(late) < 3:
+def slope(samples: Sequence[Sample], figures: Sequence[float]) -> float:
+    """Return by how much a figure of each sample grows in an hour, over the last two thirds."""
+    first = len(samples) // 3
+    if len(samples) - first < 3:
         return 0.0
-    hours = np.array([sample.at_s for sample in late]) / 3600
-    return float(np.polyfit(hours, [read(sample) for sample in late], 1)[0])
+    hours = np.array([sample.at_s for sample in samples[first:]]) / 3600
+    return float(np.polyfit(hours, figures[first:], 1)[0])
 
 
 def growth(samples: list[Sample], server: int, name: str) -> dict[str, tuple[int, int]]:
@@ -332,7 +332,7 @@ def report(
 ) -> None:
     """Print slopes and what grew; exit with 1 unless all is flat."""
     slopes = {
-        name: round(slope(samples, lambda sample, name=name: sample.rss_mb[name]), 1)
+        name: round(slope(samples, [sample.rss_mb.get(name, 0.0) for sample in samples]), 1)
         for name in samples[-1].rss_mb
     }
     print(f"\n{n_games} games of players; visits: {dict(visits)}")
@@ -340,7 +340,8 @@ def report(
         print(f"{name:12} {mb_per_h:+8.1f} MB/h")
     blocks = []
     for number in range(len(samples[-1].servers)):
-        per_h = slope(samples, lambda sample, n=number: float(sample.servers[n]["blocks"]))
+        held = [float(sample.servers[number]["blocks"]) for sample in samples]
+        per_h = slope(samples, held)
         blocks.append(round(per_h))
         print(f"server {number}: {per_h:+.0f} blocks/h")
         for name in ("objects", "lines"):
