@@ -506,7 +506,7 @@ def test_a_length_that_is_no_number_of_bytes_is_refused(client: TestClient, decl
     answer = client.post(
         "/api/behaviours/3/recordings/import",
         content=b"{}",
-        headers={b"Content-Length": declared.encode()},  # type: ignore[dict-item]
+        headers={b"Content-Length": declared.encode()},
     )
     assert answer.status_code == 413
     assert "too large" in answer.json()["detail"]
