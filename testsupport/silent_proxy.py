@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
+import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-from testsupport.live import TIMEOUT_S
+HOST = "127.0.0.1"
 
 
 class SilentProxy:
@@ -21,76 +21,59 @@ class SilentProxy:
     """
 
     def __init__(self, port: int) -> None:
-        self.port = 0
         self._target = port
-        self._loop = asyncio.new_event_loop()
+        self._listening = socket.create_server((HOST, 0))
+        self.port: int = self._listening.getsockname()[1]
         # Replaced when connections go silent, so that later ones pass.
-        self._is_silent = asyncio.Event()
+        self._is_silent = threading.Event()
+        self._sockets: list[socket.socket] = []
+        self._threads: list[threading.Thread] = []
+        self._run(self._accept)
 
     def silence(self) -> None:
         """Pass on nothing more of the present connections, and close none of them."""
-        self._loop.call_soon_threadsafe(self._silence)
-
-    def _silence(self) -> None:
-        self._is_silent.set()
-        self._is_silent = asyncio.Event()
-
-    async def _serve(self, started: threading.Event) -> None:
-        server = await asyncio.start_server(self._pass_on, "127.0.0.1", 0)
-        self.port = server.sockets[0].getsockname()[1]
-        started.set()
-        await server.serve_forever()
-
-    async def _pass_on(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        is_silent = self._is_silent
-        with suppress(OSError):
-            other_reader, other_writer = await asyncio.open_connection("127.0.0.1", self._target)
-            await asyncio.gather(
-                self._copy(reader, other_writer, is_silent),
-                self._copy(other_reader, writer, is_silent),
-            )
-
-    async def _copy(
-        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, is_silent: asyncio.Event
-    ) -> None:
-        with suppress(OSError):
-            while data := await reader.read(2**16):
-                if is_silent.is_set():
-                    break
-                writer.write(data)
-                await writer.drain()
-        if is_silent.is_set():
-            await asyncio.Event().wait()
-        writer.close()
-
-    def run(self, started: threading.Event) -> None:
-        """Serve in this thread until the loop is stopped."""
-        serving = self._loop.create_task(self._serve(started))
-        with suppress(asyncio.CancelledError):
-            self._loop.run_until_complete(serving)
-        tasks = asyncio.all_tasks(self._loop)
-        for task in tasks:
-            task.cancel()
-        self._loop.run_until_complete(asyncio.gather(*tasks, return_exceptions=True))
-        self._loop.close()
+        before, self._is_silent = self._is_silent, threading.Event()
+        before.set()
 
     def stop(self) -> None:
-        """End the proxy."""
-        self._loop.call_soon_threadsafe(
-            lambda: [task.cancel() for task in asyncio.all_tasks(self._loop)]
-        )
+        """Close everything."""
+        for open_socket in (self._listening, *self._sockets):
+            with suppress(OSError):
+                open_socket.shutdown(socket.SHUT_RDWR)
+        for thread in self._threads:
+            thread.join()
+        for open_socket in (self._listening, *self._sockets):
+            open_socket.close()
+
+    def _run(self, work: Callable[..., None], *arguments: object) -> None:
+        thread = threading.Thread(target=work, args=arguments, name="proxy")
+        self._threads.append(thread)
+        thread.start()
+
+    def _accept(self) -> None:
+        with suppress(OSError):
+            while True:
+                near, _ = self._listening.accept()
+                self._sockets.append(near)
+                far = socket.create_connection((HOST, self._target))
+                self._sockets.append(far)
+                self._run(self._copy, near, far, self._is_silent)
+                self._run(self._copy, far, near, self._is_silent)
+
+    @staticmethod
+    def _copy(source: socket.socket, sink: socket.socket, is_silent: threading.Event) -> None:
+        with suppress(OSError):
+            while (data := source.recv(2**16)) and not is_silent.is_set():
+                sink.sendall(data)
+            if not is_silent.is_set():
+                sink.shutdown(socket.SHUT_WR)
 
 
 @contextmanager
 def silent_proxy(port: int) -> Iterator[SilentProxy]:
     """Run a proxy before a server for a block."""
     proxy = SilentProxy(port)
-    started = threading.Event()
-    thread = threading.Thread(target=proxy.run, args=(started,), name="proxy")
-    thread.start()
-    assert started.wait(TIMEOUT_S)
     try:
         yield proxy
     finally:
         proxy.stop()
-        thread.join(TIMEOUT_S)

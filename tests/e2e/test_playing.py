@@ -83,11 +83,15 @@ def test_a_gamepad_steers_and_pauses(page: Page, built: LiveServer) -> None:
             const up = { pressed: false }, down = { pressed: true };
             window.hold = (x, pressed) => {
                 const buttons = Array.from({ length: 17 }, (_, n) => pressed === n ? down : up);
-                navigator.getGamepads = () => [null, { axes: [x, 0], buttons }];
+                const pad = { id: "Pad", index: 1, connected: true, mapping: "standard" };
+                navigator.getGamepads = () => [null, { ...pad, axes: [x, 0], buttons }];
             };
-            window.hold(0.9, 0);
+            window.hold(0, null);
         }"""
     )
+    # The page has to have seen the stick at rest.
+    page.wait_for_timeout(100)
+    page.evaluate("window.hold(0.9, 0)")
     page.wait_for_timeout(400)
     page.evaluate("window.hold(0, 9)")
     expect(page.get_by_text("Paused", exact=True)).to_be_visible()
@@ -171,7 +175,8 @@ def test_a_gamepad_starts_the_first_game_and_plays_again(
                 window.hold = (pressed) => {
                     const state = (n) => ({ pressed: pressed === n });
                     const buttons = Array.from({ length: 17 }, (_, n) => state(n));
-                    navigator.getGamepads = () => [{ axes: [0, 0], buttons }];
+                    const pad = { id: "Pad", index: 0, connected: true, mapping: "standard" };
+                    navigator.getGamepads = () => [{ ...pad, axes: [0, 0], buttons }];
                 };
                 window.hold(null);
             }"""
