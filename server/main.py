@@ -17,6 +17,7 @@ from fastapi import FastAPI
 
 from server.app import create_app
 from server.heap import keep_heap_small
+from server.open_files import allow_open_files
 from server.play.wire.byte_budget import BudgetedWebSocketProtocol
 from server.play.wire.protocol import MAX_MESSAGE_BYTES
 from server.services import Services
@@ -125,6 +126,7 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
     logging.config.dictConfig(LOGGING)
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     check_exposure(settings)
+    allow_open_files(settings)
     database = create_database(settings.application_url)
     try:
         check_schema(database)

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, Self
 
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from tril.store import processes
@@ -75,6 +76,9 @@ class Heartbeat:
         try:
             with self._database.writing() as session:
                 write(session)
+        except SQLAlchemyError as problem:
+            # E.g. the disk is full: said every few seconds, and so in one line.
+            log.warning("The heartbeat of %s could not be written: %s", self._name, problem)
         except Exception:
             log.exception("The heartbeat of %s could not be written.", self._name)
 

@@ -48,6 +48,7 @@ def up(
     browser: Annotated[bool, typer.Option(help="Open the page when it is ready.")] = True,
 ) -> None:
     """Start server, worker and inference; print the address; Ctrl-C stops everything."""
+    from server.open_files import allow_open_files
     from server.web.exposure import check_exposure
     from server.web.pages import check_frontend
     from server.web.security import address_with_token
@@ -61,6 +62,7 @@ def up(
         if settings.port == 0:
             settings = settings.model_copy(update={"port": _free_port(settings.host)})
         check_exposure(settings)
+        allow_open_files(settings)
         endpoint_of(settings)
         _warn_of_unknown_settings()
         create_data_folder(settings)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -130,3 +132,26 @@ def test_a_worker_says_that_there_are_no_locks_and_not_that_there_are_too_many_w
     with pytest.raises(typer.Exit), readable_errors(), worker_name(tmp_path):
         pass
     assert "No locks available. Choose a data folder" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize("command", ["up", "serve"])
+def test_a_limit_on_open_files_that_is_too_low_is_refused_before_anything_starts(
+    command: str, data_folder: Path
+) -> None:
+    done = subprocess.run(
+        ["sh", "-c", f"ulimit -n 256; exec {sys.executable} -m cli {command}"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1
+    assert "Allow more (ulimit -n 992)" in done.stderr
+
+
+def test_as_many_files_as_connections_need_may_be_open(data_folder: Path) -> None:
+    code = (
+        "import resource as r; r.setrlimit(r.RLIMIT_NOFILE, (256, 4096));"
+        "from server.open_files import allow_open_files; from tril.settings import Settings;"
+        "allow_open_files(Settings(max_connections=2000)); print(r.getrlimit(r.RLIMIT_NOFILE))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "(2224, 4096)\n"
