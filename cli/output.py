@@ -100,7 +100,8 @@ def _message(error: TrilError | DatabaseError | sqlite3.DatabaseError | Overflow
         return "A number is too large."
     reason = error.orig if isinstance(error, DatabaseError) else error
     return (
-        f"The database can't be used: {reason}. Check the disk and the data folder (TRIL_DATA)."
+        f"The database can't be used: {reason}. Check that the disk is not full and that the"
+        " data folder (TRIL_DATA) is there."
         " If a database file is damaged, continue from a backup: TRIL_DATA=BACKUP-FOLDER tril up."
     )
 

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from tril.errors import Conflict, Forbidden, Invalid, NotFound, TrilError, Unavailable
-from tril.store.database import is_away, is_busy
+from tril.store.database import DatabaseReplaced, is_away, is_busy
 from tril.text import TextRefused, printable
 
 _LOG = logging.getLogger(__name__)
@@ -39,6 +39,10 @@ DATABASE_BUSY = "The database is busy with another change. Try again in a moment
 DATABASE_AWAY = (
     "The database can't be reached, so it is not known whether this was saved. What was saved "
     "before is safe. Look again in a moment."
+)
+DATABASE_REPLACED = (
+    "The data folder was moved, removed or replaced while Tril was running, so nothing more can be "
+    "saved. Put it back, or stop Tril and start it again."
 )
 DISK_FAILED = (
     "The disk reports an error, so nothing more can be saved. What was saved is safe. Check the "
@@ -93,6 +97,8 @@ def explain_database_error(error: DBAPIError) -> Unavailable | None:
     text = str(error.orig).lower()
     if "disk is full" in text or "no space left" in text:
         return Unavailable(DISK_FULL)
+    if isinstance(error, DatabaseReplaced):
+        return Unavailable(DATABASE_REPLACED)
     if is_busy(error):
         return Unavailable(DATABASE_BUSY)
     if "disk i/o error" in text or "unable to open database file" in text:

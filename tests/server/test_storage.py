@@ -53,3 +53,18 @@ def test_the_page_is_told_what_the_cache_takes_and_may_take(
     assert storage["cache_limit_bytes"] == workplace.settings.cache_limit_bytes
     # Those in the data folder, which are SQLite's.
     assert (storage["databases_bytes"] > 10_000) is not on_postgresql()
+
+
+@pytest.mark.skipif(on_postgresql(), reason="about SQLite's files")
+def test_a_page_is_told_that_the_data_folder_is_gone_and_nothing_was_saved(
+    client: TestClient, workplace: Workplace, tmp_path: Path
+) -> None:
+    data = workplace.settings.data
+    assert client.patch("/api/player", json={"name": "Ada"}).status_code == 200
+    data.rename(tmp_path / "away")
+    refused = client.patch("/api/player", json={"name": "Ben"})
+    assert refused.status_code == 503
+    assert "Put it back" in refused.json()["detail"]
+    assert client.get("/api/system").status_code == 503
+    (tmp_path / "away").rename(data)
+    assert client.get("/api/player").json()["name"] == "Ada"

@@ -95,6 +95,17 @@ def with_keepalives(url: str) -> URL:
     return parsed.set(query={**KEEPALIVES, **parsed.query})
 
 
+class DatabaseReplaced(OperationalError):
+    """SQLite's file was moved, removed or replaced: what is written would be lost with it."""
+
+    def __init__(self, file: Path) -> None:
+        reason = (
+            f"{file} was moved, removed or replaced while Tril was running. Put the data folder"
+            " back, or stop Tril and start it again"
+        )
+        super().__init__(None, None, sqlite3.OperationalError(reason))
+
+
 class Database:
     """Transactions on one database.
 
@@ -105,6 +116,9 @@ class Database:
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
+        name = engine.url.database if engine.dialect.name == "sqlite" else None
+        self._file = Path(name) if name and name != ":memory:" else None
+        self._file_id: tuple[int, int] | None = None
         self._reading = sessionmaker(
             engine.execution_options(**_READING.get(engine.dialect.name, {})),
             expire_on_commit=False,
@@ -117,6 +131,7 @@ class Database:
     @contextmanager
     def reading(self) -> Iterator[Session]:
         """Open a session for reading; its rows stay readable after the block."""
+        self._check_file()
         with self._reading() as session:
             try:
                 yield session
@@ -132,12 +147,28 @@ class Database:
         ``WRITE_GUARD`` judges it first, and adds to it last.
         """
         guard = WRITE_GUARD.get()
+        self._check_file()
         with self._writing.begin() as session:
             if guard is not None:
                 guard.check(session)
             yield session
             if guard is not None:
                 guard.note(session)
+
+    def _check_file(self) -> None:
+        """Raise DatabaseReplaced unless SQLite's file is the one that was opened first."""
+        if self._file is None:
+            return
+        try:
+            status = self._file.stat()
+        except FileNotFoundError:
+            if self._file_id is None:
+                return
+            raise DatabaseReplaced(self._file) from None
+        file_id = (status.st_dev, status.st_ino)
+        self._file_id = self._file_id or file_id
+        if self._file_id != file_id:
+            raise DatabaseReplaced(self._file)
 
     @contextmanager
     def upgrading(self) -> Iterator[Connection]:
@@ -170,6 +201,8 @@ def database_now(session: Session) -> datetime:
 
 def is_away(error: DBAPIError) -> bool:
     """Whether the database could not be reached, or the connection to it broke."""
+    if isinstance(error, DatabaseReplaced):
+        return True
     return error.connection_invalidated or _code(error).startswith(_AWAY)
 
 
