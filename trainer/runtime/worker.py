@@ -186,7 +186,7 @@ def _take_from_queue(
     DBOS.listen_queues([QUEUES[device] for device in devices])
     DBOS.launch()
     # An execution that lost its job would poll for the outcome of the one that has it, for hours.
-    dbos._sys_db.await_workflow_result = _end_superseded  # type: ignore[method-assign]
+    dbos._sys_db.await_workflow_result = _end_superseded  # type: ignore[assignment, method-assign]
 
 
 def _end_superseded(run_id: str, **_options: object) -> NoReturn:
