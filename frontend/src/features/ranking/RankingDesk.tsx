@@ -1,6 +1,6 @@
 import { plural, t } from "@lingui/core/macro";
 import { Plural, Trans } from "@lingui/react/macro";
-import { useCallback, useMemo, useState } from "react";
+import { useCallback, useEffect, useMemo, useState } from "react";
 import { useLocation, useSearchParams } from "react-router";
 
 import type { Behaviour, Ranking, Recording } from "@/api/types";
@@ -15,8 +15,8 @@ import {
   allPlaces,
   describePlace,
   describePosition,
+  findPlace,
   isGap,
-  readPlace,
 } from "@/features/ranking/board/places";
 import { CardBody, type Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
@@ -74,7 +74,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [compared, setCompared] = useState(
     search.has("compare") && canCompare(state, unranked) ? unranked : null,
   );
-  useUndoKeys(saver, compared === null);
+  const [dragging, setDragging] = useState(false);
+  useUndoKeys(saver, compared === null && !dragging);
+  useChangesElsewhere(state);
   const keepFocus = useKeptFocus(tiers);
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
@@ -94,7 +96,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     const [first] = selected;
     if (first === undefined) return;
     keepFocus(first);
-    saver.change(placeAll(tiers, selected, readPlace(to)));
+    const at = findPlace(to, tiers);
+    if (!at) return;
+    saver.change(placeAll(tiers, selected, at));
     setSpoken(
       t`Dropped ${plural(selected.length, { one: "# recording", other: "# recordings" })}: ${nameOfPlace(to)}.`,
     );
@@ -158,7 +162,15 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       isThin={isGap}
       nameOfItem={nameOfItem}
       nameOfPlace={nameOfPlace}
-      onDrop={(item, to) => saver.change(place(tiers, Number(item), readPlace(to)))}
+      onDragging={(now) => {
+        setDragging(now);
+        if (now) saver.hold();
+        else saver.release();
+      }}
+      onDrop={(item, to) => {
+        const at = findPlace(to, tiers);
+        if (at) saver.change(place(tiers, Number(item), at));
+      }}
       renderDragged={(item) => {
         const recording = byId.get(Number(item));
         return recording && <CardBody recording={recording} behaviour={behaviour} />;
@@ -263,7 +275,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
           onClose={endComparing}
         />
       )}
-      {state.conflict && (
+      {state.conflict && !dragging && (
         <ConflictDialog
           theirs={state.conflict.tiers}
           mine={tiers}
@@ -272,6 +284,19 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       )}
     </DragBoard>
   );
+}
+
+/** Says that an order was saved elsewhere, and whether it is shown already. */
+function useChangesElsewhere({ waiting, nReplaced }: SaverState): void {
+  const toast = useToast();
+  const [before] = useState(nReplaced);
+  useEffect(() => {
+    if (waiting)
+      toast(t`Another tab or person changed the order. You see it when this drag is over.`);
+  }, [waiting, toast]);
+  useEffect(() => {
+    if (nReplaced > before) toast(t`Another tab or person changed the order. This is the new one.`);
+  }, [nReplaced, before, toast]);
 }
 
 /** Returns the recordings of the saved ranking that are in none of the current tiers. */

@@ -26,10 +26,12 @@ export function SelectionBar({
   onCompare,
   onSelectNone,
 }: SelectionBarProps) {
+  /** A recording of the chosen tier, whose number may change. */
   const [wanted, setWanted] = useState<number | null>(null);
   if (selected.length === 0) return null;
   const worst = tiers.length - 1;
-  const tier = Math.min(wanted ?? worst, worst);
+  const found = wanted === null ? -1 : tierOf(tiers, wanted);
+  const tier = found < 0 ? worst : found;
   return (
     <div role="group" aria-label={t`Selected recordings`} className={styles.bar}>
       <span className={styles.count}>
@@ -38,7 +40,7 @@ export function SelectionBar({
       <Button kind="quiet" className={styles.none} onClick={onSelectNone}>
         <Trans>Select none</Trans>
       </Button>
-      <Button icon="down" onClick={() => onPut(gapPlace(tiers.length))}>
+      <Button icon="down" onClick={() => onPut(gapPlace())}>
         <Trans>Put below the worst</Trans>
       </Button>
       {tiers.length > 0 && (
@@ -47,7 +49,7 @@ export function SelectionBar({
             aria-label={t`Tier to put them into`}
             className={styles.choice}
             value={tier}
-            onChange={(event) => setWanted(Number(event.currentTarget.value))}
+            onChange={(event) => setWanted(tiers[Number(event.currentTarget.value)]?.[0] ?? null)}
           >
             {tiers.map((_, index) => (
               <option key={index} value={index}>
@@ -55,7 +57,7 @@ export function SelectionBar({
               </option>
             ))}
           </select>
-          <Button onClick={() => onPut(tierPlace(tier))}>
+          <Button onClick={() => onPut(tierPlace(tiers[tier] ?? []))}>
             <Trans>Put into tier {tier + 1}</Trans>
           </Button>
         </span>

@@ -243,6 +243,39 @@ describe("ranking by keyboard", () => {
     await waitFor(() => expect(server.now().tiers).toEqual([[1], [2, 3]]));
   });
 
+  it("keeps the order of when it began, says that another arrived, and asks which to keep", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    screen.getByRole("button", { name: "Move Recording 4" }).focus();
+    await userEvent.keyboard(" ");
+    await screen.findByText("Picked up Recording 4.");
+    await userEvent.keyboard("{ArrowUp}{ArrowUp}");
+    await screen.findByText("Over tier 3 of 3, with 1 recording.");
+    server.elsewhere([[3], [2], [1]]);
+    await server.client.invalidateQueries({ queryKey: ["ranking"] });
+    await screen.findByText(/changed the order. You see it when this drag is over/);
+    expect(board()).toEqual([["1"], ["2"], ["3"]]);
+    await userEvent.keyboard(" ");
+    await screen.findByText("Dropped Recording 4: tier 3 of 3, with 1 recording.");
+    await screen.findByRole("dialog", { name: /changed elsewhere/ });
+    expect(server.asked.find(({ method }) => method === "PUT")?.body).toEqual({
+      base_revision: 1,
+      tiers: [[1], [2], [3, 4]],
+    });
+  });
+
+  it("shows what arrived during a drag that was given up", async () => {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    screen.getByRole("button", { name: "Move Recording 4" }).focus();
+    await userEvent.keyboard(" ");
+    await screen.findByText("Picked up Recording 4.");
+    server.elsewhere([[3], [2], [1]]);
+    await server.client.invalidateQueries({ queryKey: ["ranking"] });
+    await screen.findByText(/changed the order. You see it/);
+    await userEvent.keyboard("{Escape}");
+    await screen.findByText(/changed the order. This is the new one/);
+    expect(board()).toEqual([["3"], ["2"], ["1"]]);
+  });
+
   it("leaves it where it was on Escape", async () => {
     const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
     screen.getByRole("button", { name: "Move Recording 2" }).focus();

@@ -81,18 +81,18 @@ export function Board(props: BoardProps) {
             key={`of-${Math.min(...tier)}`}
             aria-label={t`Tier ${index + 1} of ${tiers.length}, ${plural(tier.length, { one: "# recording", other: "# recordings" })}`}
           >
-            <Gap before={index} />
+            <Gap below={tier} />
             <Tier {...props} tier={tier} index={index} />
           </li>
         ))}
       </ol>
-      <LastGap before={tiers.length} />
+      <LastGap />
     </>
   );
 }
 
 function EmptyBoard() {
-  const { setPlace, isOver } = useDropPlace(gapPlace(0));
+  const { setPlace, isOver } = useDropPlace(gapPlace());
   return (
     <div ref={setPlace} className={classes(styles.empty, isOver && styles.over)}>
       <p>
@@ -105,14 +105,15 @@ function EmptyBoard() {
   );
 }
 
-function Gap({ before }: { before: number }) {
-  const { setPlace, isOver } = useDropPlace(gapPlace(before));
+/** Between a tier and the one above it. */
+function Gap({ below }: { below: readonly number[] }) {
+  const { setPlace, isOver } = useDropPlace(gapPlace(below));
   return <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />;
 }
 
 /** Below the last tier there is room to drop. */
-function LastGap({ before }: { before: number }) {
-  const { setPlace, isOver } = useDropPlace(gapPlace(before));
+function LastGap() {
+  const { setPlace, isOver } = useDropPlace(gapPlace());
   return (
     <div ref={setPlace} className={classes(styles.lastGap, isOver && styles.over)}>
       <Trans>Drop below the last tier to make a new one</Trans>
@@ -122,7 +123,7 @@ function LastGap({ before }: { before: number }) {
 
 function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
   const { tiers, tier, index } = props;
-  const name = tierPlace(index);
+  const name = tierPlace(tier);
   const { setPlace, isOver } = useDropPlace(name);
   return (
     <div ref={setPlace} className={classes(styles.tier, isOver && styles.over)}>

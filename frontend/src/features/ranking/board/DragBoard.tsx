@@ -18,7 +18,7 @@ import {
   useSensor,
   useSensors,
 } from "@dnd-kit/core";
-import { type ReactNode, useMemo, useRef, useState } from "react";
+import { type ReactNode, useEffect, useEffectEvent, useMemo, useRef, useState } from "react";
 
 import styles from "./DragBoard.module.css";
 
@@ -37,6 +37,8 @@ interface DragBoardProps {
   isThin: (place: string) => boolean;
   nameOfItem: (item: string) => string;
   nameOfPlace: (place: string) => string;
+  /** Called when a drag begins, and when it is over, after `onDrop`. */
+  onDragging: (dragging: boolean) => void;
   onDrop: (item: string, place: string) => void;
   renderDragged: (item: string) => ReactNode;
   children: ReactNode;
@@ -44,7 +46,8 @@ interface DragBoardProps {
 
 /** Context for draggable items and drop places. */
 export function DragBoard(props: DragBoardProps) {
-  const { places, isThin, nameOfItem, nameOfPlace, onDrop, renderDragged, children } = props;
+  const { places, isThin, nameOfItem, nameOfPlace, onDragging, onDrop, renderDragged, children } =
+    props;
   const [dragged, setDragged] = useState<string | null>(null);
   /** The place chosen by arrow key, which takes precedence over where the item is drawn. */
   const chosen = useRef<string | null>(null);
@@ -100,7 +103,12 @@ export function DragBoard(props: DragBoardProps) {
   const end = () => {
     chosen.current = null;
     setDragged(null);
+    onDragging(false);
   };
+  const whenLeft = useEffectEvent(() => {
+    if (dragged !== null) onDragging(false);
+  });
+  useEffect(() => () => whenLeft(), []);
 
   return (
     <DndContext
@@ -110,6 +118,7 @@ export function DragBoard(props: DragBoardProps) {
       accessibility={{ announcements, screenReaderInstructions: instructions() }}
       onDragStart={({ active, activatorEvent }) => {
         setDragged(String(active.id));
+        onDragging(true);
         hasMoved.current = false;
         // The arrow keys start from the item's own place.
         chosen.current =
@@ -117,8 +126,8 @@ export function DragBoard(props: DragBoardProps) {
       }}
       onDragCancel={end}
       onDragEnd={({ active, over }: DragEndEvent) => {
-        end();
         if (over) onDrop(String(active.id), String(over.id));
+        end();
       }}
     >
       {children}

@@ -1,4 +1,7 @@
-/** Names of the board's drop places. */
+/**
+ * Names of the board's drop places. They name recordings, so that a place is still the same one
+ * when the order has changed.
+ */
 
 import { plural, t } from "@lingui/core/macro";
 
@@ -6,34 +9,41 @@ import { type Place, tierOf, type Tiers } from "@/features/ranking/order/order";
 
 export const TRAY = "tray";
 
-export function tierPlace(tier: number): string {
-  return `tier-${tier}`;
+const LAST_GAP = "gap-last";
+
+/** The name of a tier, for putting something into it. */
+export function tierPlace(tier: readonly number[]): string {
+  return `tier-${tier[0] ?? ""}`;
 }
 
-export function gapPlace(before: number): string {
-  return `gap-${before}`;
+/** The name of the gap above a tier; without one, of the gap below all. */
+export function gapPlace(below?: readonly number[]): string {
+  return below ? `gap-${below[0] ?? ""}` : LAST_GAP;
 }
 
 /** Returns all places from best to worst, then the tray: the order of the arrow keys. */
 export function allPlaces(tiers: Tiers): readonly string[] {
-  const places = tiers.flatMap((_, tier) => [gapPlace(tier), tierPlace(tier)]);
-  return [...places, gapPlace(tiers.length), TRAY];
+  const places = tiers.flatMap((tier) => [gapPlace(tier), tierPlace(tier)]);
+  return [...places, gapPlace(), TRAY];
 }
 
 export function isGap(place: string): boolean {
   return place.startsWith("gap-");
 }
 
-/** Parses the name of a place. */
-export function readPlace(place: string): Place {
+/** Returns where a place is in an order; null if its recording is no longer ranked. */
+export function findPlace(place: string, tiers: Tiers): Place | null {
   if (place === TRAY) return { kind: "tray" };
-  const number = Number(place.slice(place.indexOf("-") + 1));
-  return isGap(place) ? { kind: "gap", before: number } : { kind: "tier", tier: number };
+  if (place === LAST_GAP) return { kind: "gap", before: tiers.length };
+  const at = tierOf(tiers, Number(place.slice(place.indexOf("-") + 1)));
+  if (at < 0) return null;
+  return isGap(place) ? { kind: "gap", before: at } : { kind: "tier", tier: at };
 }
 
 /** Describes a place, for announcements. */
 export function describePlace(place: string, tiers: Tiers): string {
-  const to = readPlace(place);
+  const to = findPlace(place, tiers);
+  if (!to) return t`a place that is gone`;
   if (to.kind === "tray") return t`unranked`;
   if (to.kind === "tier") {
     const n = tiers[to.tier]?.length ?? 0;

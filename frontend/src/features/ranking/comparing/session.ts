@@ -31,6 +31,8 @@ export interface Session {
   readonly steps: readonly Step[];
   /** What opinions expected when a recording's turn came, so that a later one changes no question. */
   readonly opinions: ReadonlyMap<number, GameOpinion | null>;
+  /** The recordings that are compared: another order alone does not change what is asked. */
+  readonly asked: Pick<Question, "id" | "opponent"> | null;
 }
 
 export interface Question {
@@ -52,7 +54,16 @@ export interface Situation {
 }
 
 export function begin(queue: readonly number[], situation: Situation): Session {
-  return withOpinion({ queue, steps: [], opinions: new Map() }, situation);
+  return asking({ queue, steps: [], opinions: new Map(), asked: null }, situation);
+}
+
+/** Returns the session with what is asked in it, which is the same session if it still can be. */
+export function asking(session: Session, situation: Situation): Session {
+  const noted = withOpinion(session, situation);
+  const question = questionOf(noted, situation);
+  const { asked } = noted;
+  if (asked?.id === question?.id && asked?.opponent === question?.opponent) return noted;
+  return { ...noted, asked: question && { id: question.id, opponent: question.opponent } };
 }
 
 /** Returns the recordings that are neither ranked nor skipped, nor gone. */
@@ -74,14 +85,22 @@ export function skippedIn({ steps }: Session): ReadonlySet<number> {
 export function questionOf(session: Session, situation: Situation): Question | null {
   const { tiers, recordings } = situation;
   const left = remaining(session, situation);
+  const { asked } = session;
   const [id] = left;
   if (id === undefined) return null;
+  const isAsked =
+    asked?.id === id && tierOf(tiers, asked.opponent) >= 0 && recordings.has(asked.opponent);
   const expected = expectationIn(session, tiers, id);
   // Answers that were enough are asked again if the recording lost its place elsewhere.
   const given = answersOn(session, id);
   const answers = placeAfter(tiers, given) ? [] : given;
-  const tier = nextTier(tiers, answers, expected);
-  const opponent = tier === null ? undefined : opponentIn(tiers[tier] ?? [], recordings);
+  const tier = isAsked ? tierOf(tiers, asked.opponent) : nextTier(tiers, answers, expected);
+  const opponent =
+    tier === null
+      ? undefined
+      : isAsked
+        ? asked.opponent
+        : opponentIn(tiers[tier] ?? [], recordings);
   if (tier === null || opponent === undefined) return null;
   const number = session.queue.length - left.length + 1;
   return { id, opponent, tier, number, looks: looksLeft(tiers, answers, expected) };
@@ -130,13 +149,13 @@ export function putBelow(session: Session, situation: Situation, which: "this" |
 
 /** Returns the session before its last step; the order is the caller's to take back. */
 export function withoutLast(session: Session): Session {
-  return { ...session, steps: session.steps.slice(0, -1) };
+  return { ...session, steps: session.steps.slice(0, -1), asked: null };
 }
 
 function after(session: Session, situation: Situation, step: Step): Outcome {
   const tiers = step.order ?? situation.tiers;
-  const next = { ...session, steps: [...session.steps, step] };
-  return { session: withOpinion(next, { ...situation, tiers }), tiers };
+  const next = { ...session, steps: [...session.steps, step], asked: null };
+  return { session: asking(next, { ...situation, tiers }), tiers };
 }
 
 /** Notes what is expected of the recording whose turn it is. */

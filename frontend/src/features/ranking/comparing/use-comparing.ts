@@ -9,6 +9,7 @@ import { recordingName } from "@/lib/recordings";
 import type { Verdict } from "./search";
 import {
   answer,
+  asking,
   begin,
   type Question,
   putBelow,
@@ -51,7 +52,10 @@ export function useComparing(
   const [busy, setBusy] = useState(false);
   const [told, setTold] = useState("");
   const { tiers } = situation;
-  const question = questionOf(session, situation);
+  // What is being taken back changes the order once more.
+  const current = busy ? session : asking(session, situation);
+  if (current !== session) setSession(current);
+  const question = questionOf(current, situation);
   const isRanked = (id: number) => tierOf(tiers, id) >= 0;
 
   function go(next: { session: Session; tiers: Tiers }) {

@@ -22,6 +22,10 @@ export interface SaverState {
   readonly error: unknown;
   /** What was saved elsewhere in the meantime. */
   readonly conflict: Revision | null;
+  /** Whether an order saved elsewhere waits until a drag is over. */
+  readonly waiting: boolean;
+  /** How often the order shown gave way to one that was saved elsewhere. */
+  readonly nReplaced: number;
 }
 
 export interface RankingBackend {
@@ -38,10 +42,21 @@ export class RankingSaver {
   /** Orders not saved yet, newest last. */
   private pending: Tiers[] = [];
   private work: Promise<void> | null = null;
+  private holding = false;
+  /** The newest revision received while the order shown is held. */
+  private received: Revision | null = null;
 
   constructor(saved: Revision, backend: RankingBackend) {
     this.backend = backend;
-    this.state = { saved, tiers: saved.tiers, saving: false, error: null, conflict: null };
+    this.state = {
+      saved,
+      tiers: saved.tiers,
+      saving: false,
+      error: null,
+      conflict: null,
+      waiting: false,
+      nReplaced: 0,
+    };
   }
 
   readonly subscribe = (listener: () => void): (() => void) => {
@@ -51,9 +66,14 @@ export class RankingSaver {
 
   readonly snapshot = (): SaverState => this.state;
 
-  /** Shows an order and saves it; ignored while a conflict is unresolved. */
+  /** Shows an order and saves it; ignored while a conflict is shown. */
   change(tiers: Tiers): void {
-    if (this.state.conflict || sameOrder(tiers, this.state.tiers)) return;
+    if (sameOrder(tiers, this.state.tiers)) return;
+    if (this.state.conflict) {
+      // It arose during a drag, which is part of what the person decides about.
+      if (this.holding) this.update({ tiers });
+      return;
+    }
     // A refused order may never be accepted, so the new one replaces it.
     if (this.state.error !== null) this.pending = [tiers];
     else this.pending.push(tiers);
@@ -83,8 +103,27 @@ export class RankingSaver {
   /** Takes over the server's ranking, unless a save is pending. */
   receive(saved: Revision): void {
     if (this.pending.length > 0 || this.work || this.state.conflict) return;
-    if (saved.revision < this.state.saved.revision) return;
-    this.update({ saved, tiers: saved.tiers });
+    if (saved.revision < (this.received ?? this.state.saved).revision) return;
+    this.replace(saved, "elsewhere");
+  }
+
+  /**
+   * Keeps the order shown as it is, for a drag: what it leads to is based on the revision that the
+   * person saw when it began.
+   */
+  hold(): void {
+    this.holding = true;
+  }
+
+  /** Shows what was saved elsewhere during a drag, unless the drag changed something. */
+  release(): void {
+    const { received } = this;
+    this.holding = false;
+    this.received = null;
+    if (!received) return;
+    this.update({ waiting: false });
+    // Otherwise saving the change finds out.
+    if (this.pending.length === 0 && !this.state.conflict) this.replace(received, "elsewhere");
   }
 
   /** Resolves a conflict: keeps the other order, or replaces it by this one. */
@@ -128,12 +167,11 @@ export class RankingSaver {
     try {
       const saved = await this.backend.step(this.state.saved.revision, step);
       if (this.pending.length > 0) this.update({ saved });
-      else this.update({ saved, tiers: saved.tiers });
+      else this.replace(saved, "here");
     } catch (error) {
       const conflict = this.backend.conflictOf(error);
       // No local change is lost, so show the current revision.
-      if (conflict && this.pending.length === 0)
-        this.update({ saved: conflict, tiers: conflict.tiers });
+      if (conflict && this.pending.length === 0) this.replace(conflict, "elsewhere");
       else this.refused(error);
     }
     this.update({ saving: false });
@@ -151,6 +189,18 @@ export class RankingSaver {
     } else {
       this.update({ conflict });
     }
+  }
+
+  /** Shows a revision, or lets it wait for the end of a drag. */
+  private replace(saved: Revision, changed: "here" | "elsewhere"): void {
+    const differs = !sameOrder(saved.tiers, this.state.tiers);
+    if (this.holding && (differs || this.received)) {
+      this.received = saved;
+      this.update({ waiting: differs });
+      return;
+    }
+    const nReplaced = this.state.nReplaced + (differs && changed === "elsewhere" ? 1 : 0);
+    this.update({ saved, tiers: saved.tiers, nReplaced });
   }
 
   private update(change: Partial<SaverState>): void {

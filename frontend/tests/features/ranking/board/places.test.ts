@@ -1,7 +1,13 @@
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 
-import { allPlaces, describePlace } from "@/features/ranking/board/places";
+import {
+  allPlaces,
+  describePlace,
+  findPlace,
+  gapPlace,
+  tierPlace,
+} from "@/features/ranking/board/places";
 
 import { tiers } from "../../../support/tiers";
 
@@ -13,7 +19,17 @@ describe("the places of a board", () => {
         expect(new Set(names).size).toBe(names.length);
       }),
     );
-    expect(describePlace("gap-1", [[1], [2]])).toBe("new tier between tiers 1 and 2");
-    expect(describePlace("tier-0", [[1], [2]])).toBe("tier 1 of 2, with 1 recording");
+    expect(describePlace("gap-5", [[4], [5]])).toBe("new tier between tiers 1 and 2");
+    expect(describePlace("tier-4", [[4], [5]])).toBe("tier 1 of 2, with 1 recording");
+  });
+
+  it("are those of the same recordings in another order", () => {
+    const place = tierPlace([3]);
+    expect(findPlace(place, [[1], [2], [3]])).toEqual({ kind: "tier", tier: 2 });
+    expect(findPlace(place, [[3], [1], [2]])).toEqual({ kind: "tier", tier: 0 });
+    expect(findPlace(gapPlace([3]), [[1], [3, 2]])).toEqual({ kind: "gap", before: 1 });
+    expect(findPlace(gapPlace(), [[1], [3]])).toEqual({ kind: "gap", before: 2 });
+    expect(findPlace(place, [[1], [2]])).toBeNull();
+    expect(describePlace(place, [[1], [2]])).toBe("a place that is gone");
   });
 });

@@ -4,14 +4,15 @@ import { describe, expect, it } from "vitest";
 import type { GameOpinion } from "@/api/types";
 import {
   answer,
+  asking,
   begin,
   putBelow,
   questionOf,
   remaining,
-  type Session,
-  type Situation,
   skip,
   skippedIn,
+  type Session,
+  type Situation,
   withoutLast,
 } from "@/features/ranking/comparing/session";
 import { place, type Tiers } from "@/features/ranking/order/order";
@@ -139,7 +140,7 @@ describe("what it is compared with", () => {
       const now = situationOf(order);
       const recordings = new Map(now.recordings);
       given.forEach(([id, change]) => recordings.set(id, recording({ id, ...change })));
-      return questionOf(begin(QUEUE, now), { ...now, recordings })?.opponent;
+      return questionOf(begin(QUEUE, { ...now, recordings }), { ...now, recordings })?.opponent;
     };
     const borrowed = { borrowed: true };
     const varied = { source: "varied" } as const;
@@ -177,6 +178,18 @@ describe("a change made elsewhere", () => {
     recordings.delete(102);
     const elsewhere = { ...now, tiers: [[1], [101], [2]], recordings };
     expect(questionOf(session, elsewhere)).toMatchObject({ id: 103, number: 3 });
+  });
+
+  it("does not change what is asked, nor what an answer is about", () => {
+    const now = situationOf([[1], [2], [3]]);
+    const session = begin(QUEUE, now);
+    expect(questionOf(session, now)).toMatchObject({ id: 101, opponent: 2, tier: 1 });
+    const elsewhere = { ...now, tiers: [[2], [4], [3], [1]] };
+    expect(asking(session, elsewhere)).toBe(session);
+    expect(questionOf(session, elsewhere)).toMatchObject({ id: 101, opponent: 2, tier: 0 });
+    expect(answer(session, elsewhere, "better").tiers[0]).toEqual([101]);
+    const gone = { ...now, tiers: [[1], [3]] };
+    expect(asking(session, gone).asked).toMatchObject({ id: 101, opponent: 3 });
   });
 
   it("has a recording asked about again that lost its place", () => {

@@ -1,7 +1,7 @@
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 
-import { allPlaces, readPlace } from "@/features/ranking/board/places";
+import { allPlaces, findPlace } from "@/features/ranking/board/places";
 import {
   isTied,
   joinAbove,
@@ -25,7 +25,9 @@ const situation = tiers.chain((order) =>
   fc.record({
     order: fc.constant(order),
     id: fc.constantFrom(...order.flat(), 99),
-    to: fc.constantFrom(...allPlaces(order)).map(readPlace),
+    to: fc
+      .constantFrom(...allPlaces(order))
+      .map((to) => findPlace(to, order) ?? { kind: "tray" as const }),
   }),
 );
 

@@ -57,6 +57,63 @@ function begin() {
   return { server, saver: new RankingSaver(server.standing, server.backend) };
 }
 
+describe("an order that is held for a drag", () => {
+  it("gives way when the drag is over, to the newest one", () => {
+    const { saver } = begin();
+    saver.hold();
+    saver.receive(revision(2, [[2], [1]]));
+    saver.receive(revision(3, [[2, 1]]));
+    saver.receive(revision(2, [[2], [1]]));
+    expect(saver.snapshot()).toMatchObject({ tiers: [[1], [2]], waiting: true, nReplaced: 0 });
+    saver.release();
+    expect(saver.snapshot()).toMatchObject({ tiers: [[2, 1]], waiting: false, nReplaced: 1 });
+    expect(saver.snapshot().saved.revision).toBe(3);
+  });
+
+  it("is saved on the revision that was seen when the drag began", async () => {
+    const { saver, server } = begin();
+    saver.hold();
+    server.standing = revision(2, [[2], [1]]);
+    saver.receive(server.standing);
+    saver.change([[1, 2]]);
+    saver.release();
+    await server.letOut();
+    expect(server.asked).toEqual([{ base: 1, tiers: [[1, 2]] }]);
+    expect(saver.snapshot()).toMatchObject({ tiers: [[1, 2]], conflict: server.standing });
+  });
+
+  it("is not changed by an undo that was on its way", async () => {
+    const { saver, server } = begin();
+    void saver.step("undo");
+    saver.hold();
+    await server.letOut();
+    expect(saver.snapshot()).toMatchObject({ tiers: [[1], [2]], waiting: true });
+    saver.release();
+    expect(saver.snapshot().tiers).toEqual([[2], [1]]);
+  });
+
+  it("takes part in a conflict that arises during the drag", async () => {
+    const { saver, server } = begin();
+    saver.change([[2], [1]]);
+    saver.hold();
+    server.standing = revision(2, [[1, 2]]);
+    await server.letOut();
+    saver.change([[1]]);
+    saver.release();
+    saver.settle("mine");
+    await server.letOut();
+    expect(server.standing.tiers).toEqual([[1]]);
+  });
+
+  it("tells what is received while nothing is dragged", () => {
+    const { saver } = begin();
+    saver.receive(revision(1, [[1], [2]]));
+    expect(saver.snapshot().nReplaced).toBe(0);
+    saver.receive(revision(2, [[2], [1]]));
+    expect(saver.snapshot().nReplaced).toBe(1);
+  });
+});
+
 describe("saving an order as it is changed", () => {
   it("shows it at once and saves it on the revision that it was made from", async () => {
     const { server, saver } = begin();
