@@ -60,7 +60,8 @@ def test_one_person_has_only_so_many_streams_whatever_browsers_they_use(
     monkeypatch.setattr(access, "MAX_OPEN", 1)
     other_browser = {"Cookie": "=".join(cookie_of(live.settings))}
     with live.http.stream("GET", "/api/events") as first:
-        next(first.iter_lines())
+        lines = first.iter_lines()  # closed with the stream as soon as nobody holds it
+        next(lines)
         refused = live.http.get("/api/events", headers=other_browser)
         assert refused.status_code == 503
         assert "Too many pages of yours" in refused.json()["detail"]
