@@ -31,6 +31,11 @@ const CHANNEL = "tril-events";
 const RETRY_MS = 3000;
 /** The server says something every 5 s (server/change_stream.py). */
 const SILENCE_MS = 10_000;
+/**
+ * The same of a stream that was opened anew. The browser may take a connection for it that it has kept
+ * and that is as silent; each try uses one of them up.
+ */
+const REOPENED_MS = 3_000;
 
 /** Subscribes to the server's changes; returns a function that unsubscribes. */
 export function listenToChanges(listener: StreamListener): () => void {
@@ -41,12 +46,12 @@ export function listenToChanges(listener: StreamListener): () => void {
     onSilence: () => {
       listener.onLive(false);
       reopen();
-      silence.start(SILENCE_MS);
+      silence.start(REOPENED_MS);
     },
   });
   silence.start(SILENCE_MS);
   const dispatch = (message: Message) => {
-    silence.heard();
+    silence.heard(SILENCE_MS);
     listener.onLive(true);
     if (message.kind === "change") listener.onChange(message.change);
     if (message.kind === "reconnected") listener.onReconnect();
