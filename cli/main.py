@@ -14,6 +14,7 @@ from cli.commands.evaluate import evaluate
 from cli.commands.reproduce import reproduce
 from cli.commands.up import up
 from cli.output import PlainConsole
+from tril.files.private import UMASK
 
 # Typer's errors quote arguments, such as the names of files.
 setattr(rich_utils, "Console", PlainConsole)  # noqa: B010
@@ -24,6 +25,13 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_show_locals=False,
 )
+
+
+@app.callback()
+def keep_private() -> None:
+    """Teach a game agent by playing and ranking, without writing a reward function."""
+    os.umask(UMASK)
+
 
 app.command()(up)
 app.command()(demo)

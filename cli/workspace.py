@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import shlex
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,8 +11,9 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from cli.output import read_settings, readable_errors
+from cli.output import errors, read_settings, readable_errors
 from tril.errors import Unavailable
+from tril.files.private import make_private
 from tril.jobs import Jobs, prepare_queue
 from tril.settings import Settings
 from tril.store import behaviours
@@ -46,12 +48,19 @@ def create_data_folder(settings: Settings) -> None:
     """
     folder = settings.data
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        is_private = make_private(folder)
     except OSError as error:
         raise Unavailable(
             f"The data folder {folder} can't be created: {error.strerror}. Choose another"
             " with TRIL_DATA."
         ) from error
+    if not is_private:
+        errors.print(
+            f"Other users of this machine can read the data folder {folder}. If they are not to:"
+            f" {shlex.join(['chmod', '-R', 'go-rwx', str(folder)])}",
+            style="yellow",
+        )
     try:
         probe = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115
     except OSError as error:

@@ -108,7 +108,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         Invalid: The settings don't say how to ask the inference process.
     """
     inference = endpoint_of(settings)
-    settings.data.mkdir(parents=True, exist_ok=True)
+    settings.data.mkdir(mode=0o700, parents=True, exist_ok=True)
     database = create_database(settings.application_url)
     check_schema(database)
     name = process_name()

@@ -194,14 +194,14 @@ def _opened(root: str) -> tuple[Any, str]:
     return make("s3", **options), root.removeprefix("s3://").rstrip("/")
 
 
-def write_whole(place: Path, content: bytes, mode: int = 0o644) -> None:
+def write_whole(place: Path, content: bytes, mode: int = 0o600) -> None:
     """Write a file atomically and durably: temporary file, fsync, rename."""
     with whole_file(place, mode) as file:
         file.write(content)
 
 
 @contextmanager
-def whole_file(place: Path, mode: int = 0o644) -> Iterator[BinaryIO]:
+def whole_file(place: Path, mode: int = 0o600) -> Iterator[BinaryIO]:
     """Open a file for writing that appears at the end of the block, or not at all if that fails."""
     place.parent.mkdir(parents=True, exist_ok=True)
     if place.exists() and not place.is_file():
