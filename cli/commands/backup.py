@@ -8,10 +8,15 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from sqlalchemy.exc import DBAPIError
 
-from cli.output import JsonOption, console, print_json, read_settings, readable_errors
+from cli.output import JsonOption, console, errors, print_json, read_settings, readable_errors
 from tril.errors import Invalid
 from tril.exchange.backup import Backup, check_backup, make_backup
+from tril.settings import Settings
+from tril.store import audit
+from tril.store.database import create_database
+from tril.text import printable
 
 
 def backup(
@@ -34,10 +39,23 @@ def backup(
             found = check_backup(folder)
         else:
             now = datetime.now().astimezone()
-            found = make_backup(
-                read_settings(), folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}"
-            )
+            settings = read_settings()
+            found = make_backup(settings, folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}")
+            _note(settings, found)
     _report(found, "Backup verified" if check else "Backed up", as_json)
+
+
+def _note(settings: Settings, found: Backup) -> None:
+    """Log a backup. One of a database that can't be written any more is worth having, too."""
+    database = create_database(settings.application_url)
+    try:
+        with database.writing() as session:
+            folder = printable(str(found.folder))
+            audit.note(session, audit.Action.BACKED_UP, None, "", folder=folder)
+    except DBAPIError as error:
+        errors.print(f"The backup is not in the audit log: {error.orig}.", style="yellow")
+    finally:
+        database.close()
 
 
 def _report(found: Backup, what: str, as_json: bool) -> None:

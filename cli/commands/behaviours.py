@@ -20,7 +20,7 @@ from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
 from tril.games.atari.console import Console
-from tril.store import behaviours, borrowed, players, rankings
+from tril.store import audit, behaviours, borrowed, players, rankings
 
 app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)
 
@@ -145,6 +145,8 @@ def export_file(
             write_whole(place, f"{json.dumps(content, indent=1)}\n".encode())
         except OSError as error:
             raise Invalid(f"{place} can't be written: {error.strerror}.") from error
+        with workspace.database.writing() as session:
+            audit.note(session, audit.Action.EXPORTED, None, f"behaviour {row.id}")
     for notice in notices:
         errors.print(notice, style="yellow")
     console.print(

@@ -176,10 +176,9 @@ def audit(
 
 def _print_entries(workspace: Workspace, before: int | None, limit: int, as_json: bool) -> None:
     with workspace.database.reading() as session:
-        names = players.names(session)
         entries = log.page(session, before, limit)
     for entry in entries:
-        who = names.get(entry.player_id or 0)
+        who = entry.player_name
         if as_json:
             print_json({**_facts(entry), "player": who})
         else:
@@ -193,6 +192,7 @@ def _facts(entry: AuditRow) -> dict[str, object]:
         "id": entry.id,
         "at": entry.at.isoformat(),
         "action": entry.action,
+        "player_id": entry.player_id,
         "subject": entry.subject,
         "details": entry.details,
     }

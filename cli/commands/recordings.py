@@ -20,7 +20,7 @@ from tril.errors import Invalid
 from tril.exchange import recording_transfer
 from tril.files.artifact_store import whole_file
 from tril.recording import RecordingRefused, verify
-from tril.store import behaviours, players, recordings
+from tril.store import audit, behaviours, players, recordings
 
 app = typer.Typer(help="The library of recordings.", no_args_is_help=True)
 
@@ -109,15 +109,19 @@ def export(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
 ) -> None:
     """Export a behaviour's recordings as JSON Lines, ranked ones first, best to worst."""
-    with open_workspace() as workspace, workspace.database.reading() as session:
-        of = find_behaviour(session, behaviour)
-        with whole_file(output) if output else nullcontext(sys.stdout.buffer) as file:
-            n_written = 0
-            for entry in recording_transfer.export_recordings(session, of.id):
-                file.write(f"{json.dumps(entry)}\n".encode())
-                n_written += 1
+    with open_workspace() as workspace:
+        n_written = 0
+        with workspace.database.reading() as session:
+            of = find_behaviour(session, behaviour)
+            with whole_file(output) if output else nullcontext(sys.stdout.buffer) as file:
+                for entry in recording_transfer.export_recordings(session, of.id):
+                    file.write(f"{json.dumps(entry)}\n".encode())
+                    n_written += 1
+        with workspace.database.writing() as session:
+            subject = f"behaviour {of.id}"
+            audit.note(session, audit.Action.EXPORTED, None, subject, recordings=n_written)
     if output is not None:
-        errors.print(f"Wrote {n_written} recordings to {output!s}.")
+        errors.print(f"Wrote {n_written} recordings to {output}.")
 
 
 @app.command("verify")

@@ -22,7 +22,7 @@ from tril.exchange.run_transfer import import_run
 from tril.files.artifact_store import ArtifactStore
 from tril.jobs import estimate, overall_progress
 from tril.recipes import RECIPES, Recipe, recipe_named, with_values
-from tril.store import behaviours, players, processes
+from tril.store import audit, behaviours, players, processes
 from tril.store.models import RunDevice, RunRow
 from tril.store.training import evaluations, runs
 
@@ -211,6 +211,9 @@ def export(
             help="Leave out all that an import does not read, and round policies to 16 bits.",
         ),
     ] = False,
+    unlogged: Annotated[
+        bool, typer.Option(hidden=True, help="Leave the audit log to who calls this.")
+    ] = False,
 ) -> None:
     """Write a finished run as one zip: report, networks that load without Tril, games, tables."""
     from server.clips.render import render
@@ -227,6 +230,9 @@ def export(
             lambda recording: render(recording, ClipKind.WEBP),
             compact=compact,
         )
+        if not unlogged:
+            with workspace.database.writing() as session:
+                audit.note(session, audit.Action.EXPORTED, None, f"run {run_id}")
     size = output.stat().st_size
     errors.print(f"Wrote {output} ({size / 1e6:.1f} MB).")
 
@@ -245,6 +251,8 @@ def tensorboard(
     with open_workspace() as workspace:
         folder = output or Path("tensorboard") / run_id
         file = write_tensorboard(workspace.database, run_id, folder)
+        with workspace.database.writing() as session:
+            audit.note(session, audit.Action.EXPORTED, None, f"run {run_id}")
     command = shlex.join(["tensorboard", "--logdir", str(folder)])
     errors.print(f"Wrote {file}. Show it with: {command}")
 

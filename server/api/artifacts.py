@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from server.dependencies import ArtifactId, RunId, services_of
+from server.dependencies import ArtifactId, RunId, Who, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.store import behaviours
+from tril.store import audit, behaviours
 from tril.store.models import BehaviourRow, RunRow
 from tril.store.training import artifacts, runs
 
@@ -45,14 +45,17 @@ def get_artifact(request: Request, artifact_id: ArtifactId) -> Response:
     | CONFLICT
     | {200: {"content": {_ZIP: {}}, "description": "docs/run-archive.md"}},
 )
-def get_run_archive(request: Request, run_id: RunId) -> Response:
+def get_run_archive(request: Request, who: Who, run_id: RunId) -> Response:
     """Return a finished training as one zip; making it takes some seconds the first time."""
     services = services_of(request)
     with services.database.reading() as session:
         run = runs.get_done(session, str(run_id))
         behaviour = behaviours.get(session, run.behaviour_id)
+    archive = services.archives.archive(run, behaviour)
+    with services.database.writing() as session:
+        audit.note(session, audit.Action.EXPORTED, who.player_id, f"run {run.id}")
     return Response(
-        services.archives.archive(run, behaviour),
+        archive,
         media_type=_ZIP,
         headers={
             "Cache-Control": "private, no-cache",

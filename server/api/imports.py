@@ -82,12 +82,12 @@ async def import_recordings_file(
 
 
 @router.post("/example", responses=NOT_FOUND | CONFLICT)
-def open_finished_example(request: Request) -> Run:
+def open_finished_example(request: Request, who: Who) -> Run:
     """Import the finished training that ships with Tril, once, and return it.
 
     It is restored if it was deleted.
     """
     services = services_of(request)
-    opened = open_example(services.database, services.artifacts)
+    opened = open_example(services.database, services.artifacts, who.player_id)
     with services.database.reading() as session:
         return run_view(session, runs.get(session, opened.run_id))

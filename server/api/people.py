@@ -145,8 +145,7 @@ def list_audit(
     limit: Annotated[int, Query(ge=1, le=200)] = 50,
 ) -> list[AuditEntry]:
     """Return who did what, the newest first, only what is older than the entry ``before``."""
-    names = players.names(session)
     return [
-        AuditEntry.of(row, player=names.get(row.player_id or 0), details=shown_json(row.details))
+        AuditEntry.of(row, player=row.player_name, details=shown_json(row.details))
         for row in audit.page(session, before, limit)
     ]

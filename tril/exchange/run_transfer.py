@@ -200,6 +200,7 @@ def import_run(
     *,
     name: str | None = None,
     trusted: bool = False,
+    player_id: int | None = None,
 ) -> RunImportResult:
     """Add a run with its behaviour, recordings, ranking and files, as if it had been trained here.
 
@@ -214,6 +215,7 @@ def import_run(
         name: Name of a new behaviour for it; None fills a built-in one if it can.
         trusted: Whether its recordings are taken as they are, without replaying them, since the
             file ships with Tril.
+        player_id: Who imports it; None for a command in the terminal.
 
     Raises:
         RunRefused: A recording does not replay to what the file says.
@@ -223,7 +225,7 @@ def import_run(
     """
     run = archive.run
     with database.writing() as session:
-        if (known := _restored(session, run.id)) is not None:
+        if (known := _restored(session, run.id, player_id)) is not None:
             return known
     recipe = checked(recipe_from_dict(run.recipe))
     if len(recipe.name) > MAX_RECIPE_NAME:
@@ -236,7 +238,7 @@ def import_run(
         paths = _put_files(store, archive, folder)
         with database.writing() as session:
             # Another process may have imported it meanwhile.
-            if (known := _restored(session, run.id)) is not None:
+            if (known := _restored(session, run.id, player_id)) is not None:
                 store.remove_folder(folder)
                 return known
             # Nobody else moves files there before this transaction ends.
@@ -280,7 +282,7 @@ def import_run(
             _add_results(session, archive, behaviour, ids, replayed)
             _name_files(session, run, ids, paths)
             _keep_percentiles(session, store, run, ids)
-            audit.note(session, audit.Action.IMPORTED, None, f"run {run.id}")
+            audit.note(session, audit.Action.IMPORTED, player_id, f"run {run.id}")
             note_change(session, "run", run.id)
             return RunImportResult(run.id, behaviour.id, was_there=False)
     except BaseException:
@@ -299,14 +301,15 @@ def remove_unfinished_imports(store: ArtifactStore, now: datetime | None = None)
             store.remove_folder(f"{UNFINISHED}/{name}")
 
 
-def _restored(session: Session, run_id: str) -> RunImportResult | None:
+def _restored(session: Session, run_id: str, player_id: int | None) -> RunImportResult | None:
     """Return a run that is here already, restored with its behaviour if one was deleted."""
     row = session.get(RunRow, run_id)
     if row is None:
         return None
-    behaviours.restore(session, row.behaviour_id)
+    behaviours.restore(session, row.behaviour_id, player_id)
     if row.deleted_at is not None:
         row.deleted_at = None
+        audit.note(session, audit.Action.RESTORED, player_id, f"run {run_id}")
         note_change(session, "run", run_id)
     return RunImportResult(run_id, row.behaviour_id, was_there=True)
 

@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.store.models import AuditRow
+from tril.store.models import AuditRow, PlayerRow
 
 
 class Action(StrEnum):
@@ -26,7 +26,14 @@ class Action(StrEnum):
     WORKER_LET_IN = "let a worker in"
     DELETED = "deleted"
     RESTORED = "restored"
+    RENAMED = "renamed"
+    CHANGED = "changed"
+    MARKED = "marked as perfect"
+    UNMARKED = "unmarked as perfect"
+    NOTES_WRITTEN = "wrote notes"
     IMPORTED = "imported"
+    EXPORTED = "exported"
+    BACKED_UP = "backed up"
     RANKED = "ranked"
     RUN_QUEUED = "queued a run"
     RUN_CANCELLED = "cancelled a run"
@@ -44,7 +51,16 @@ def note(
         subject: What it is done to: "recording 12".
         **details: More about it, as JSON; no secrets.
     """
-    session.add(AuditRow(action=action, player_id=player_id, subject=subject, details=details))
+    person = None if player_id is None else session.get(PlayerRow, player_id)
+    session.add(
+        AuditRow(
+            action=action,
+            player_id=player_id,
+            player_name=None if person is None else person.name,
+            subject=subject,
+            details=details,
+        )
+    )
 
 
 def page(session: Session, before: int | None = None, limit: int = 50) -> list[AuditRow]:

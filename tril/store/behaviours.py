@@ -161,8 +161,9 @@ def update(
     description: str,
     target: tuple[Cell, ...] | None,
     ordered: bool,
+    player_id: int | None = None,
 ) -> None:
-    """Change a behaviour.
+    """Change a behaviour, as somebody or, without ``player_id``, as a command in the terminal.
 
     Raises:
         Invalid: The name is empty or the target is not valid.
@@ -185,6 +186,12 @@ def update(
                 "The target can't be changed any more: games were ranked and runs judged by it. "
                 "Make a copy with another target instead."
             )
+    subject = f"behaviour {row.id}"
+    if changed.name != before.name:
+        names = {"before": before.name, "after": changed.name}
+        audit.note(session, audit.Action.RENAMED, player_id, subject, **names)
+    if replace(changed, name=before.name) != before:
+        audit.note(session, audit.Action.CHANGED, player_id, subject, name=changed.name)
     row.name, row.description = changed.name, changed.description
     row.target, row.ordered = _target_json(changed), changed.ordered
     note_change(session, "behaviour", row.id)

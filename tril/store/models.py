@@ -157,9 +157,9 @@ def _clean_what_is_set(
         return
     kind = column.type
 
-    def clean(_row: Base, value: str, _before: object, _initiator: object) -> str:
+    def clean(_row: Base, value: str | None, _before: object, _initiator: object) -> str | None:
         try:
-            return kind.clean(value)
+            return None if value is None else kind.clean(value)
         except TextRefused as refusal:
             refusal.field = name
             raise
@@ -596,8 +596,8 @@ class SubmissionRow(Base):
 class AuditRow(Base):
     """Something that somebody did; rows are only ever added.
 
-    ``player_id`` is None for what a command in the terminal did, ``subject`` is what it was done to
-    ("recording 12"), ``details`` says more.
+    ``player_id`` is None for what a command in the terminal did, ``player_name`` is what the person
+    was called then, ``subject`` is what it was done to ("recording 12"), ``details`` says more.
     """
 
     __tablename__ = "audit"
@@ -606,6 +606,7 @@ class AuditRow(Base):
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
     at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    player_name: Mapped[str | None] = mapped_column(LineText(80))
     action: Mapped[str] = mapped_column(String(32))
     subject: Mapped[str] = mapped_column(String(120))
     details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)

@@ -6,9 +6,10 @@ from sqlalchemy import exists, or_, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid, NotFound
+from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import CredentialRow, PlayerRow, Role
-from tril.text import folded
+from tril.text import clean_line, folded
 
 OWNER_NAME = "Player"
 """Name of the owner until it is changed."""
@@ -51,8 +52,9 @@ def add(session: Session, name: str, role: Role) -> PlayerRow:
         Invalid: They have no name.
         TextRefused: The name can't be accepted.
     """
+    if not (name := clean_line(name)):
+        raise Invalid("A player needs a name.")
     row = PlayerRow(name=name, role=role)
-    _refuse_unnamed(row)
     session.add(row)
     session.flush()
     note_change(session, "player", row.id)
@@ -66,8 +68,13 @@ def rename(session: Session, player: PlayerRow, name: str) -> None:
         Invalid: It is empty.
         TextRefused: It can't be accepted.
     """
+    if not (name := clean_line(name)):
+        raise Invalid("A player needs a name.")
+    if name != player.name:
+        # Before it is changed, so that the entry has the name of then.
+        names = {"before": player.name, "after": name}
+        audit.note(session, audit.Action.RENAMED, player.id, f"player {player.id}", **names)
     player.name = name
-    _refuse_unnamed(player)
     note_change(session, "player", player.id)
 
 
@@ -95,8 +102,3 @@ def by_id(session: Session) -> dict[int, PlayerRow]:
 def names(session: Session) -> dict[int, str]:
     """Return every player's name by id."""
     return {key: row.name for key, row in by_id(session).items()}
-
-
-def _refuse_unnamed(player: PlayerRow) -> None:
-    if not player.name:
-        raise Invalid("A player needs a name.")

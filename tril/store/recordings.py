@@ -277,9 +277,20 @@ def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | Non
 
 
 def update(
-    session: Session, row: RecordingRow, perfect: bool | None = None, notes: str | None = None
+    session: Session,
+    row: RecordingRow,
+    perfect: bool | None = None,
+    notes: str | None = None,
+    player_id: int | None = None,
 ) -> None:
     """Change whether a recording is perfect, or its notes; None leaves them as they are.
+
+    Args:
+        session: The transaction.
+        row: The recording.
+        perfect: Whether it is.
+        notes: Its notes.
+        player_id: Who changes it.
 
     Raises:
         Invalid: It is to be perfect but is not verified.
@@ -296,8 +307,14 @@ def update(
             "Only a verified recording can be marked as perfect, because learning replays it: "
             f"{row.verification_note or 'its replay is not done yet.'}"
         )
-    row.perfect = row.perfect if perfect is None else perfect
-    row.notes = row.notes if notes is None else notes
+    if perfect is not None and perfect != row.perfect:
+        row.perfect = perfect
+        action = audit.Action.MARKED if perfect else audit.Action.UNMARKED
+        audit.note(session, action, player_id, f"recording {row.id}")
+    before = row.notes
+    row.notes = before if notes is None else notes
+    if row.notes != before:
+        audit.note(session, audit.Action.NOTES_WRITTEN, player_id, f"recording {row.id}")
     note_change(session, "recording", row.id)
 
 

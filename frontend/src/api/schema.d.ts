@@ -848,6 +848,8 @@ export interface paths {
         /**
          * Export Recording
          * @description Return a recording in the exchange format.
+         *
+         *     A participant gets it as it was played, without its place in the ranking, mark and notes.
          */
         get: operations["export_recording"];
         put?: never;
@@ -1249,7 +1251,7 @@ export interface components {
          * @description What is logged.
          * @enum {string}
          */
-        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "imported" | "ranked" | "queued a run" | "cancelled a run";
+        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "renamed" | "changed" | "marked as perfect" | "unmarked as perfect" | "wrote notes" | "imported" | "exported" | "backed up" | "ranked" | "queued a run" | "cancelled a run";
         /**
          * Artifact
          * @description A file of a training.
@@ -1296,7 +1298,9 @@ export interface components {
         AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
         /**
          * AuditEntry
-         * @description Something that somebody did; ``player`` is null for commands in the terminal.
+         * @description Something that somebody did; ``player`` is what they were called then.
+         *
+         *     It and ``player_id`` are null for commands in the terminal.
          */
         AuditEntry: {
             action: components["schemas"]["Action"];
@@ -1313,6 +1317,8 @@ export interface components {
             id: number;
             /** Player */
             player: string | null;
+            /** Player Id */
+            player_id: number | null;
             /** Subject */
             subject: string;
         };

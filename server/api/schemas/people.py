@@ -111,10 +111,14 @@ class NewInvitation(Invitation):
 
 
 class AuditEntry(Schema):
-    """Something that somebody did; ``player`` is null for commands in the terminal."""
+    """Something that somebody did; ``player`` is what they were called then.
+
+    It and ``player_id`` are null for commands in the terminal.
+    """
 
     id: int
     at: datetime
+    player_id: int | None
     player: str | None
     action: Action
     subject: str

@@ -20,7 +20,7 @@ from tril.exchange.formats.recording_object import parse_recording
 from tril.logs import PlainFormatter
 from tril.store import audit, behaviours, recordings
 from tril.store.access import invitations
-from tril.store.models import Role
+from tril.store.models import Role, Source
 from tril.store.training import runs
 
 SENT = [
@@ -127,7 +127,7 @@ def test_what_earlier_versions_stored_is_shown_and_exported_such_that_it_is_take
             made.id,
             recordings.as_recording(played),
             recordings.replay_of(played),
-            recordings.Source.PERSON,
+            Source.PERSON,
             player_id=1,
         )
         session.connection().execute(

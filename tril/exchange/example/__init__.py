@@ -19,7 +19,9 @@ def has_example() -> bool:
     return EXAMPLE.is_file()
 
 
-def open_example(database: Database, store: ArtifactStore, path: Path = EXAMPLE) -> RunImportResult:
+def open_example(
+    database: Database, store: ArtifactStore, player_id: int | None = None
+) -> RunImportResult:
     """Import the run that ships with Tril, into a behaviour of its own.
 
     Its recordings were verified when it was exported, and the tests replay them, so they are not
@@ -32,4 +34,6 @@ def open_example(database: Database, store: ArtifactStore, path: Path = EXAMPLE)
     if not has_example():
         raise NotFound("No finished example ships with this installation.")
     archive = read_archive(EXAMPLE)
-    return import_run(database, store, archive, name=BEHAVIOUR_NAME, trusted=True)
+    return import_run(
+        database, store, archive, name=BEHAVIOUR_NAME, trusted=True, player_id=player_id
+    )

@@ -323,20 +323,28 @@ def queue_again(session: Session, run_id: str) -> RunRow:
 
 
 def describe(
-    session: Session, run_id: str, name: str | None = None, notes: str | None = None
+    session: Session,
+    run_id: str,
+    name: str | None = None,
+    notes: str | None = None,
+    player_id: int | None = None,
 ) -> RunRow:
     """Change a run's name or notes; None leaves them as they are, "" removes them.
 
-    Runs of the same name are allowed.
+    Runs of the same name are allowed. ``player_id`` says who does it.
 
     Raises:
         TextRefused: The name or the notes can't be accepted.
     """
     row = get(session, run_id, for_update=True)
-    if name is not None:
-        row.name = name
-    if notes is not None:
-        row.notes = notes.strip()
+    before = (row.name, row.notes)
+    row.name = row.name if name is None else name
+    row.notes = row.notes if notes is None else notes.strip()
+    if row.name != before[0]:
+        names = {"before": before[0], "after": row.name}
+        audit.note(session, audit.Action.RENAMED, player_id, f"run {run_id}", **names)
+    if row.notes != before[1]:
+        audit.note(session, audit.Action.NOTES_WRITTEN, player_id, f"run {run_id}")
     note_change(session, "run", run_id)
     return row
 
